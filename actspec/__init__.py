@@ -1,0 +1,5 @@
+"""actspec: a declarative config compiler for robot actuators."""
+
+from __future__ import annotations
+
+__version__ = "0.1.0"

@@ -1,0 +1,247 @@
+"""What the command line and notebooks both call: load, resolve, compile."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import (
+    Collector,
+    Diagnostic,
+    EmitError,
+    ResolveError,
+    RobotError,
+    Severity,
+    SpecError,
+    nearest,
+    one_line,
+)
+
+if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
+    from actspec.robot.view import RobotView
+    from actspec.spec.validate import Spec
+    from actspec.targets.base import Approximation, Emission, TargetOptions
+
+BUILD = "build"
+"""Folder below the working directory that compiled files go to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Compilation:
+    """Everything that one compile made, before anything is written.
+
+    Attributes:
+        spec: The spec.
+        robot: The robot's file, read.
+        actuators: What the spec means on that robot.
+        targets: Options of each target, in the spec's order.
+        emissions: What each made, in the same order.
+        diagnostics: Warnings and notes of all stages.
+    """
+
+    spec: Spec
+    robot: RobotView
+    actuators: ActuatorSet
+    targets: tuple[TargetOptions, ...]
+    emissions: tuple[Emission, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def approximations(self) -> tuple[Approximation, ...]:
+        """Of all targets."""
+        return tuple(loss for emission in self.emissions for loss in emission.approximations)
+
+    @property
+    def unaccepted(self) -> tuple[Approximation, ...]:
+        """Approximations that the spec's `accept` does not take."""
+        taken = {key for key, _ in self.actuators.accept}
+        return tuple(loss for loss in self.approximations if loss.key not in taken)
+
+
+def load(path: str | os.PathLike[str]) -> Spec:
+    """Read and validate a spec; needs no robot.
+
+    Raises:
+        SpecError: with every error of the spec.
+    """
+    from actspec.spec.load import load_spec
+
+    return load_spec(os.fspath(path))
+
+
+def load_robot(spec: Spec) -> RobotView:
+    """Read the robot that a spec names.
+
+    Raises:
+        RobotError: the model is not there or cannot be read.
+    """
+    from actspec.robot import load as robots
+
+    model = spec.model.robot.model
+    if model == "none":
+        from actspec.robot.listed import listed_robot
+
+        return listed_robot(spec)
+    try:
+        return robots.load_robot(robots.find_model(model, os.path.dirname(spec.document.path)))
+    except RobotError as err:
+        place = spec.span("robot", "model")
+        placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]
+        raise type(err)(placed) from err
+
+
+def resolve(spec: Spec | str | os.PathLike[str], robot: RobotView | None = None) -> ActuatorSet:
+    """Fit a spec to its robot: every joint's actuator in SI units, with origin and source.
+
+    Args:
+        spec: A spec, or the path of one.
+        robot: The robot; default: the one that the spec names.
+
+    Raises:
+        SpecError, RobotError, ResolveError: with every error of the stage.
+    """
+    from actspec.resolve import resolve as fit
+
+    loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
+    return fit(loaded, robot if robot is not None else load_robot(loaded))
+
+
+def compile(
+    spec: Spec | str | os.PathLike[str],
+    *,
+    targets: Sequence[str] = (),
+    output: str | None = None,
+    canonical: bool = False,
+) -> Compilation:
+    """Compile a spec to its targets, without writing anything (see `actspec.output.write`).
+
+    Args:
+        spec: A spec, or the path of one.
+        targets: Names of the spec's targets, or `KIND==VERSION` such as `mujoco==3.11`; default: all.
+        output: Folder to write below; default `build/<robot>`.
+        canonical: Write the simulator's own form of the model.
+
+    Raises:
+        SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
+    """
+    from actspec.audit.rules import check_actuators
+
+    loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
+    collector = Collector()
+    chosen = choose_targets(loaded, targets, output, canonical, collector)
+    robot = load_robot(loaded)
+    actuators = resolve(loaded, robot)
+    for item in actuators.diagnostics:
+        collector.add(item)
+    emissions = []
+    for options in chosen:
+        from actspec.targets.mujoco.emit import emit
+
+        try:
+            emission = emit(actuators, robot, options)
+        except EmitError as err:
+            for item in err.diagnostics:
+                collector.add(item)
+            continue
+        emissions.append(emission)
+        for item in emission.diagnostics:
+            collector.add(item)
+    explicit = tuple(
+        name
+        for name, target in loaded.model.targets.items()
+        if (target.target or name) in ("isaaclab", "mjlab")
+    )
+    for item in check_actuators(actuators, robot.integrator, explicit):
+        collector.add(item)
+    collector.raise_if_failed(EmitError)
+    return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
+
+
+def choose_targets(
+    spec: Spec, asked: Sequence[str], output: str | None, canonical: bool, collector: Collector
+) -> tuple[TargetOptions, ...]:
+    """Which targets to compile: those of the spec, or those asked for.
+
+    Raises:
+        SpecError: a target that is asked for is unknown, or nothing is left to compile.
+    """
+    from actspec.spec.rules import TARGETS
+    from actspec.targets.base import TargetOptions
+    from actspec.targets.versions import DEFAULT_MUJOCO
+
+    folder = output if output is not None else os.path.join(BUILD, spec.model.robot.name)
+    named = {
+        name: TargetOptions(
+            name=name,
+            kind=entry.target or name,
+            version=entry.version or DEFAULT_MUJOCO,
+            version_span=spec.span("targets", name, "version"),
+            folder=os.path.join(folder, name),
+            canonical=canonical,
+        )
+        for name, entry in spec.model.targets.items()
+    }
+    if not named:
+        named["mujoco"] = TargetOptions(
+            "mujoco", "mujoco", DEFAULT_MUJOCO, None, os.path.join(folder, "mujoco"), canonical
+        )
+    chosen: list[TargetOptions] = []
+    for text in asked or tuple(named):
+        name, equals, version = text.partition("==")
+        if name in named:
+            options = named[name]
+        elif name in TARGETS:
+            options = replace(
+                named.get("mujoco") or next(iter(named.values())),
+                name=name,
+                kind=name,
+                version=version,
+                folder=os.path.join(folder, name),
+            )
+        else:
+            known = [*named, *(kind for kind in TARGETS if kind not in named)]
+            guess = nearest(name, known)
+            collector.error(
+                "CLI001",
+                f"no target is named '{one_line(name)}'",
+                where="--target",
+                help=f"did you mean '{guess}'?" if guess else f"targets of the spec: {', '.join(named)}",
+            )
+            continue
+        if equals:
+            options = replace(options, version=version, version_span=None)
+        if options.kind != "mujoco":
+            message = (
+                f"the target '{options.name}' ({options.kind}) cannot be compiled by this version of actspec"
+            )
+            if asked:
+                collector.error("CLI002", message, where="--target", help="it compiles: mujoco")
+            else:
+                collector.warning(
+                    "CLI002",
+                    message,
+                    where=f"targets.{name}",
+                    span=spec.document.spans.key(("targets", name)),
+                    help="it is left out; the others are compiled",
+                )
+            continue
+        if options not in chosen:
+            chosen.append(options)
+    collector.raise_if_failed(SpecError)
+    if not chosen:
+        collector.error(
+            "CLI003", "none of the spec's targets can be compiled", where="targets", help="add `mujoco`"
+        )
+        raise SpecError(collector.sorted())
+    return tuple(chosen)
+
+
+def failed(diagnostics: Sequence[Diagnostic]) -> bool:
+    """Whether an error is among them."""
+    return any(item.severity is Severity.ERROR for item in diagnostics)
+
+
+__all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve"]

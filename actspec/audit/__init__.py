@@ -1,0 +1,1 @@
+"""Rules over actuators, whether they come from a spec or from somebody's file."""

@@ -1,0 +1,86 @@
+"""`actspec compile`: specs to files, with a summary worth reading."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterator
+from typing import Any
+
+from actspec import api, output
+from actspec.cli.report import print_diagnostics, print_json, record
+from actspec.cli.summary import summary
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.targets.base import Approximation
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compile each spec; nothing is written before all of them compile."""
+    done = [
+        api.compile(
+            path,
+            targets=arguments.target,
+            output=_folder(arguments, index),
+            canonical=arguments.canonical,
+        )
+        for index, path in enumerate(arguments.spec)
+    ]
+    files = [output.outputs(compilation) for compilation in done]
+    stale = any(file.changed for group in files for file in group)
+    refused = [loss for compilation in done for loss in compilation.unaccepted] if arguments.strict else []
+    dry = arguments.check or arguments.diff
+    if not dry and not refused:
+        for group in files:
+            output.write(group, force=arguments.force)
+    if arguments.output_format == "json":
+        print_json(_record(done, files))
+    else:
+        for compilation, group in zip(done, files, strict=True):
+            print_diagnostics(compilation.diagnostics)
+            if arguments.diff:
+                sys.stdout.writelines(output.diff(group))
+            elif arguments.check:
+                for file in group:
+                    if file.changed:
+                        print(f"{file.path}: {'missing' if file.old is None else 'stale'}")
+            else:
+                print("\n".join(summary(compilation, group, written=not refused)))
+        for line in _refusals(refused):
+            print(line, file=sys.stderr)
+    if refused or (dry and stale):
+        return EXIT_FINDINGS
+    return EXIT_CLEAN
+
+
+def _folder(arguments: argparse.Namespace, index: int) -> str | None:
+    """With -o and several specs, each robot gets a folder of its own below it."""
+    if arguments.output is None or len(arguments.spec) == 1:
+        return None if arguments.output is None else str(arguments.output)
+    import os
+
+    name = os.path.splitext(os.path.basename(arguments.spec[index]))[0]
+    return os.path.join(str(arguments.output), name)
+
+
+def _refusals(losses: list[Approximation]) -> Iterator[str]:
+    if not losses:
+        return
+    keys = sorted({loss.key for loss in losses})
+    yield f"--strict: {len(losses)} approximations that the spec does not accept; nothing was written"
+    for key in keys:
+        count = sum(loss.key == key for loss in losses)
+        yield f"  {key} ({count} joint{'s' * (count != 1)})"
+    yield f'  help: take one knowingly with `accept: {{{keys[0]}: "the reason"}}` in the spec'
+
+
+def _record(done: list[api.Compilation], files: list[tuple[output.Output, ...]]) -> dict[str, Any]:
+    return {
+        "format": "actspec-compile/1",
+        "files": [
+            {"target": file.target, "path": file.path, "sha256": file.sha256, "changed": file.changed}
+            for group in files
+            for file in group
+        ],
+        "approximations": [output.loss_record(loss) for c in done for loss in c.approximations],
+        "diagnostics": [record(item) for c in done for item in c.diagnostics],
+    }

@@ -1,0 +1,175 @@
+"""Diagnostics: what actspec says about a file, and the exit codes it says it with.
+
+One `Diagnostic` serves spec errors, robot errors, emission errors and findings.
+A stage collects all of its diagnostics before it stops (`Collector`).
+"""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+
+EXIT_CLEAN = 0
+"""Nothing to report."""
+EXIT_FINDINGS = 1
+"""Findings, stale output, or approximations under `--strict`."""
+EXIT_FAILED = 2
+"""The work could not be done: bad file, bad option."""
+
+
+class Severity(str, Enum):
+    """How bad a diagnostic is; `error` stops the stage."""
+
+    ERROR = "error"
+    WARNING = "warning"
+    INFO = "info"
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Span:
+    """A place in a file.
+
+    Attributes:
+        path: The file as the user named it.
+        line: Line, from 1; 0 means the file as a whole.
+        column: Column, from 1; 0 means the line as a whole.
+    """
+
+    path: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        text = self.path
+        if self.line:
+            text += f":{self.line}"
+            if self.column:
+                text += f":{self.column}"
+        return text
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnostic:
+    """One thing to say about one place.
+
+    Attributes:
+        code: Stable code, family letters and number, e.g. `SPEC012`.
+        severity: error, warning or info.
+        message: What is wrong, with the value and its unit; one sentence.
+        where: Path inside the file (`actuators.legs.kp`) or the joint's name; may be empty.
+        span: File, line and column; None when no file is concerned.
+        help: The nearest right answer; None when there is none.
+    """
+
+    code: str
+    severity: Severity
+    message: str
+    where: str = ""
+    span: Span | None = None
+    help: str | None = None
+
+    def __str__(self) -> str:
+        place = f"{self.span}: " if self.span is not None else ""
+        where = f" {one_line(self.where)}" if self.where else ""
+        kind = "" if self.severity is Severity.ERROR else f" [{self.severity.value}]"
+        text = f"{place}{self.code}{kind}{where}: {one_line(self.message)}"
+        if self.help:
+            text += f"\n  help: {one_line(self.help)}"
+        return text
+
+
+class ActspecError(Exception):
+    """A stage could not be done; carries every diagnostic of that stage.
+
+    Attributes:
+        diagnostics: All diagnostics of the stage, warnings included, in order.
+    """
+
+    def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
+        self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
+        super().__init__("\n".join(str(d) for d in self.diagnostics))
+
+
+class SpecError(ActspecError):
+    """The spec's text is not a valid spec (load, validate)."""
+
+
+class RobotError(ActspecError):
+    """The robot's model could not be found, read or understood."""
+
+
+class ResolveError(ActspecError):
+    """The spec does not fit the robot."""
+
+
+class EmitError(ActspecError):
+    """A target cannot be written."""
+
+
+@dataclass(slots=True)
+class Collector:
+    """Collects the diagnostics of one stage, so that all are shown at once."""
+
+    items: list[Diagnostic] = field(default_factory=list)
+
+    def add(self, diagnostic: Diagnostic) -> None:
+        """Add a ready diagnostic, unless the very same one is there already."""
+        if diagnostic not in self.items:
+            self.items.append(diagnostic)
+
+    def error(
+        self, code: str, message: str, *, where: str = "", span: Span | None = None, help: str | None = None
+    ) -> None:
+        """Add an error."""
+        self.add(Diagnostic(code, Severity.ERROR, message, where, span, help))
+
+    def warning(
+        self, code: str, message: str, *, where: str = "", span: Span | None = None, help: str | None = None
+    ) -> None:
+        """Add a warning."""
+        self.add(Diagnostic(code, Severity.WARNING, message, where, span, help))
+
+    def info(
+        self, code: str, message: str, *, where: str = "", span: Span | None = None, help: str | None = None
+    ) -> None:
+        """Add a piece of information."""
+        self.add(Diagnostic(code, Severity.INFO, message, where, span, help))
+
+    @property
+    def failed(self) -> bool:
+        """Whether an error is among the items."""
+        return any(d.severity is Severity.ERROR for d in self.items)
+
+    def raise_if_failed(self, error: type[ActspecError]) -> None:
+        """Raise `error` with all items if one of them is an error."""
+        if self.failed:
+            raise error(self.sorted())
+
+    def sorted(self) -> tuple[Diagnostic, ...]:
+        """All items by file, line and column; those without a place last."""
+        return tuple(sorted(self.items, key=lambda d: (d.span is None, d.span or Span(""), d.code)))
+
+    def __iter__(self) -> Iterator[Diagnostic]:
+        return iter(self.items)
+
+
+def one_line(text: str) -> str:
+    """Make text from a stranger's file safe to print: one line, no control characters."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def listed(names: Iterable[str], most: int = 8) -> str:
+    """Names in the given order, at most `most`, then how many more."""
+    all_names = list(names)
+    text = ", ".join(all_names[:most])
+    if len(all_names) > most:
+        text += f" and {len(all_names) - most} more"
+    return text
+
+
+def nearest(name: str, known: Sequence[str]) -> str | None:
+    """The known name that is nearest to a misspelt one, or None if none is near."""
+    found = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
+    return found[0] if found else None

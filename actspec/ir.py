@@ -1,0 +1,323 @@
+"""The intermediate representation: what each joint's actuator is, in SI units, joint side.
+
+`resolve` (from a spec) and `lift` (from a foreign file) both end here, and every target and
+rule starts here. After this point there are no unit strings, no patterns and no `None` that
+means "default": an absent number is a `Quantity` of origin `unknown`, or the field is `None`
+because the joint has no such thing (an ideal PD has no torque-speed line).
+
+All torques are [N*m] for a hinge and [N] for a slide, speeds [rad/s] or [m/s], and so on;
+`JointActuator.kind` says which. Every figure is at the joint: gear, reduction and
+parallel motors are already in it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from enum import Enum
+
+from actspec.diagnostics import Diagnostic, Span
+
+
+class Origin(str, Enum):
+    """Where a number comes from, strongest first."""
+
+    AUTHORED = "authored"
+    """Written in the spec."""
+    IDENTIFIED = "identified"
+    """Fitted by an identification experiment."""
+    DERIVED = "derived"
+    """Computed from other numbers of the spec; the formula says how."""
+    MODEL = "model"
+    """The robot file's own value."""
+    DEFAULT = "default"
+    """The engine's or actspec's default: nobody measured it."""
+    UNKNOWN = "unknown"
+    """Nobody says."""
+
+
+class JointKind(str, Enum):
+    """Kind of a joint; only hinge and slide can have an actuator here."""
+
+    HINGE = "hinge"
+    SLIDE = "slide"
+    BALL = "ball"
+    FREE = "free"
+
+
+class Level(str, Enum):
+    """Model level of an actuator."""
+
+    IDEAL_PD = "ideal_pd"
+    DC_MOTOR = "dc_motor"
+    ACTUATOR_NET = "actuator_net"
+
+
+class Command(str, Enum):
+    """What the command means."""
+
+    POSITION = "position"
+    VELOCITY = "velocity"
+    EFFORT = "effort"
+
+
+@dataclass(frozen=True, slots=True)
+class Quantity:
+    """One number with everything that is known about it.
+
+    Attributes:
+        value: The number in `unit`; None is unknown, which is not zero.
+        unit: SI unit as text, e.g. `N*m/rad`.
+        origin: Where the number comes from.
+        source: Key of the spec's `sources`, or a file; None when none is named.
+        span: Where it is written; None when it is written nowhere.
+        std: Standard deviation in `unit`; None when unknown.
+        note: The author's remark.
+        formula: For a derived number, how it was computed, with the figures.
+        lost: Candidates that precedence passed over, strongest first.
+    """
+
+    value: float | None
+    unit: str
+    origin: Origin
+    source: str | None = None
+    span: Span | None = None
+    std: float | None = None
+    note: str | None = None
+    formula: str | None = None
+    lost: tuple[Quantity, ...] = ()
+
+    @property
+    def known(self) -> bool:
+        """Whether there is a number."""
+        return self.value is not None
+
+    def require(self) -> float:
+        """The number, where the caller has made sure that there is one.
+
+        Raises:
+            ValueError: the quantity is unknown.
+        """
+        if self.value is None:
+            raise ValueError("the quantity is unknown")
+        return self.value
+
+    def losing(self, *others: Quantity) -> Quantity:
+        """The same quantity with `others` recorded as passed over."""
+        return replace(self, lost=(*self.lost, *others))
+
+
+@dataclass(frozen=True, slots=True)
+class AsymmetricCurve:
+    """Torque-speed curve with different drive and brake torque, joint side.
+
+    Attributes:
+        drive_torque: Torque available when torque and speed have the same sign [N*m or N].
+        brake_torque: Torque available when they have not [N*m or N].
+        knee_speed: Speed up to which the full torque is available [rad/s or m/s].
+        no_load_speed: Speed at which no torque is left [rad/s or m/s].
+    """
+
+    drive_torque: Quantity
+    brake_torque: Quantity
+    knee_speed: Quantity
+    no_load_speed: Quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """Delay of the command.
+
+    Attributes:
+        nominal: [s].
+        low: Lower end of the range [s]; equal to `nominal` without a range.
+        high: Upper end of the range [s]; equal to `nominal` without a range.
+        sampling: `episode` (drawn at reset, then held) or `step` (drawn anew every physics step).
+    """
+
+    nominal: Quantity
+    low: float
+    high: float
+    sampling: str
+
+
+@dataclass(frozen=True, slots=True)
+class Randomization:
+    """One domain-randomisation range of one joint.
+
+    Attributes:
+        field: `kp`, `kd`, `gains`, `strength`, `effort_limit`, `armature`, `friction.coulomb`, ...
+        operation: `scale` (factor), `add` (offset) or `abs` (replacement).
+        low: Lower end, or the mean of a gaussian; SI units or a factor.
+        high: Upper end, or the standard deviation of a gaussian.
+        distribution: `uniform`, `log_uniform` or `gaussian`.
+        when: `startup`, `reset` or `interval`.
+        every: Interval range [s] for `interval`; None otherwise.
+        per: `joint`, `group` or `env`: what shares one draw.
+        span: Where it is written.
+    """
+
+    field: str
+    operation: str
+    low: float
+    high: float
+    distribution: str
+    when: str
+    every: tuple[float, float] | None
+    per: str
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    """An actuator network, by file; paths are absolute or relative to the working folder."""
+
+    file: str
+    manifest: str | None
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class DeltaAction:
+    """A delta-action network that corrects the policy's action; it concerns the whole robot."""
+
+    network: str
+    max_delta: Quantity
+    state: tuple[str, ...]
+    span: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class InertiaRange:
+    """Inertia at a joint, armature included [kg*m^2 or kg].
+
+    Attributes:
+        reference: At the reference pose.
+        low: Least over the poses.
+        high: Largest over the poses.
+    """
+
+    reference: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, slots=True)
+class JointActuator:
+    """The actuator of one joint, joint side, SI.
+
+    Attributes:
+        joint: Name of the joint.
+        kind: hinge or slide.
+        group: Name of the spec's actuator group.
+        pattern: The author's pattern that selected the joint.
+        motor: Name of the spec's motor; None without one.
+        level: Model level.
+        command: What the command means.
+        kp: Drive stiffness [N*m/rad or N/m]; None unless command is position.
+        kd: Drive velocity gain [N*m*s/rad or N*s/m]; None when command is effort.
+        effort_limit: Clamp of the drive's torque, L [N*m or N].
+        velocity_limit: The joint's or solver's speed limit [rad/s or m/s].
+        stall_torque: Torque-speed line at zero speed [N*m or N]; None without a line.
+        no_load_speed: Torque-speed line at zero torque [rad/s or m/s]; None without a line.
+        curve: Asymmetric curve in place of the line; None without one.
+        peak_torque: The motor's short-time torque [N*m or N]; information.
+        continuous_torque: The motor's thermal torque [N*m or N]; information.
+        armature: Inertia added to the joint [kg*m^2 or kg].
+        reflected_inertia: Rotor inertia seen at the joint [kg*m^2 or kg]; unknown without rotor data.
+        friction_coulomb: Kinetic dry friction [N*m or N].
+        friction_static: Break-away friction [N*m or N]; None: equal to coulomb.
+        friction_viscous: Passive viscous friction [N*m*s/rad or N*s/m].
+        stribeck_velocity: [rad/s or m/s]; None: no Stribeck effect.
+        filter_cutoff: First-order low-pass on the command [Hz]; None without a filter.
+        command_range: Clamp of the command, low and high, in the command's unit; None: no clamp.
+        delay: Delay of the command; None without one.
+        encoder_bias: Added to the true position by the encoder, q_measured = q + bias [rad or m].
+        action_scale: Action unit to command unit; None when not stated.
+        default_position: Default pose of the joint [rad or m].
+        position_range: The joint's own range, low and high [rad or m]; None: unlimited.
+        network: Actuator network of level actuator_net.
+        randomize: Domain-randomisation ranges.
+        inertia_held: M_jj, other joints held, armature included; None when the model does not say.
+        inertia_free: 1/(M^-1)_jj, other joints free, armature included; None likewise.
+        span: Where the group is written.
+    """
+
+    joint: str
+    kind: JointKind
+    group: str
+    pattern: str
+    motor: str | None
+    level: Level
+    command: Command
+    kp: Quantity | None
+    kd: Quantity | None
+    effort_limit: Quantity
+    velocity_limit: Quantity
+    stall_torque: Quantity | None
+    no_load_speed: Quantity | None
+    curve: AsymmetricCurve | None
+    peak_torque: Quantity
+    continuous_torque: Quantity
+    armature: Quantity
+    reflected_inertia: Quantity
+    friction_coulomb: Quantity
+    friction_static: Quantity | None
+    friction_viscous: Quantity
+    stribeck_velocity: Quantity | None
+    filter_cutoff: Quantity | None
+    command_range: tuple[Quantity, Quantity] | None
+    delay: Delay | None
+    encoder_bias: Quantity
+    action_scale: Quantity | None
+    default_position: Quantity
+    position_range: tuple[float, float] | None
+    network: Network | None
+    randomize: tuple[Randomization, ...]
+    inertia_held: InertiaRange | None
+    inertia_free: InertiaRange | None
+    span: Span | None
+
+
+@dataclass(frozen=True, slots=True)
+class Source:
+    """Where numbers come from, as the spec's `sources` lists it."""
+
+    key: str
+    title: str
+    url: str | None = None
+    page: str | None = None
+    accessed: str | None = None
+    note: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorSet:
+    """All actuators of one robot; the compiler's IR.
+
+    Attributes:
+        robot: Name of the robot.
+        joints: One entry a managed joint, in the robot's joint order.
+        unmanaged: Joints that the spec leaves as they are, in the robot's joint order.
+        physics_dt: Simulation step [s].
+        decimation: Physics steps in one control step; None when not stated.
+        delta_action: Robot-wide delta action; None without one.
+        accept: Approximations taken knowingly: (`target.field`, reason).
+        sources: What the `source` keys mean.
+        spec_sha256: Hash of the spec's text and of what it includes.
+        diagnostics: Warnings and notes of `resolve`.
+    """
+
+    robot: str
+    joints: tuple[JointActuator, ...]
+    unmanaged: tuple[str, ...]
+    physics_dt: Quantity
+    decimation: int | None
+    delta_action: DeltaAction | None
+    accept: tuple[tuple[str, str], ...]
+    sources: tuple[Source, ...]
+    spec_sha256: str
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    def joint(self, name: str) -> JointActuator | None:
+        """The actuator of a joint, or None if the spec does not manage it."""
+        return next((j for j in self.joints if j.joint == name), None)

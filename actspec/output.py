@@ -1,0 +1,183 @@
+"""Writing what was compiled: only what differs, atomically, and never over somebody else's file."""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import hashlib
+import json
+import os
+import tempfile
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import actspec
+from actspec.api import Compilation
+from actspec.diagnostics import Collector, EmitError, Span
+from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+
+MANIFEST = "manifest.json"
+MANIFEST_FORMAT = "actspec-manifest/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Output:
+    """A file to write and what is there now.
+
+    Attributes:
+        target: Name of its target.
+        path: Path.
+        data: New bytes.
+        old: Bytes that are there; None when there is no file.
+    """
+
+    target: str
+    path: str
+    data: bytes
+    old: bytes | None
+
+    @property
+    def changed(self) -> bool:
+        """Whether writing it changes anything."""
+        return self.data != self.old
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the new bytes."""
+        return hashlib.sha256(self.data).hexdigest()
+
+
+def outputs(compilation: Compilation) -> tuple[Output, ...]:
+    """All files of a compilation, each target's manifest last, beside what is on disk.
+
+    Raises:
+        EmitError: a path is there and is no regular file.
+    """
+    collector = Collector()
+    found = []
+    for options, emission in zip(compilation.targets, compilation.emissions, strict=True):
+        manifest = EmittedFile(MANIFEST, _manifest(compilation, options, emission))
+        for file in (*emission.files, manifest):
+            path = os.path.join(options.folder, file.path)
+            old: bytes | None = None
+            try:
+                if os.path.lexists(path):
+                    if not os.path.isfile(path):
+                        collector.error("OUT001", "is there and is no regular file", span=Span(path))
+                        continue
+                    with open(path, "rb") as stream:
+                        old = stream.read()
+            except OSError as err:
+                collector.error("OUT002", f"cannot be read: {err.strerror}", span=Span(path))
+                continue
+            found.append(Output(options.name, path, file.data, old))
+    collector.raise_if_failed(EmitError)
+    return tuple(found)
+
+
+def write(files: tuple[Output, ...], *, force: bool = False) -> None:
+    """Write the files that differ. Each is replaced in one step; a crash leaves the old one whole.
+
+    Args:
+        files: From `outputs`.
+        force: Also replace files that actspec did not write, or that were edited since.
+
+    Raises:
+        EmitError: a file would be lost, or cannot be written; nothing is written in the first case.
+    """
+    collector = Collector()
+    if not force:
+        for file in files:
+            if file.changed and file.old is not None and not _is_ours(file):
+                collector.error(
+                    "OUT003",
+                    "is there already, and actspec did not write it as it stands now",
+                    span=Span(file.path),
+                    help="choose another folder with -o, or replace it with --force",
+                )
+    collector.raise_if_failed(EmitError)
+    for file in files:
+        if not file.changed:
+            continue
+        try:
+            os.makedirs(os.path.dirname(file.path), exist_ok=True)
+            _replace(file.path, file.data)
+        except OSError as err:
+            collector.error("OUT002", f"cannot be written: {err.strerror}", span=Span(file.path))
+    collector.raise_if_failed(EmitError)
+
+
+def diff(files: tuple[Output, ...]) -> Iterator[str]:
+    """Lines of a unified diff from what is on disk to what would be written."""
+    for file in files:
+        if not file.changed:
+            continue
+        old = [] if file.old is None else file.old.decode("utf-8", "replace").splitlines(keepends=True)
+        new = file.data.decode("utf-8", "replace").splitlines(keepends=True)
+        before = os.devnull if file.old is None else file.path
+        for line in difflib.unified_diff(old, new, before, file.path):
+            yield line if line.endswith("\n") else line + "\n"
+
+
+def loss_record(loss: Approximation) -> dict[str, Any]:
+    """An approximation as machine output has it."""
+    return {
+        "target": loss.target,
+        "joint": loss.joint,
+        "field": loss.field,
+        "asked": loss.asked,
+        "emitted": loss.emitted,
+        "why": loss.why,
+        "max_torque_error": loss.max_torque_error,
+    }
+
+
+def _manifest(compilation: Compilation, options: TargetOptions, emission: Emission) -> bytes:
+    """What was made from what; no time and no path of a machine, so that it is the same everywhere."""
+    record = {
+        "format": MANIFEST_FORMAT,
+        "tool": f"actspec {actspec.__version__}",
+        "spec": os.path.basename(compilation.spec.document.path),
+        "spec_sha256": compilation.actuators.spec_sha256,
+        "target": {"name": options.name, "kind": options.kind, "version": options.version},
+        "files": [{"path": file.path, "sha256": file.sha256} for file in emission.files],
+        "approximations": [loss_record(loss) for loss in emission.approximations],
+    }
+    return (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+
+
+def _is_ours(file: Output) -> bool:
+    """Whether the manifest beside a file says that actspec wrote it as it is."""
+    assert file.old is not None
+    beside = os.path.join(os.path.dirname(file.path), MANIFEST)
+    try:
+        with open(beside, encoding="utf-8") as stream:
+            record = json.load(stream)
+        if record.get("format") != MANIFEST_FORMAT:
+            return False
+        if os.path.basename(file.path) == MANIFEST:
+            return True
+        known = {str(entry["path"]): str(entry["sha256"]) for entry in record["files"]}
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return False
+    return known.get(os.path.basename(file.path)) == hashlib.sha256(file.old).hexdigest()
+
+
+def _replace(path: str, data: bytes) -> None:
+    folder, name = os.path.split(path)
+    handle, temporary = tempfile.mkstemp(prefix=f".{name}.", dir=folder or ".")
+    try:
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(data)
+            stream.flush()
+            os.fsync(stream.fileno())
+        # mkstemp makes files for the owner alone; these are for everybody that the umask allows.
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(temporary, 0o666 & ~mask)
+        os.replace(temporary, path)
+    except BaseException:
+        with contextlib.suppress(OSError):
+            os.unlink(temporary)
+        raise

@@ -1,0 +1,109 @@
+"""Resolve: a spec and a robot become an ActuatorSet, all units, patterns and defaults gone."""
+
+from __future__ import annotations
+
+import os
+
+from actspec.diagnostics import Collector, ResolveError
+from actspec.ir import ActuatorSet, DeltaAction, Origin, Quantity, Source
+from actspec.resolve.binding import bind
+from actspec.resolve.joint import JointResolver
+from actspec.resolve.model_values import model_values
+from actspec.resolve.motor import linear_faults
+from actspec.resolve.quantities import written
+from actspec.resolve.stated import stated_of
+from actspec.robot.view import RobotView
+from actspec.spec.validate import Spec, dotted
+
+DEFAULT_TIMESTEP = 0.002
+"""Step where neither spec nor model states one [s]. Source: MuJoCo's default of option/timestep."""
+
+
+def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
+    """Fit a spec to a robot.
+
+    Raises:
+        ResolveError: with every error of the stage.
+    """
+    collector = Collector()
+    for item in (*spec.diagnostics, *robot.diagnostics):
+        collector.add(item)
+    bindings = bind(spec, robot, collector)
+    resolvers = []
+    seen_motors: set[tuple[str, str]] = set()
+    for binding in bindings.managed:
+        stated = stated_of(spec, binding, collector)
+        motor_name = stated.get("motor")
+        if stated.motor is not None and (str(motor_name), stated.kind.value) not in seen_motors:
+            seen_motors.add((str(motor_name), stated.kind.value))
+            wrong = linear_faults(stated.motor, stated.kind)
+            if wrong:
+                path = ("motors", str(motor_name), *wrong[0].split("."))
+                collector.error(
+                    "RES001",
+                    f"'{binding.joint.name}' is a {stated.kind.value} joint, but {wrong[0]} of its motor is not "
+                    f"in that joint's unit",
+                    where=dotted(path),
+                    span=spec.span(*path),
+                    help="state the figure at the joint: rad and N*m for a hinge, m and N for a slide",
+                )
+        resolvers.append(JointResolver(stated, model_values(robot, binding.joint), collector))
+    collector.raise_if_failed(ResolveError)
+
+    armatures = [resolver.armature() for resolver in resolvers]
+    dofs = {
+        resolver.joint.dof: armature.value
+        if armature.value is not None
+        else (resolver.model.armature.value or 0.0 if resolver.model.armature is not None else 0.0)
+        for resolver, armature in zip(resolvers, armatures, strict=True)
+        if resolver.joint.dof >= 0
+    }
+    held = robot.inertia.held(dofs) if robot.inertia is not None and dofs else {}
+    free = robot.inertia.free(dofs) if robot.inertia is not None and dofs else {}
+    folder = os.path.dirname(spec.document.path)
+    joints = tuple(
+        resolver.finish(
+            armature,
+            held.get(resolver.joint.dof),
+            free.get(resolver.joint.dof),
+            bindings.default_pose.get(resolver.joint.name),
+            lambda file: os.path.join(folder, file),
+        )
+        for resolver, armature in zip(resolvers, armatures, strict=True)
+    )
+    collector.raise_if_failed(ResolveError)
+    model = spec.model
+    delta = model.delta_action
+    return ActuatorSet(
+        robot=model.robot.name,
+        joints=joints,
+        unmanaged=bindings.unmanaged,
+        physics_dt=_physics_dt(spec, robot),
+        decimation=model.timing.decimation,
+        delta_action=None
+        if delta is None
+        else DeltaAction(
+            os.path.join(folder, delta.network),
+            written(delta.max_delta, delta.max_delta.unit, spec.span("delta_action", "max_delta")),
+            delta.state,
+            spec.span("delta_action"),
+        ),
+        accept=tuple(model.accept.items()),
+        sources=tuple(
+            Source(key, s.title, s.url, None if s.page is None else str(s.page), s.accessed, s.note)
+            for key, s in model.sources.items()
+        ),
+        spec_sha256=spec.document.text_sha256,
+        diagnostics=collector.sorted(),
+    )
+
+
+def _physics_dt(spec: Spec, robot: RobotView) -> Quantity:
+    stated = spec.model.timing.physics_dt
+    file = None
+    if robot.timestep is not None:
+        file = Quantity(robot.timestep, "s", Origin.MODEL, source=robot.path)
+    if stated is not None and stated.value is not None:
+        authored = written(stated, "s", spec.span("timing", "physics_dt"))
+        return authored if file is None else authored.losing(file)
+    return file or Quantity(DEFAULT_TIMESTEP, "s", Origin.DEFAULT, note="MuJoCo's default step")

@@ -1,0 +1,86 @@
+"""From numbers as written to quantities with origin, and the precedence between them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from actspec.diagnostics import Span
+from actspec.ir import JointKind, Origin, Quantity
+from actspec.spec.values import SpecValue
+from actspec.units import Kind, format_quantity
+
+CONFLICT_STD = 3.0
+"""Authored and identified apart by more than this many std are reported (DESIGN: precedence)."""
+
+
+def unit_of(kind: Kind, joint: JointKind) -> str:
+    """SI unit of a quantity kind at a hinge or a slide."""
+    return kind.linear_unit if joint is JointKind.SLIDE else kind.rotary_unit
+
+
+def written(value: SpecValue, unit: str, span: Span, origin: Origin = Origin.AUTHORED) -> Quantity:
+    """A number of the spec (or of a results file) as a quantity; `unknown` keeps its place."""
+    return Quantity(
+        value.value,
+        unit,
+        Origin.UNKNOWN if value.value is None else origin,
+        source=value.source,
+        span=span,
+        std=value.std,
+        note=value.note,
+    )
+
+
+def unknown(unit: str, note: str | None = None) -> Quantity:
+    """A quantity about which nobody says anything."""
+    return Quantity(None, unit, Origin.UNKNOWN, note=note)
+
+
+def scaled(quantity: Quantity, factors: Sequence[tuple[float, str]], divide: bool = False) -> Quantity:
+    """A quantity times (or divided by) named factors; factors of 1 leave it as it is.
+
+    Args:
+        quantity: What is scaled; unknown stays unknown.
+        factors: (number, name), e.g. (9.0, "gear_ratio").
+        divide: Divide instead.
+    """
+    used = [(number, name) for number, name in factors if number != 1.0]
+    if quantity.value is None or not used:
+        return quantity
+    value, sign = quantity.value, "/" if divide else "x"
+    formula = format_quantity(quantity.value, quantity.unit)
+    for number, name in used:
+        value = value / number if divide else value * number
+        formula += f" {sign} {number:g} ({name})"
+    std = quantity.std
+    if std is not None:
+        std = std * abs(value / quantity.value) if quantity.value else std
+    return replace(quantity, value=value, std=std, origin=Origin.DERIVED, formula=formula)
+
+
+def choose(*candidates: Quantity | None) -> Quantity | None:
+    """The first candidate, with the known ones after it recorded as passed over.
+
+    `unknown` written by the author is a candidate like any other and stops the fall-through.
+    """
+    present = [candidate for candidate in candidates if candidate is not None]
+    if not present:
+        return None
+    winner, *others = present
+    return winner.losing(*(other for other in others if other.known))
+
+
+def conflict(authored: Quantity | None, identified: Quantity | None) -> str | None:
+    """What to say when an authored and an identified number cannot both be right."""
+    if authored is None or identified is None or authored.value is None or identified.value is None:
+        return None
+    std = max(identified.std or 0.0, authored.std or 0.0)
+    apart = abs(authored.value - identified.value)
+    if std <= 0.0 or apart <= CONFLICT_STD * std:
+        return None
+    return (
+        f"authored {format_quantity(authored.value, authored.unit)} and identified "
+        f"{format_quantity(identified.value, identified.unit)} are {apart / std:.1f} std apart "
+        f"(std {format_quantity(std, identified.unit)})"
+    )

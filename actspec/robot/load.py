@@ -1,0 +1,159 @@
+"""Find a robot's model file and read it, MJCF or URDF."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed, nearest
+from actspec.robot.view import RobotView
+
+if TYPE_CHECKING:
+    from importlib.metadata import Distribution
+
+_SCHEME = "package://"
+_DISTRIBUTION = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._-]*[A-Za-z0-9])?")
+
+
+class RobotNotInstalled(RobotError):
+    """The model is in a distribution that is not installed here; `validate` may skip it."""
+
+
+def find_model(reference: str, base: str) -> str:
+    """Turn a spec's `robot.model` into a path.
+
+    Args:
+        reference: A path, relative to `base` or absolute, or `package://DIST/path`: a file of an
+            installed distribution, which is found by its metadata and never imported.
+        base: Folder of the spec.
+
+    Raises:
+        RobotNotInstalled: the distribution is not installed.
+        RobotError: the reference is malformed, leaves the distribution, or names no file.
+    """
+    if reference.startswith(_SCHEME):
+        return _find_installed(reference)
+    if not reference or "\0" in reference:
+        raise _error("ROBOT103", f"{reference!r} is not a path")
+    path = os.path.normpath(os.path.join(base, reference))
+    if os.path.isfile(path):
+        return path
+    folder, name = os.path.split(path)
+    if os.path.isdir(path):
+        raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", _names(path)))
+    if not os.path.isdir(folder):
+        raise _error(
+            "ROBOT101",
+            f"there is no model {reference!r}: its folder does not exist",
+            "a path is relative to the spec's folder; a file of an installed distribution is package://DIST/path",
+        )
+    raise _error("ROBOT101", f"there is no model {reference!r}", _near(name, _names(folder)))
+
+
+def load_robot(path: str) -> RobotView:
+    """Read a robot file; the root element decides between MJCF and URDF.
+
+    Args:
+        path: File on disk.
+
+    Raises: RobotError: the file cannot be read or understood.
+    """
+    from actspec.robot.xml import parse_document, read_model_files
+
+    files = read_model_files(path)
+    document = parse_document(files)
+    tag = document.root.tag
+    if tag == "mujoco":
+        from actspec.robot.read_mjcf import read_mjcf
+
+        return read_mjcf(files, document)
+    if tag == "robot":
+        from actspec.robot.read_urdf import read_urdf
+
+        return read_urdf(files, document)
+    message = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
+    span: Span | None = document.span(document.root)
+    raise RobotError([Diagnostic("ROBOT104", Severity.ERROR, message, "", span)])
+
+
+def _find_installed(reference: str) -> str:
+    from importlib import metadata
+
+    name, _, inner = reference.removeprefix(_SCHEME).partition("/")
+    parts = inner.split("/")
+    if not _DISTRIBUTION.fullmatch(name) or any(
+        p in ("", ".", "..") or "\\" in p or "\0" in p for p in parts
+    ):
+        raise _error(
+            "ROBOT103",
+            f"{reference!r} does not name a file of a distribution",
+            "write package://DIST/path, the path as the distribution lists it, without '..'",
+        )
+    try:
+        distribution = metadata.distribution(name)
+    except metadata.PackageNotFoundError as err:
+        message = f"the model {reference!r} is not installed: there is no distribution {name!r} here"
+        raise RobotNotInstalled(
+            [Diagnostic("ROBOT102", Severity.ERROR, message, "robot.model", None, f"pip install {name}")]
+        ) from err
+    listing = {str(file).replace(os.sep, "/") for file in distribution.files or ()}
+    if inner in listing:
+        path = str(distribution.locate_file(inner))
+        if os.path.isfile(path):
+            return os.path.normpath(path)
+        raise _error("ROBOT101", f"the distribution {name!r} lists {inner!r}, but the file is gone")
+    roots = _editable_roots(distribution)
+    for root in roots:
+        path = os.path.realpath(os.path.join(root, *parts))
+        if os.path.isfile(path):
+            if path.startswith(os.path.realpath(root) + os.sep):
+                return path
+            raise _error("ROBOT103", f"{inner!r} is a link that leaves the distribution {name!r}")
+    folder = "/".join(parts[:-1])
+    beside = {file.rpartition("/")[2] for file in listing if file.rpartition("/")[0] == folder}
+    for root in roots:
+        beside.update(_names(os.path.join(root, *parts[:-1])))
+    raise _error("ROBOT101", f"the distribution {name!r} has no file {inner!r}", _near(parts[-1], beside))
+
+
+def _editable_roots(distribution: Distribution) -> tuple[str, ...]:
+    """Folders that an editable install takes its packages from; none for a plain install.
+
+    Source: PEP 610, direct_url.json; `src` is the common layout.
+    """
+    from urllib.parse import urlsplit
+    from urllib.request import url2pathname
+
+    try:
+        origin = json.loads(distribution.read_text("direct_url.json") or "{}")
+        editable = bool(origin["dir_info"]["editable"])
+        url = urlsplit(origin["url"])
+    except (ValueError, KeyError, TypeError):
+        return ()
+    if not editable or url.scheme != "file":
+        return ()
+    root = url2pathname(url.path)
+    return (root, os.path.join(root, "src"))
+
+
+def _names(folder: str) -> list[str]:
+    try:
+        return sorted(os.listdir(folder))
+    except OSError:
+        return []
+
+
+def _near(name: str, names: Iterable[str]) -> str | None:
+    """The nearest name, else the model files that there are."""
+    models = sorted(n for n in names if n.lower().endswith((".xml", ".urdf", ".mjcf")))
+    near = nearest(name, models)
+    if near is not None:
+        return f"did you mean {near!r}?"
+    return f"the folder has {listed(models)}" if models else None
+
+
+def _error(code: str, message: str, help: str | None = None) -> RobotError:
+    return RobotError([Diagnostic(code, Severity.ERROR, message, "robot.model", None, help)])

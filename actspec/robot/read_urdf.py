@@ -1,0 +1,314 @@
+"""URDF to RobotView: limits and friction from the text, order and inertia from MuJoCo.
+
+MuJoCo's own reading of the text is not used for a limit: it takes `effort="0"` and an absent
+effort both as "no limit", and treats the limits of a continuous joint differently by version.
+The base is fixed to the world, as MuJoCo imports a URDF, so inertia_free of a floating-base
+robot is that of the robot with its base held.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
+from actspec.ir import JointKind
+from actspec.robot.view import JointView, ModelFile, ModelFormat, PoseInertia, RobotView
+
+if TYPE_CHECKING:
+    import mujoco
+
+    from actspec.robot.xml import Element, XmlDocument
+
+_KINDS = {
+    "revolute": JointKind.HINGE,
+    "continuous": JointKind.HINGE,
+    "prismatic": JointKind.SLIDE,
+    "floating": JointKind.FREE,
+}
+_TYPES = (*_KINDS, "fixed", "planar")
+_UNITS = {JointKind.HINGE: ("N*m", "rad/s"), JointKind.SLIDE: ("N", "m/s"), JointKind.FREE: ("N", "m/s")}
+_NUMBER = re.compile(
+    r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|inf(?:inity)?)", re.IGNORECASE
+)
+
+
+def read_urdf(files: Sequence[ModelFile], document: XmlDocument | None = None) -> RobotView:
+    """Read a URDF.
+
+    An absent attribute is not in `stated`; its value in the view is the URDF default, 0 or no
+    limit. Fixed joints are left out; so are planar ones, which have no JointKind, with a note.
+
+    Args:
+        files: The one file.
+        document: The same file parsed, if the caller has it.
+
+    Raises: RobotError: a joint is malformed; all such places at once.
+    """
+    from actspec.robot.xml import parse_document
+
+    if document is None:
+        document = parse_document(tuple(files))
+    out = Collector()
+    joints = _joints(document, out)
+    out.raise_if_failed(RobotError)
+    order, inertia, reason = _compiled(files)
+    if order is not None:
+        known = {name: index for index, name in enumerate(order)}
+        joints = [
+            replace(joint, dof=order[joint.name][0], reference_position=order[joint.name][1])
+            if joint.name in order
+            else joint
+            for joint in joints
+        ]
+        # MuJoCo goes through the tree; a joint that it does not have keeps its place at the end.
+        joints.sort(key=lambda joint: known.get(joint.name, len(known)))
+    return RobotView(
+        name=document.root.get("name") or "",
+        path=files[0].path,
+        format=ModelFormat.URDF,
+        joints=tuple(joints),
+        actuators=(),
+        timestep=None,
+        integrator="",
+        keyframes=(),
+        inertia=inertia,
+        inertia_reason=reason,
+        files=tuple(files),
+        diagnostics=tuple(out),
+    )
+
+
+def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
+    found: list[JointView] = []
+    names: dict[str, Element] = {}
+    planar: list[str] = []
+    unnamed = 0
+    for element in document.root.children:
+        if element.tag != "joint":
+            continue
+        name = element.get("name")
+        span = document.span(element)
+        if not name:
+            unnamed += 1
+            continue
+        if name in names:
+            first = document.span(names[name])
+            out.error(
+                "ROBOT121",
+                f"a second joint has this name; the first is in line {first.line}",
+                where=name,
+                span=span,
+            )
+            continue
+        names[name] = element
+        kind = element.get("type") or ""
+        if kind not in _TYPES:
+            out.error(
+                "ROBOT122",
+                f"type {kind!r} is no URDF joint type",
+                where=name,
+                span=span,
+                help=f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
+            )
+        elif kind == "planar":
+            planar.append(name)
+        elif kind != "fixed":
+            found.append(_joint(element, name, kind, document, out))
+    if unnamed:
+        out.info(
+            "ROBOT113",
+            f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out",
+            span=document.span(document.root),
+        )
+    if planar:
+        out.info("ROBOT113", f"planar joints left out: {listed(planar)}", span=document.span(document.root))
+    for joint in found:
+        if joint.mimic is not None and joint.mimic not in names:
+            out.warning(
+                "ROBOT124", f"mimics {joint.mimic!r}, which is no joint", where=joint.name, span=joint.span
+            )
+    return found
+
+
+def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: Collector) -> JointView:
+    parts = {child.tag: child for child in reversed(element.children)}
+    limit, dynamics, mimic = parts.get("limit"), parts.get("dynamics"), parts.get("mimic")
+    span = document.span(element)
+
+    def number(part: Element | None, attribute: str) -> float | None:
+        text = part.get(attribute) if part is not None else None
+        if part is None or text is None:
+            return None
+        if not _NUMBER.fullmatch(text.strip()):
+            out.error(
+                "ROBOT120",
+                f"<{part.tag} {attribute}> must be a number, got {text!r}",
+                where=name,
+                span=document.span(part),
+            )
+            return None
+        return float(text)
+
+    lower, upper = number(limit, "lower"), number(limit, "upper")
+    effort, velocity = number(limit, "effort"), number(limit, "velocity")
+    damping, friction = number(dynamics, "damping"), number(dynamics, "friction")
+    joint_kind = _KINDS[kind]
+    place = document.span(limit) if limit is not None else span
+    values = {
+        "damping": damping, "frictionloss": friction, "effort": effort, "velocity": velocity,
+        "range": lower if lower is not None else upper,
+    }  # fmt: skip
+    stated = {field for field, value in values.items() if value is not None}
+    _judge_limit(effort, velocity, joint_kind, name, place, out)
+    child = parts.get("child")
+    return JointView(
+        name=name,
+        kind=joint_kind,
+        span=span,
+        body=(child.get("link") or "") if child is not None else "",
+        dof=-1,
+        range=_range(lower, upper, kind, name, place, out),
+        damping=damping or 0.0,
+        damping_polynomial=(0.0, 0.0),
+        stiffness=0.0,
+        armature=0.0,
+        frictionloss=friction or 0.0,
+        effort_range=_effort_range(effort),
+        velocity_limit=velocity if velocity is not None and 0.0 <= velocity < math.inf else None,
+        stated=frozenset(stated),
+        springdamper=False,
+        mimic=mimic.get("joint") if mimic is not None else None,
+        reference_position=0.0,
+    )
+
+
+def _judge_limit(
+    effort: float | None, velocity: float | None, kind: JointKind, name: str, span: Span, out: Collector
+) -> None:
+    torque, speed = _UNITS[kind]
+    if effort is not None and effort < 0:
+        out.warning(
+            "ROBOT123",
+            f"limit effort must be >= 0 {torque}, got {effort:g}; taken as no limit",
+            where=name,
+            span=span,
+        )
+    if velocity is not None and velocity < 0:
+        out.warning(
+            "ROBOT123",
+            f"limit velocity must be >= 0 {speed}, got {velocity:g}; taken as no limit",
+            where=name,
+            span=span,
+        )
+    if effort == 0:
+        out.warning(
+            "ROBOT123",
+            f"limit effort is 0 {torque}: MuJoCo reads it as no limit, other importers as a dead joint",
+            where=name, span=span, help="state the actuator's limit, or leave the attribute out",
+        )  # fmt: skip
+    if velocity == 0:
+        out.warning(
+            "ROBOT123",
+            f"limit velocity is 0 {speed}: importers disagree whether that is no limit or a locked joint",
+            where=name, span=span, help="state the joint's limit, or leave the attribute out",
+        )  # fmt: skip
+
+
+def _effort_range(effort: float | None) -> tuple[float, float] | None:
+    if effort is None or not 0.0 <= effort < math.inf:
+        return None
+    return 0.0 - effort, effort
+
+
+def _range(
+    lower: float | None, upper: float | None, kind: str, name: str, span: Span, out: Collector
+) -> tuple[float, float] | None:
+    if kind not in ("revolute", "prismatic") or (lower is None and upper is None):
+        return None
+    low, high = lower or 0.0, upper or 0.0
+    if low > high:
+        out.warning(
+            "ROBOT123",
+            f"limit lower {low:g} is above upper {high:g}; taken as no limit",
+            where=name,
+            span=span,
+        )
+    return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
+
+
+def _compiled(
+    files: Sequence[ModelFile],
+) -> tuple[dict[str, tuple[int, float]] | None, PoseInertia | None, str]:
+    """Joints in MuJoCo's order with dof and reference position, and the inertia.
+
+    Returns: None, None and the reason where MuJoCo refuses the file, which other tools may take.
+    """
+    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
+    from actspec.robot.read_mjcf import inertia_of
+
+    try:
+        try:
+            spec = open_spec(files, format=ModelFormat.URDF)
+        except RobotError as err:
+            if "'material'" not in err.diagnostics[0].message:
+                raise
+            # A second colour in one visual: MuJoCo refuses it, all other importers take it.
+            files = [replace(file, data=_without_materials(file.data)) for file in files]
+            spec = open_spec(files, format=ModelFormat.URDF)
+        meshes = mesh_dependence(spec)
+        if meshes is not None and not meshes.missing:
+            spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
+        model = compile_spec(spec, files)
+    except RobotError as err:
+        return None, None, err.diagnostics[0].message
+    inertia, reason = inertia_of(model, meshes.body if meshes and meshes.missing else None)
+    return _order(model), inertia, reason
+
+
+def _without_materials(data: bytes) -> bytes:
+    """The text with its `material` elements blanked; line numbers stay."""
+    from xml.parsers import expat
+
+    parser = expat.ParserCreate()
+    pieces: list[bytes] = []
+    begin = depth = 0
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        nonlocal depth
+        if depth or tag == "material":
+            depth += 1
+            if depth == 1:
+                pieces.append(data[begin : parser.CurrentByteIndex])
+                starts.append(parser.CurrentByteIndex)
+
+    def end(tag: str) -> None:
+        nonlocal begin, depth
+        if depth:
+            depth -= 1
+            if depth == 0:
+                begin = data.index(b">", parser.CurrentByteIndex) + 1
+                pieces.append(b"\n" * data.count(b"\n", starts[-1], begin))
+
+    starts: list[int] = []
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.Parse(data, True)
+    return b"".join((*pieces, data[begin:]))
+
+
+def _order(model: mujoco.MjModel) -> dict[str, tuple[int, float]]:
+    import mujoco
+
+    free = (int(mujoco.mjtJoint.mjJNT_FREE), int(mujoco.mjtJoint.mjJNT_BALL))
+    found = {}
+    for index in range(model.njnt):
+        name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_JOINT, index)
+        if name:
+            scalar = int(model.jnt_type[index]) not in free
+            position = float(model.qpos0[model.jnt_qposadr[index]]) if scalar else 0.0
+            found[name] = (int(model.jnt_dofadr[index]), position)
+    return found

@@ -1,0 +1,215 @@
+"""RobotView: what a robot file says, read without changing or running anything.
+
+A view is plain data. It also carries the bytes of the files that it was read from, so that a
+target can edit the author's text without going back to the disk.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Diagnostic, Span
+from actspec.ir import InertiaRange, JointKind
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+
+class ModelFormat(str, Enum):
+    """Format of a robot file."""
+
+    MJCF = "mjcf"
+    URDF = "urdf"
+    NONE = "none"
+    """No model: the spec lists the joints."""
+
+
+@dataclass(frozen=True, slots=True)
+class ModelFile:
+    """One file of a model.
+
+    Attributes:
+        path: Path on disk, as reached from the user's argument.
+        include: The text of the `<include file=...>` attribute that named it; "" for the main file.
+        data: Its bytes.
+    """
+
+    path: str
+    include: str
+    data: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class JointView:
+    """One joint as the file (through classes, includes and units) has it.
+
+    Attributes:
+        name: Name; joints without a name are left out of a view's `joints`.
+        kind: hinge, slide, ball or free.
+        span: Line of the element in the author's file.
+        body: Name of the body (MJCF) or child link (URDF).
+        dof: Index of its first velocity in the mass matrices; -1 when there are none.
+        range: Position range [rad or m]; None: unlimited.
+        damping: Linear passive damping in force [N*m*s/rad or N*s/m].
+        damping_polynomial: Coefficients of w|w| and w^3 (MuJoCo 3.7 and later).
+        stiffness: Passive stiffness in force [N*m/rad or N/m].
+        armature: [kg*m^2 or kg].
+        frictionloss: Dry friction [N*m or N].
+        effort_range: `actuatorfrcrange`, or -+ URDF effort [N*m or N]; None: no limit.
+        velocity_limit: URDF velocity [rad/s or m/s]; None: the file does not say.
+        stated: Which of `damping`, `armature`, `frictionloss`, `effort`, `velocity`, `range` the file
+            states, itself or by a default class; the others are the engine's defaults.
+        springdamper: Whether `springdamper` is in force and overwrites stiffness and damping.
+        mimic: Joint that this one follows (URDF); None.
+        reference_position: Position in the reference pose (first keyframe, else qpos0) [rad or m].
+    """
+
+    name: str
+    kind: JointKind
+    span: Span
+    body: str
+    dof: int
+    range: tuple[float, float] | None
+    damping: float
+    damping_polynomial: tuple[float, float]
+    stiffness: float
+    armature: float
+    frictionloss: float
+    effort_range: tuple[float, float] | None
+    velocity_limit: float | None
+    stated: frozenset[str]
+    springdamper: bool
+    mimic: str | None
+    reference_position: float
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorView:
+    """One actuator of an MJCF, classified.
+
+    Attributes:
+        name: Name; "" when it has none.
+        index: Position in the model's actuator order.
+        span: Line of the element.
+        tag: XML tag: `position`, `motor`, `general`, ...; "" when unknown.
+        transmission: `joint`, `jointinparent`, `tendon`, `site`, `body` or `slidercrank`.
+        target: Name of the joint, tendon, site or body.
+        control: `position`, `velocity`, `motor`, `dcmotor`, `pid`, `intvelocity`, `damper`, `plugin`
+            or `other`.
+        gear: First gear number.
+        kp: Stiffness at the joint, gear included [N*m/rad]; 0 when it has none.
+        kd: Drive velocity gain at the joint, gear included [N*m*s/rad]; 0 when it has none.
+        gain: gainprm[0] as compiled; for a motor, force per control.
+        force_range: `forcerange` as in the file, actuator side; None: unlimited.
+        control_range: `ctrlrange`; None: unlimited.
+        damping: Actuator-level damping (linear, quadratic, cubic), actuator side; zeros before 3.7.
+        armature: Actuator-level armature, actuator side.
+        time_constant: Filter time constant of the activation [s]; 0 without.
+        delay: [s]; 0 without.
+        group: Actuator group.
+    """
+
+    name: str
+    index: int
+    span: Span
+    tag: str
+    transmission: str
+    target: str
+    control: str
+    gear: float
+    kp: float
+    kd: float
+    gain: float
+    force_range: tuple[float, float] | None
+    control_range: tuple[float, float] | None
+    damping: tuple[float, float, float]
+    armature: float
+    time_constant: float
+    delay: float
+    group: int
+
+
+@dataclass(frozen=True, slots=True)
+class PoseInertia:
+    """Mass matrices of the robot at its reference pose and at sampled poses, armature left out.
+
+    Attributes:
+        matrices: Shape (n_pose, nv, nv); the first is the reference pose. [kg*m^2, kg, kg*m]
+        armature: The file's own armature, shape (nv,), actuator armature included.
+    """
+
+    matrices: NDArray[np.float64]
+    armature: NDArray[np.float64]
+
+    def held(self, armature: Mapping[int, float]) -> dict[int, InertiaRange]:
+        """M_jj with the other joints held, armature included.
+
+        Args:
+            armature: Degree of freedom to the armature it is to have; others keep the file's.
+
+        Returns: degree of freedom to its inertia over the poses, for every key of `armature`.
+        """
+        diagonal = self.matrices.diagonal(axis1=1, axis2=2)
+        return {dof: _range(diagonal[:, dof] + value) for dof, value in armature.items()}
+
+    def free(self, armature: Mapping[int, float]) -> dict[int, InertiaRange]:
+        """1/(M^-1)_jj with the other joints free, armature included; see `held`."""
+        import numpy as np
+
+        full = self.armature.copy()
+        for dof, value in armature.items():
+            full[dof] = value
+        total = self.matrices + np.diag(full)
+        try:
+            inverse = np.linalg.inv(total)
+        except np.linalg.LinAlgError:
+            # Two joints on one axis without armature: nothing resists, and the inertia is 0.
+            least = 1e-12 * max(float(np.abs(total).max(initial=0.0)), 1e-300)
+            inverse = np.linalg.inv(total + least * np.eye(len(full)))
+        diagonal = inverse.diagonal(axis1=1, axis2=2)
+        return {dof: _range(np.reciprocal(diagonal[:, dof])) for dof in armature}
+
+
+def _range(values: NDArray[np.float64]) -> InertiaRange:
+    return InertiaRange(float(values[0]), float(values.min()), float(values.max()))
+
+
+@dataclass(frozen=True, slots=True)
+class RobotView:
+    """A robot file, read.
+
+    Attributes:
+        name: The model's name.
+        path: Path of the main file.
+        format: MJCF, URDF or none.
+        joints: Named joints in the robot's order.
+        actuators: Actuators in the model's order (MJCF).
+        timestep: The file's step [s]; None when the format has none.
+        integrator: MuJoCo's name, e.g. `Euler`, `implicitfast`; "" when the format has none.
+        keyframes: Names of the keyframes, in order ("" for one without a name).
+        inertia: Mass matrices over poses; None when they cannot be known without the meshes, say.
+        inertia_reason: Why `inertia` is None; "" otherwise.
+        files: The main file first, then its includes in order.
+        diagnostics: Warnings of the reader.
+    """
+
+    name: str
+    path: str
+    format: ModelFormat
+    joints: tuple[JointView, ...]
+    actuators: tuple[ActuatorView, ...]
+    timestep: float | None
+    integrator: str
+    keyframes: tuple[str, ...]
+    inertia: PoseInertia | None
+    inertia_reason: str
+    files: tuple[ModelFile, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    def joint(self, name: str) -> JointView | None:
+        """The joint of that name, or None."""
+        return next((j for j in self.joints if j.name == name), None)

@@ -1,0 +1,106 @@
+"""Fields that hold a number or something else: an effort limit, a delay."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, core_schema
+
+from actspec.spec.values import Number, Pair, SpecValue, check_keys, fault, parse_below, short, value_schema
+from actspec.units import Kind
+
+EFFORT_WORDS = ("continuous", "peak")
+SAMPLINGS = ("episode", "step")
+
+
+class EffortField:
+    """Annotation of an effort limit: a torque, `unknown`, `continuous` or `peak`."""
+
+    number = Number(Kind.TORQUE, above=0.0)
+
+    def __call__(self, given: Any) -> SpecValue | str:
+        """Parse what the YAML holds."""
+        if isinstance(given, str):
+            if given in EFFORT_WORDS:
+                return given
+            if given.isalpha() and given != "unknown":
+                raise fault(
+                    f"must be a torque, `continuous` or `peak`, got {short(given)}",
+                    "write for instance `33.5 N*m`",
+                )
+        return self.number(given)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return {"anyOf": [{"enum": list(EFFORT_WORDS)}, *value_schema(Kind.TORQUE)["anyOf"]]}
+
+
+@dataclass(frozen=True, slots=True)
+class SpecDelay:
+    """A delay as the spec has it.
+
+    Attributes:
+        nominal: [s].
+        range: Low and high [s]; None without a range.
+        sampling: `episode` (drawn at reset and held) or `step` (drawn every physics step).
+    """
+
+    nominal: SpecValue
+    range: tuple[SpecValue, SpecValue] | None
+    sampling: str
+
+
+class DelayField:
+    """Annotation of a delay: a time, `identified`, or {nominal, range, sampling}."""
+
+    number = Number(Kind.TIME, at_least=0.0, identified=True)
+    pair = Pair(Kind.TIME, at_least=0.0)
+
+    def __call__(self, given: Any) -> SpecDelay:
+        """Parse what the YAML holds."""
+        if not isinstance(given, dict) or "value" in given:
+            return SpecDelay(self.number(given), None, "episode")
+        check_keys(given, ("nominal", "range", "sampling"), "a delay")
+        if "nominal" not in given:
+            raise fault("a delay needs its key 'nominal'", "write {nominal: 5 ms, range: [0 ms, 10 ms]}")
+        nominal = parse_below("nominal", given["nominal"], self.number)
+        limits = parse_below("range", given["range"], self.pair) if "range" in given else None
+        sampling = given.get("sampling", "episode")
+        if sampling not in SAMPLINGS:
+            raise fault(f"must be `episode` or `step`, got {short(sampling)}", None, ("sampling",))
+        pair = None if limits is None or isinstance(limits, str) else limits
+        if pair is not None and nominal.value is not None:
+            low, high = pair
+            if not (low.value or 0.0) <= nominal.value <= (high.value or 0.0):
+                raise fault(
+                    f"the nominal delay {nominal.written} is outside its range [{low.written}, {high.written}]",
+                    "widen the range or move the nominal value",
+                    ("range",),
+                )
+        return SpecDelay(nominal, pair, sampling)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        number = value_schema(Kind.TIME, self.number.words)
+        time = value_schema(Kind.TIME, ())
+        full = {
+            "type": "object",
+            "required": ["nominal"],
+            "additionalProperties": False,
+            "properties": {
+                "nominal": number,
+                "range": {"type": "array", "minItems": 2, "maxItems": 2, "items": time},
+                "sampling": {"enum": list(SAMPLINGS)},
+            },
+        }
+        return {"anyOf": [*number["anyOf"], full]}

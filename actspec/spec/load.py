@@ -1,0 +1,45 @@
+"""Load a spec with everything that it names, but the robot: YAML, includes, identification results."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+from actspec.diagnostics import Collector, SpecError
+from actspec.spec.document import load_document
+from actspec.spec.results import Results, validate_results
+from actspec.spec.validate import Spec, validate
+
+
+def load_spec(path: str) -> Spec:
+    """Read and validate a spec and the results files that it names.
+
+    Raises:
+        SpecError: with every error of the spec, or of all of its results files.
+    """
+    spec = validate(load_document(path))
+    folder = os.path.dirname(os.path.abspath(path))
+    collector = Collector()
+    results: dict[str, Results] = {}
+    for name, group in spec.model.actuators.items():
+        named = group.identified
+        if named is None or named in results:
+            continue
+        where = f"actuators.{name}.identified"
+        full = os.path.realpath(os.path.join(folder, named))
+        if os.path.commonpath([full, os.path.realpath(folder)]) != os.path.realpath(folder):
+            collector.error(
+                "SPEC170",
+                f"'{named}' is outside the spec's folder",
+                where=where,
+                span=spec.span("actuators", name, "identified"),
+                help="keep results files below the folder of the spec",
+            )
+            continue
+        try:
+            results[named] = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
+        except SpecError as err:
+            for item in err.diagnostics:
+                collector.add(item)
+    collector.raise_if_failed(SpecError)
+    return replace(spec, results=results)

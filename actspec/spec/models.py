@@ -1,0 +1,342 @@
+"""The spec language as pydantic models: what a spec may say, each field with its unit.
+
+The docstring under a field ends in its unit and goes into the JSON Schema. Figures are parsed to
+SI here (`SpecValue`); patterns, references between sections and defaults are resolved later.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+
+from actspec.spec.derive import Gain, GainField
+from actspec.spec.fields import DelayField, EffortField, SpecDelay
+from actspec.spec.values import Number, Pair, SpecValue, fault
+from actspec.units import Kind
+
+SPEC_VERSION = 1
+"""The number that `actspec:` carries in this version of the tool."""
+
+
+class Strict(BaseModel):
+    """Base of all models: frozen, unknown keys refused, docstrings become descriptions."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+
+
+def _text_version(given: Any) -> Any:
+    if isinstance(given, (int, float)) and not isinstance(given, bool):
+        raise fault(
+            f"a version is text, got the number {given}", f'write "{given}" in quotes: 3.10 would read as 3.1'
+        )
+    return given
+
+
+Version = Annotated[str, BeforeValidator(_text_version)]
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+
+Torque = Annotated[SpecValue, Number(Kind.TORQUE, above=0.0)]
+Speed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0)]
+Angle = Annotated[SpecValue, Number(Kind.POSITION)]
+Inertia = Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0)]
+FittedInertia = Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0, identified=True)]
+FrictionTorque = Annotated[SpecValue, Number(Kind.TORQUE, at_least=0.0, identified=True)]
+Viscous = Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0, identified=True)]
+FittedAngle = Annotated[SpecValue, Number(Kind.POSITION, identified=True)]
+FittedSpeed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0, identified=True)]
+Time = Annotated[SpecValue, Number(Kind.TIME, at_least=0.0)]
+PositiveTime = Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
+Frequency = Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)]
+Ratio = Annotated[SpecValue, Number(Kind.RATIO, above=0.0)]
+Efficiency = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, at_most=1.0)]
+Kp = Annotated[
+    Gain,
+    GainField(
+        Number(Kind.STIFFNESS, at_least=0.0, identified=True), ("torque_at_error", "natural_frequency")
+    ),
+]
+Kd = Annotated[Gain, GainField(Number(Kind.VELOCITY_GAIN, at_least=0.0, identified=True), ("damping_ratio",))]
+
+
+EffortLimit = Annotated[SpecValue | Literal["continuous", "peak"], EffortField()]
+Delay = Annotated[SpecDelay, DelayField()]
+
+
+class Source(Strict):
+    """Where numbers come from."""
+
+    title: Name
+    """Title of the document, repository or measurement."""
+    url: str | None = None
+    """Address."""
+    page: str | int | None = None
+    """Page, table, or path inside a repository."""
+    commit: str | None = None
+    """Commit of a repository."""
+    accessed: str | None = None
+    """Day on which it was read, YYYY-MM-DD."""
+    note: str | None = None
+    """Remark."""
+
+
+class ListedJoint(Strict):
+    """A joint of a robot that has no model file."""
+
+    name: Name
+    """Name of the joint."""
+    kind: Literal["hinge", "slide"] = "hinge"
+    """Kind of the joint."""
+    range: Annotated[Any, Pair(Kind.POSITION)] = None
+    """Position range, [low, high] [rad or m]."""
+
+
+class Robot(Strict):
+    """The robot that the spec is for."""
+
+    name: Name
+    """Name of the robot; output folders and constants are named after it."""
+    model: str
+    """MJCF or URDF, relative to the spec's folder; or `package://DISTRIBUTION/path`; or `none`."""
+    joints: tuple[ListedJoint | Name, ...] = ()
+    """Joints in the robot's order, only with `model: none`."""
+    unmanaged: tuple[str, ...] = ()
+    """Patterns of joints that are left as they are."""
+    default_pose: dict[str, Annotated[SpecValue, Number(Kind.POSITION)]] = {}
+    """Pattern to default position [rad or m]; the others are at 0."""
+
+
+class Timing(Strict):
+    """Rates of simulation and control."""
+
+    physics_dt: PositiveTime | None = None
+    """Simulation step [s]. Default: the model's own."""
+    decimation: Annotated[int, Field(ge=1, le=10000, strict=True)] | None = None
+    """Physics steps in one control step."""
+
+
+class Curve(Strict):
+    """Asymmetric torque-speed curve, on the motor's `side`."""
+
+    drive_torque: Torque
+    """Torque while torque and speed have the same sign [N*m or N]."""
+    brake_torque: Torque
+    """Torque while they have opposite signs [N*m or N]."""
+    knee_speed: Annotated[SpecValue, Number(Kind.SPEED, at_least=0.0)]
+    """Speed up to which the full torque is available [rad/s or m/s]."""
+    no_load_speed: Speed
+    """Speed at which no torque is left [rad/s or m/s]."""
+
+
+class Motor(Strict):
+    """A motor with its gearbox, as a datasheet gives it."""
+
+    side: Literal["joint", "motor"] | None = None
+    """Where torque, speed and torque constant are quoted: at the gearbox output (`joint`) or at the
+    rotor (`motor`, which needs `gear_ratio`). Required as soon as one of them is given."""
+    stall_torque: Torque | None = None
+    """Torque-speed line at zero speed [N*m or N]."""
+    no_load_speed: Speed | None = None
+    """Torque-speed line at zero torque [rad/s or m/s]."""
+    peak_torque: Torque | None = None
+    """Limit of the drive, for a short time [N*m or N]."""
+    continuous_torque: Torque | None = None
+    """Thermal limit [N*m or N]."""
+    curve: Curve | None = None
+    """Asymmetric curve in place of the line."""
+    gear_ratio: Ratio | None = None
+    """Rotor turns in one output turn [-]."""
+    efficiency: Efficiency | None = None
+    """Of the gearbox, 0 to 1 [-]; scales motor-side torques. Default 1."""
+    torque_constant: Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0)] | None = None
+    """[N*m/A]."""
+    nominal_voltage: Annotated[SpecValue, Number(Kind.VOLTAGE, above=0.0)] | None = None
+    """[V]."""
+    nominal_current: Annotated[SpecValue, Number(Kind.CURRENT, above=0.0)] | None = None
+    """Continuous current [A]; with `torque_constant` it gives the continuous torque."""
+    peak_current: Annotated[SpecValue, Number(Kind.CURRENT, above=0.0)] | None = None
+    """Peak current [A]; with `torque_constant` it gives the peak torque."""
+    rotor_inertia: Inertia | None = None
+    """At the rotor, whatever `side` says [kg*m^2]."""
+    reflected_inertia: Inertia | None = None
+    """At the gearbox output, in place of `rotor_inertia` [kg*m^2 or kg]."""
+    bandwidth: Frequency | None = None
+    """Of the torque or current loop [Hz]; used only by `command_filter: from_motor`."""
+    note: str | None = None
+    """Remark."""
+
+
+class Friction(Strict):
+    """Passive friction at the joint, outside every clamp."""
+
+    coulomb: FrictionTorque | None = None
+    """Kinetic dry friction [N*m or N]."""
+    viscous: Viscous | None = None
+    """Passive viscous friction [N*m*s/rad or N*s/m]; never the drive's kd."""
+    static: FrictionTorque | None = None
+    """Break-away friction [N*m or N]. Default: equal to coulomb."""
+    stribeck_velocity: FittedSpeed | None = None
+    """Speed over which static falls to coulomb [rad/s or m/s]."""
+
+
+class CommandFilter(Strict):
+    """First-order low-pass on the command."""
+
+    cutoff: Frequency
+    """-3 dB frequency [Hz]."""
+
+
+class NetworkFile(Strict):
+    """Actuator network, level actuator_net."""
+
+    file: str
+    """Network, relative to the spec's folder (TorchScript)."""
+    manifest: str | None = None
+    """Its manifest: inputs, scales, order, period."""
+
+
+class Randomize(Strict):
+    """One domain-randomisation range: exactly one of scale, add and abs, or `from: identified`."""
+
+    scale: Annotated[Any, Pair(Kind.RATIO, ordered=False)] = None
+    """Factor on the nominal value, [low, high] [-]."""
+    add: list[Any] | None = None
+    """Offset on the nominal value, [low, high], in the field's unit."""
+    abs: list[Any] | None = None
+    """Replacement of the nominal value, [low, high], in the field's unit."""
+    from_: Literal["identified"] | None = Field(default=None, alias="from")
+    """Take the range from the identification's standard deviation."""
+    sigma: Annotated[SpecValue, Number(Kind.RATIO, above=0.0)] | None = None
+    """With `from: identified`: half-width in standard deviations [-]."""
+    distribution: Literal["uniform", "log_uniform", "gaussian"] = "uniform"
+    """For `gaussian` the pair is (mean, standard deviation)."""
+    when: Literal["startup", "reset", "interval"] = "reset"
+    """When a new value is drawn."""
+    every: Annotated[Any, Pair(Kind.TIME, at_least=0.0)] = None
+    """With `when: interval`: time between draws, [low, high] [s]."""
+    per: Literal["joint", "group", "env"] = "joint"
+    """What shares one draw."""
+
+
+RandomizedField = Literal[
+    "kp",
+    "kd",
+    "gains",
+    "strength",
+    "effort_limit",
+    "armature",
+    "friction.coulomb",
+    "friction.viscous",
+    "friction.static",
+    "encoder_bias",
+    "delay",
+]
+
+
+class Tunable(Strict):
+    """Fields that a group states and that an override may state anew for some of its joints."""
+
+    motor: Name | None = None
+    """Key of `motors`."""
+    reduction: Ratio | None = None
+    """Extra reduction from the motor's output to the joint [-]. Default 1."""
+    motors_per_joint: Annotated[int, Field(ge=1, le=100, strict=True)] | None = None
+    """Motors that drive the joint in parallel [-]. Default 1."""
+    kp: Kp | None = None
+    """Drive stiffness [N*m/rad or N/m]."""
+    kd: Kd | None = None
+    """Drive velocity gain [N*m*s/rad or N*s/m]."""
+    effort_limit: EffortLimit | None = None
+    """Clamp of the drive's torque [N*m or N], or `continuous` or `peak` of the motor."""
+    velocity_limit: Speed | None = None
+    """The joint's or solver's speed limit [rad/s or m/s]; another thing than `no_load_speed`."""
+    armature: FittedInertia | None = None
+    """Inertia added to the joint [kg*m^2 or kg]. Default: from rotor inertia and gears."""
+    friction: Friction | None = None
+    """Passive friction at the joint."""
+    command_filter: CommandFilter | Literal["from_motor", "none"] | None = None
+    """Low-pass on the command."""
+    command_range: Annotated[Any, Pair(Kind.POSITION, words=("none", "joint"))] = None
+    """Clamp of the command, in its own unit: `none` (default), `joint` (its range) or [low, high]."""
+    delay: Delay | None = None
+    """Delay of the command [s], or {nominal, range, sampling}."""
+    encoder_bias: FittedAngle | None = None
+    """q_measured = q + bias [rad or m]. Default 0."""
+    action_scale: Annotated[SpecValue, Number(Kind.RATIO)] | None = None
+    """Command per unit of action [-]."""
+
+
+class Actuators(Tunable):
+    """A group of joints with the same kind of actuator."""
+
+    joints: Annotated[tuple[Name, ...], Field(min_length=1)]
+    """Patterns (full match) or names of the group's joints."""
+    level: Literal["ideal_pd", "dc_motor", "actuator_net"]
+    """Model level."""
+    command: Literal["position", "velocity", "effort"] = "position"
+    """What the command means."""
+    network: NetworkFile | None = None
+    """Network of level actuator_net."""
+    identified: str | None = None
+    """Results of an identification, relative to the spec's folder."""
+    overrides: dict[str, Tunable] = {}
+    """Pattern to the fields that differ; at most one match a joint and field."""
+    randomize: dict[RandomizedField, Randomize] = {}
+    """Domain-randomisation ranges."""
+    note: str | None = None
+    """Remark."""
+
+
+class DeltaAction(Strict):
+    """Learned correction of the policy's action, on top of any level."""
+
+    network: str
+    """Network, relative to the spec's folder."""
+    max_delta: Annotated[SpecValue, Number(Kind.POSITION, above=0.0)]
+    """Largest correction [rad or m]."""
+    state: tuple[str, ...] = ()
+    """Names of the state's parts."""
+
+
+class Target(Strict):
+    """One thing to compile to."""
+
+    target: str | None = None
+    """Kind of the target; default: its key."""
+    version: Version | None = None
+    """Version of the simulator or framework, in quotes."""
+    isaac_sim: Version | None = None
+    """Isaac Sim version, for Isaac Lab."""
+    backend: Literal["physx", "newton", "ovphysx"] | None = None
+    """Physics backend, for Isaac Lab 3."""
+    class_: Literal["auto", "implicit", "custom"] | None = Field(default=None, alias="class")
+    """Kind of actuator class, for Isaac Lab."""
+    for_: tuple[str, ...] | None = Field(default=None, alias="for")
+    """Stacks to write randomisation for."""
+    joint_order: tuple[str, ...] | None = None
+    """Joint order of the robot's SDK, for deploy."""
+
+
+class SpecModel(Strict):
+    """An actuator spec."""
+
+    actspec: Annotated[int, Field(strict=True)]
+    """Version of the spec language: 1."""
+    robot: Robot
+    """The robot."""
+    timing: Timing = Timing()
+    """Rates of simulation and control."""
+    include: tuple[str, ...] = ()
+    """Files with more `motors` and `sources`, inside the spec's folder."""
+    sources: dict[str, Source] = {}
+    """Key to what it stands for."""
+    motors: dict[str, Motor] = {}
+    """Key to motor."""
+    actuators: Annotated[dict[str, Actuators], Field(min_length=1)]
+    """Name to group; every actuated joint is in exactly one."""
+    delta_action: DeltaAction | None = None
+    """Robot-wide delta action."""
+    targets: dict[str, Target] = {}
+    """Name to target."""
+    accept: dict[str, str] = {}
+    """`target.field` of an approximation to the reason why it is taken."""

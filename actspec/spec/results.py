@@ -1,0 +1,104 @@
+"""Identification results: the file that `identified:` names, written by a fit.
+
+YAML like the spec, read as strictly. One entry a joint; each number carries unit and std.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field, ValidationError
+
+from actspec.diagnostics import Collector, SpecError
+from actspec.spec.document import Document
+from actspec.spec.models import Name, Strict
+from actspec.spec.validate import report, written_path
+from actspec.spec.values import Number, SpecValue
+from actspec.units import Kind
+
+FORMAT = "actspec-results/1"
+
+
+class FrictionResult(Strict):
+    """Fitted passive friction at the joint."""
+
+    coulomb: Annotated[SpecValue, Number(Kind.TORQUE, at_least=0.0)] | None = None
+    """Kinetic dry friction [N*m or N]."""
+    viscous: Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0)] | None = None
+    """Passive viscous friction [N*m*s/rad or N*s/m]."""
+    static: Annotated[SpecValue, Number(Kind.TORQUE, at_least=0.0)] | None = None
+    """Break-away friction [N*m or N]."""
+    stribeck_velocity: Annotated[SpecValue, Number(Kind.SPEED, above=0.0)] | None = None
+    """[rad/s or m/s]."""
+
+
+class JointResult(Strict):
+    """What was fitted of one joint."""
+
+    kp: Annotated[SpecValue, Number(Kind.STIFFNESS, at_least=0.0)] | None = None
+    """Effective drive stiffness [N*m/rad or N/m]."""
+    kd: Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0)] | None = None
+    """Effective drive velocity gain [N*m*s/rad or N*s/m]."""
+    armature: Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0)] | None = None
+    """Inertia added to the joint [kg*m^2 or kg]."""
+    friction: FrictionResult = FrictionResult()
+    """Passive friction."""
+    delay: Annotated[SpecValue, Number(Kind.TIME, at_least=0.0)] | None = None
+    """Delay of the command [s]."""
+    bandwidth: Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)] | None = None
+    """-3 dB frequency of the command's low-pass [Hz]."""
+    encoder_bias: Annotated[SpecValue, Number(Kind.POSITION)] | None = None
+    """q_measured = q + bias [rad or m]."""
+    bounds_hit: tuple[str, ...] = ()
+    """Fields that ended at a bound of the fit."""
+    unidentifiable: tuple[str, ...] = ()
+    """Fields that the data cannot tell."""
+
+
+class LogFile(Strict):
+    """A log that the fit used."""
+
+    path: str
+    """Path as given to the fit."""
+    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+    """Hash of its bytes."""
+
+
+class Results(Strict):
+    """Results of an identification."""
+
+    format: Literal["actspec-results/1"]
+    """Format of this file."""
+    robot: Name
+    """Name of the robot."""
+    method: Name
+    """Experiment and fit, e.g. `rollout`."""
+    date: str | None = None
+    """Day of the experiment, YYYY-MM-DD."""
+    temperature: Literal["cold", "warm"] | None = None
+    """Whether the motors were cold or warm."""
+    data: tuple[LogFile, ...] = ()
+    """Logs."""
+    held_out_rmse: Annotated[SpecValue, Number(Kind.POSITION, at_least=0.0)] | None = None
+    """Error on data that the fit did not see [rad or m]."""
+    condition: float | None = None
+    """Condition number of the fit's normal matrix."""
+    note: str | None = None
+    """Remark."""
+    joints: dict[str, JointResult]
+    """Joint to what was fitted."""
+
+
+def validate_results(document: Document) -> Results:
+    """Check a results file.
+
+    Raises:
+        SpecError: with every error of the file.
+    """
+    try:
+        return Results.model_validate(document.data)
+    except ValidationError as err:
+        collector = Collector()
+        for item in err.errors(include_url=False):
+            report(collector, document, item, written_path(tuple(item["loc"]), document.data), Results)
+        raise SpecError(collector.sorted()) from None

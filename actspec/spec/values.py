@@ -1,0 +1,291 @@
+"""Numbers as a spec writes them: `33.5 N*m`, `0.2`, `unknown`, `{value, unit, source, std, note}`.
+
+Each field of the spec names its quantity kind; a field's type is an
+an annotated `SpecValue` that parses, checks and documents itself in the JSON Schema (`Number`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any, TypeVar
+
+from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+
+from actspec.diagnostics import nearest
+from actspec.units import Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
+
+T = TypeVar("T")
+
+UNKNOWN = "unknown"
+IDENTIFIED = "identified"
+EXAMPLES: Mapping[Kind, str] = {
+    Kind.TORQUE: "33.5 N*m",
+    Kind.STIFFNESS: "25 N*m/rad",
+    Kind.VELOCITY_GAIN: "0.5 N*m*s/rad",
+    Kind.INERTIA: "0.01 kg*m^2",
+    Kind.SPEED: "21 rad/s",
+    Kind.POSITION: "0.9 rad",
+    Kind.ANGLE: "0.9 rad",
+    Kind.TIME: "5 ms",
+    Kind.FREQUENCY: "30 Hz",
+    Kind.RATIO: "0.25",
+    Kind.VOLTAGE: "24 V",
+    Kind.CURRENT: "20 A",
+    Kind.TORQUE_CONSTANT: "0.1 N*m/A",
+    Kind.RESISTANCE: "0.2 Ohm",
+}
+"""How one writes each kind, for messages and editors."""
+
+VALUE_KEYS = ("value", "unit", "source", "std", "note")
+
+
+@dataclass(frozen=True, slots=True)
+class SpecValue:
+    """One number of a spec, in SI units.
+
+    Attributes:
+        value: The number; None when the author wrote `unknown`.
+        unit: SI unit, e.g. `N*m/rad`.
+        linear: True for a slide joint's unit (N, N/m, ...), False for a hinge's, None when the
+            unit does not tell (a bare number, a ratio, a time).
+        written: What the author wrote, for messages.
+        source: Key of `sources`.
+        std: Standard deviation in `unit`.
+        note: The author's remark.
+        identified: The author wrote `identified`: take the fitted value.
+    """
+
+    value: float | None
+    unit: str
+    linear: bool | None
+    written: str
+    source: str | None = None
+    std: float | None = None
+    note: str | None = None
+    identified: bool = False
+
+
+def fault(message: str, help: str | None = None, at: tuple[str | int, ...] = ()) -> PydanticCustomError:
+    """An error for a pydantic validator that carries its help and the place below the field."""
+    return PydanticCustomError("actspec", "{message}", {"message": message, "help": help, "at": at})
+
+
+def check_keys(given: Mapping[str, Any], known: tuple[str, ...], what: str) -> None:
+    """Raise for a key that `what` does not have, naming the nearest one that it has."""
+    for key in given:
+        if key not in known:
+            guess = nearest(key, known)
+            raise fault(
+                f"unknown key '{key}' in {what}",
+                f"did you mean '{guess}'?" if guess else f"known keys: {', '.join(known)}",
+                (key,),
+            )
+
+
+def parse_value(
+    given: Any,
+    kind: Kind,
+    *,
+    at_least: float | None = None,
+    above: float | None = None,
+    at_most: float | None = None,
+    words: tuple[str, ...] = (UNKNOWN,),
+) -> SpecValue:
+    """Parse one number of a spec.
+
+    Args:
+        given: What the YAML holds.
+        kind: Quantity kind of the field.
+        at_least: Smallest allowed number [SI].
+        above: The number must be greater than this [SI].
+        at_most: Largest allowed number [SI].
+        words: Words that the field takes in place of a number (`unknown`, `identified`).
+
+    Raises:
+        PydanticCustomError: with message, help and the place below the field.
+    """
+    source = note = std_given = None
+    number: Any = given
+    unit_text: str | None = None
+    at: tuple[str | int, ...] = ()
+    if isinstance(given, dict):
+        check_keys(given, VALUE_KEYS, "a value")
+        if "value" not in given:
+            raise fault("a value needs its key 'value'", "write {value: 33.5 N*m, source: ...}")
+        number, unit_text, at = given["value"], given.get("unit"), ("value",)
+        source, note, std_given = given.get("source"), given.get("note"), given.get("std")
+        for key, text in (("unit", unit_text), ("source", source), ("note", note)):
+            if text is not None and not isinstance(text, str):
+                raise fault(f"must be text, got {text!r}", None, (key,))
+    if isinstance(number, str) and number.strip() in words:
+        word = number.strip()
+        return SpecValue(None, kind.rotary_unit, None, word, source, None, note, word == IDENTIFIED)
+    if isinstance(number, bool) or not isinstance(number, (int, float, str)):
+        raise fault(f"must be a {kind.noun}, got {short(number)}", _example(kind), at)
+    if unit_text is not None and isinstance(number, str):
+        # A unit on both: the one in the text is the author's word for the number.
+        number, unit_text = f"{number} {unit_text}", None
+    try:
+        parsed = (
+            parse_quantity(number, kind) if unit_text is None else parse_with_unit(number, unit_text, kind)
+        )
+    except UnitError as err:
+        raise fault(err.message, err.help, at) from None
+    unit = parsed.unit
+    for bad, sense, bound in (
+        (at_least is not None and parsed.value < at_least, ">=", at_least),
+        (above is not None and parsed.value <= above, ">", above),
+        (at_most is not None and parsed.value > at_most, "<=", at_most),
+    ):
+        if bad and bound is not None:
+            raise fault(
+                f"must be {sense} {format_quantity(bound, unit)}, got {format_quantity(parsed.value, unit)}",
+                None,
+                at,
+            )
+    std = None
+    if std_given is not None:
+        try:
+            std_parsed = (
+                parse_with_unit(std_given, unit_text, kind)
+                if unit_text is not None and not isinstance(std_given, str)
+                else parse_quantity(std_given, kind)
+            )
+        except UnitError as err:
+            raise fault(err.message, err.help, ("std",)) from None
+        std = std_parsed.value
+        if std < 0:
+            raise fault(f"must be >= 0 {unit}, got {format_quantity(std, unit)}", None, ("std",))
+    return SpecValue(parsed.value, unit, parsed.linear, short(number), source, std, note)
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """Annotation of a field that holds one number: `Annotated[SpecValue, Number(Kind.TORQUE, above=0)]`.
+
+    Attributes: see `parse_value`; `identified` also takes the word `identified`.
+    """
+
+    kind: Kind
+    at_least: float | None = None
+    above: float | None = None
+    at_most: float | None = None
+    identified: bool = False
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Words that the field takes in place of a number."""
+        return (UNKNOWN, IDENTIFIED) if self.identified else (UNKNOWN,)
+
+    def __call__(self, given: Any) -> SpecValue:
+        """Parse what the YAML holds."""
+        return parse_value(
+            given, self.kind, at_least=self.at_least, above=self.above, at_most=self.at_most, words=self.words
+        )
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return value_schema(self.kind, self.words)
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """Annotation of a field that holds `[low, high]` of one kind, low <= high."""
+
+    kind: Kind
+    at_least: float | None = None
+    words: tuple[str, ...] = ()
+    """Words that stand in place of the whole pair."""
+    ordered: bool = True
+    """Whether low <= high is demanded."""
+
+    def __call__(self, given: Any) -> tuple[SpecValue, SpecValue] | str:
+        """Parse what the YAML holds."""
+        if isinstance(given, str) and given in self.words:
+            return given
+        if not isinstance(given, list) or len(given) != 2:
+            choices = "".join(f", or `{word}`" for word in self.words)
+            raise fault(
+                f"must be [low, high], two of a {self.kind.noun}{choices}, got {short(given)}",
+                f"write for instance `[{EXAMPLES[self.kind]}, {EXAMPLES[self.kind]}]`",
+            )
+        ends = []
+        for index, item in enumerate(given):
+            try:
+                ends.append(parse_value(item, self.kind, at_least=self.at_least, words=()))
+            except PydanticCustomError as err:
+                context = dict(err.context or {})
+                raise fault(context["message"], context["help"], (index, *context["at"])) from None
+        low, high = ends
+        if self.ordered and low.value is not None and high.value is not None and low.value > high.value:
+            raise fault(
+                f"the range is the wrong way round: {low.written} is above {high.written}",
+                f"write [{high.written}, {low.written}]",
+            )
+        return low, high
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": value_schema(self.kind, ())}
+        return {"anyOf": [{"enum": list(self.words)}, pair]} if self.words else pair
+
+
+def parse_below(key: str, given: Any, parse: Callable[[Any], T]) -> T:
+    """Parse the value of `key` inside a mapping; an error names the key too."""
+    try:
+        return parse(given)
+    except PydanticCustomError as err:
+        context = dict(err.context or {})
+        raise fault(context["message"], context["help"], (key, *context["at"])) from None
+
+
+def value_schema(kind: Kind, words: tuple[str, ...] = (UNKNOWN,)) -> dict[str, Any]:
+    """JSON Schema of a number of that kind, for editors."""
+    text = {
+        "type": "string",
+        "description": f"Number with its unit, a {kind.noun} [{kind.rotary_unit}], e.g. `{EXAMPLES[kind]}`.",
+        "examples": [EXAMPLES[kind]],
+    }
+    bare: list[dict[str, Any]] = [
+        {"type": "number", "description": f"A {kind.noun} in {kind.rotary_unit or 'no unit'}."}
+    ]
+    if not kind.bare:
+        bare = [{"const": 0, "description": "Only 0 may stand without a unit."}]
+    scalar: list[dict[str, Any]] = [{"enum": list(words)}, *bare, text]
+    return {
+        "anyOf": [
+            *scalar,
+            {
+                "type": "object",
+                "required": ["value"],
+                "additionalProperties": False,
+                "properties": {
+                    "value": {"anyOf": scalar},
+                    "unit": {"type": "string", "description": "Unit of a bare `value` and `std`."},
+                    "source": {"type": "string", "description": "Key of `sources`."},
+                    "std": {"anyOf": [{"type": "number"}, text], "description": "Standard deviation."},
+                    "note": {"type": "string", "description": "Remark."},
+                },
+            },
+        ]
+    }
+
+
+def short(given: Any) -> str:
+    """What was given, cut to a length fit for a message."""
+    text = given if isinstance(given, str) else repr(given)
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _example(kind: Kind) -> str:
+    return f"write for instance `{EXAMPLES[kind]}`"

@@ -1,0 +1,88 @@
+"""What every target is: a pure function from an ActuatorSet and a robot to files and approximations."""
+
+from __future__ import annotations
+
+import hashlib
+from dataclasses import dataclass
+
+from actspec.diagnostics import Diagnostic, Span
+
+
+@dataclass(frozen=True, slots=True)
+class TargetOptions:
+    """How one target is to be compiled.
+
+    Attributes:
+        name: The target's name in the spec, also the name of its folder.
+        kind: Kind of target, e.g. `mujoco`.
+        version: Version of the simulator as text, e.g. `3.12`.
+        version_span: Where the version is written; None when it was chosen on the command line.
+        folder: Folder that the files will be written to, for relative paths inside them.
+        canonical: Write the simulator's own form of the model instead of the author's text (MuJoCo).
+    """
+
+    name: str
+    kind: str
+    version: str
+    version_span: Span | None
+    folder: str
+    canonical: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class EmittedFile:
+    """A file to write, by its path below the target's folder."""
+
+    path: str
+    data: bytes
+
+    @property
+    def sha256(self) -> str:
+        """Hash of the bytes."""
+        return hashlib.sha256(self.data).hexdigest()
+
+
+@dataclass(frozen=True, slots=True)
+class Approximation:
+    """What a target cannot express of one joint.
+
+    Attributes:
+        target: Name of the target in the spec.
+        joint: The joint; "" when it concerns the whole robot.
+        field: Field of the spec, e.g. `command_filter`.
+        asked: What the spec asks for, with unit.
+        emitted: What the target gets instead.
+        why: Reason.
+        max_torque_error: Largest difference in torque that it can make [N*m or N]; None when the
+            loss is not one of torque.
+        unit: Unit of `max_torque_error`.
+    """
+
+    target: str
+    joint: str
+    field: str
+    asked: str
+    emitted: str
+    why: str
+    max_torque_error: float | None
+    unit: str = "N*m"
+
+    @property
+    def key(self) -> str:
+        """Name under which `accept` takes it."""
+        return f"{self.target}.{self.field}"
+
+
+@dataclass(frozen=True, slots=True)
+class Emission:
+    """What a target made.
+
+    Attributes:
+        files: Files, the main one first.
+        approximations: What was lost, joint by joint.
+        diagnostics: Warnings and notes.
+    """
+
+    files: tuple[EmittedFile, ...]
+    approximations: tuple[Approximation, ...]
+    diagnostics: tuple[Diagnostic, ...] = ()

@@ -1,0 +1,215 @@
+"""The plan applied to the author's text: comments, includes, classes and untouched lines stay."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from actspec.diagnostics import Collector
+from actspec.robot.view import RobotView
+from actspec.robot.xml import Element, XmlDocument
+from actspec.robot.xml_edit import (
+    AppendChild,
+    Edit,
+    RemoveElement,
+    ReplaceElement,
+    SetAttribute,
+    format_number,
+)
+from actspec.targets.mujoco.dialect import actuator_xml
+from actspec.targets.mujoco.plan import JointEdit, Plan
+from actspec.targets.versions import MujocoDialect
+
+ACTUATOR_TAGS = frozenset(
+    {
+        "general",
+        "motor",
+        "position",
+        "velocity",
+        "intvelocity",
+        "damper",
+        "cylinder",
+        "muscle",
+        "adhesion",
+        "dcmotor",
+        "pid",
+        "plugin",
+        "orientation",
+    }
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Anchors:
+    """Where a plan's edits go in the text.
+
+    Attributes:
+        joints: Joint to its element.
+        actuators: Elements of the actuators, in the model's order.
+        keys: Elements of the keyframes, in order.
+        sensors: Sensors and other elements that name an actuator: (element, attribute).
+        explicit: Whether the main default class holds numbers of an actuator.
+    """
+
+    joints: dict[str, Element]
+    actuators: tuple[Element, ...]
+    keys: tuple[Element, ...]
+    sensors: tuple[tuple[Element, str], ...]
+    explicit: bool
+
+
+def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector: Collector) -> Anchors:
+    """Find the elements that a plan edits; those that cannot be edited are errors."""
+    joints: dict[str, Element] = {}
+    copied: set[str] = set()
+    for element, inside in _body_elements(document):
+        name = element.get("name")
+        if element.tag in ("joint", "freejoint") and name:
+            joints[name] = element
+            if inside:
+                copied.add(name)
+    actuators = tuple(child for section in document.sections("actuator") for child in section.children)
+    keys = tuple(
+        child for section in document.sections("keyframe") for child in section.children if child.tag == "key"
+    )
+    help = "use `--canonical` to write MuJoCo's own, expanded form of the model"
+    for edit in plan.joints:
+        if edit.joint not in joints or edit.joint in copied:
+            joint = robot.joint(edit.joint)
+            collector.error(
+                "MJC004",
+                f"'{edit.joint}' comes from <replicate> or <attach>: its text cannot be edited alone",
+                where=edit.joint,
+                span=joint.span if joint is not None else None,
+                help=help,
+            )
+        elif document.is_repeated(joints[edit.joint]):
+            collector.error(
+                "MJC005",
+                f"'{edit.joint}' is in a file that is included more than once",
+                where=edit.joint,
+                span=document.span(joints[edit.joint]),
+                help=help,
+            )
+    if len(actuators) != len(robot.actuators) and (plan.replaced or plan.removed):
+        collector.error(
+            "MJC006",
+            f"the text has {len(actuators)} actuators, the model {len(robot.actuators)}: some come from <replicate> "
+            "or <attach>",
+            help=help,
+        )
+    elif plan.replaced and any(document.is_repeated(actuators[r.index]) for r in plan.replaced):
+        collector.error("MJC005", "actuators are in a file that is included more than once", help=help)
+    if plan.keys and max(key.index for key in plan.keys) >= len(keys):
+        collector.error("MJC006", f"the text has {len(keys)} keyframes, the model more", help=help)
+    sensors = []
+    for section in (*document.sections("sensor"), *document.sections("custom")):
+        for element in _below(section):
+            if element.get("actuator") in plan.renamed:
+                sensors.append((element, "actuator"))
+            if element.get("objtype") == "actuator" and element.get("objname") in plan.renamed:
+                sensors.append((element, "objname"))
+    return Anchors(joints, actuators, keys, tuple(sensors), _main_default_has_actuator(document))
+
+
+def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: MujocoDialect) -> list[Edit]:
+    """The plan as edits of the text, in the words of a dialect."""
+    edits: list[Edit] = []
+    for joint in plan.joints:
+        edits += _joint_edits(anchors.joints[joint.joint], joint)
+    for entry in plan.replaced:
+        element = anchors.actuators[entry.index]
+        edits.append(ReplaceElement(element, actuator_xml(entry.drive, dialect, explicit=anchors.explicit)))
+    edits += [RemoveElement(anchors.actuators[index]) for index in plan.removed]
+    if plan.added:
+        lines = [actuator_xml(drive, dialect, explicit=anchors.explicit) for drive in plan.added]
+        sections = [s for s in document.sections("actuator") if not document.is_repeated(s)]
+        if sections and sections[-1] is document.sections("actuator")[-1]:
+            edits += [AppendChild(sections[-1], line) for line in lines]
+        else:
+            body = "".join(f"\n  {line}" for line in lines)
+            edits.append(AppendChild(document.root, f"<actuator>{body}\n</actuator>"))
+    for element, attribute in anchors.sensors:
+        edits.append(SetAttribute(element, attribute, plan.renamed[element.get(attribute) or ""]))
+    if plan.timestep is not None:
+        edits.append(_timestep(document, plan.timestep))
+    for key in plan.keys:
+        element = anchors.keys[key.index]
+        for name, values in (("ctrl", key.ctrl), ("act", key.act)):
+            if values is not None:
+                text = " ".join(format_number(value) for value in values)
+                edits.append(SetAttribute(element, name, text if values else None))
+    return edits
+
+
+def _joint_edits(element: Element, edit: JointEdit) -> Iterator[Edit]:
+    if edit.springdamper_off:
+        yield SetAttribute(element, "springdamper", "0 0")
+    if edit.stiffness is not None:
+        yield SetAttribute(element, "stiffness", format_number(edit.stiffness))
+    if edit.damping is not None:
+        values = edit.damping if any(edit.damping[1:]) else edit.damping[:1]
+        yield SetAttribute(element, "damping", " ".join(format_number(value) for value in values))
+    if edit.armature is not None:
+        yield SetAttribute(element, "armature", format_number(edit.armature))
+    if edit.frictionloss is not None:
+        yield SetAttribute(element, "frictionloss", format_number(edit.frictionloss))
+    if edit.effort is not None:
+        yield SetAttribute(
+            element, "actuatorfrcrange", f"{format_number(-edit.effort)} {format_number(edit.effort)}"
+        )
+        yield SetAttribute(element, "actuatorfrclimited", "true")
+
+
+def _timestep(document: XmlDocument, timestep: float) -> Edit:
+    """On the option that states it last, else on the last option, else a new one."""
+    options = document.sections("option")
+    text = format_number(timestep)
+    stating = [option for option in options if option.get("timestep") is not None]
+    for option in (*reversed(stating), *([] if stating else reversed(options))):
+        if not document.is_repeated(option):
+            return SetAttribute(option, "timestep", text)
+    return AppendChild(document.root, f'<option timestep="{text}"/>')
+
+
+def _body_elements(document: XmlDocument) -> Iterator[tuple[Element, bool]]:
+    """Elements of the body tree, with whether a replicate or attach is above them."""
+    stack = [(section, False) for section in document.sections("worldbody")]
+    while stack:
+        element, inside = stack.pop()
+        yield element, inside
+        inside = inside or element.tag in ("replicate", "attach")
+        stack.extend((child, inside) for child in element.children)
+
+
+def _below(element: Element) -> Iterator[Element]:
+    for child in element.children:
+        yield child
+        yield from _below(child)
+
+
+def _main_default_has_actuator(document: XmlDocument) -> bool:
+    return any(
+        child.tag in ACTUATOR_TAGS
+        for default in document.sections("default")
+        if default.get("class", "main") == "main"
+        for child in default.children
+    )
+
+
+def _user(element: Element) -> tuple[float, ...]:
+    try:
+        return tuple(float(part) for part in (element.get("user") or "").split())
+    except ValueError:
+        return ()
+
+
+def users_of(anchors: Anchors, plan: Plan) -> Plan:
+    """The plan with the user data of replaced actuators, which only the text knows."""
+    return replace(
+        plan,
+        replaced=tuple(
+            replace(entry, drive=replace(entry.drive, user=_user(anchors.actuators[entry.index])))
+            for entry in plan.replaced
+        ),
+    )

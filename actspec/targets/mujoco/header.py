@@ -1,0 +1,134 @@
+"""The comment at the top of a written model: what every number is and where it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import fields as dataclass_fields
+
+from actspec.diagnostics import one_line
+from actspec.ir import ActuatorSet, AsymmetricCurve, Delay, JointActuator, Quantity
+from actspec.targets.base import Approximation
+from actspec.units import format_quantity
+
+SHOWN = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "velocity_limit",
+    "stall_torque",
+    "no_load_speed",
+    "armature",
+    "friction_coulomb",
+    "friction_static",
+    "friction_viscous",
+    "stribeck_velocity",
+    "filter_cutoff",
+    "encoder_bias",
+)
+
+
+def header(
+    actuators: ActuatorSet, approximations: tuple[Approximation, ...], target: str, source: str, tool: str
+) -> str:
+    """The comment's text, one XML comment.
+
+    Args:
+        actuators: What was compiled.
+        approximations: What the target lost.
+        target: e.g. `MuJoCo 3.12`.
+        source: File name of the robot's model.
+        tool: e.g. `actspec 0.1.0`.
+    """
+    lines = [
+        f"Written by {tool} for {target}. Do not edit: change the spec and compile again.",
+        f"spec sha256 {actuators.spec_sha256}",
+        f"model {source}",
+        f"physics_dt {_quantity(actuators.physics_dt)}",
+    ]
+    for names, entries in _groups(actuators):
+        lines += ["", names, *(f"  {entry}" for entry in entries)]
+    if approximations:
+        lines += ["", "Approximations (what this target cannot hold):"]
+        lines += [f"  {line}" for line in _losses(approximations)]
+    used = {q.source for a in actuators.joints for q in _quantities(a) if q.source}
+    cited = [source for source in actuators.sources if source.key in used]
+    if cited:
+        lines += ["", "Sources:"]
+        for entry in cited:
+            parts = (entry.title, entry.url, entry.page)
+            lines.append(f"  {entry.key}: " + ", ".join(part for part in parts if part))
+    body = "\n".join(f"  {line}".rstrip() for line in map(_comment, lines))
+    return f"<!--\n{body}\n-->"
+
+
+def _groups(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
+    """Joints with the same numbers together: (title, one line a number)."""
+    merged: dict[tuple[str, ...], list[JointActuator]] = {}
+    for actuator in actuators.joints:
+        merged.setdefault((actuator.group, *_entries(actuator)), []).append(actuator)
+    for key, members in merged.items():
+        group, lines = key[0], list(key[1:])
+        first = members[0]
+        title = f"{group} ({first.level.value}, {first.command.value}): {', '.join(m.joint for m in members)}"
+        yield title, lines
+
+
+def _entries(actuator: JointActuator) -> Iterator[str]:
+    for name in SHOWN:
+        quantity = getattr(actuator, name)
+        if quantity is not None:
+            yield f"{name} {_quantity(quantity)}"
+    if actuator.curve is not None:
+        for part in dataclass_fields(AsymmetricCurve):
+            yield f"curve.{part.name} {_quantity(getattr(actuator.curve, part.name))}"
+    delay: Delay | None = actuator.delay
+    if delay is not None:
+        reach = "" if delay.low == delay.high else f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
+        yield f"delay {_quantity(delay.nominal)}{reach}"
+    if actuator.command_range is not None:
+        low, high = actuator.command_range
+        yield f"command_range {_quantity(low)} to {_quantity(high)}"
+
+
+def _quantities(actuator: JointActuator) -> Iterator[Quantity]:
+    for name in SHOWN:
+        quantity = getattr(actuator, name)
+        if quantity is not None:
+            yield quantity
+    if actuator.curve is not None:
+        for part in dataclass_fields(AsymmetricCurve):
+            yield getattr(actuator.curve, part.name)
+
+
+def _quantity(quantity: Quantity) -> str:
+    text = format_quantity(quantity.value, quantity.unit)
+    if quantity.value is None:
+        return text
+    about = [quantity.origin.value]
+    if quantity.formula:
+        about.append(quantity.formula)
+    if quantity.source and quantity.origin.value != "model":
+        about.append(quantity.source)
+    if quantity.std is not None:
+        about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
+    return f"{text} ({'; '.join(about)})"
+
+
+def _losses(approximations: tuple[Approximation, ...]) -> Iterator[str]:
+    """One line for the joints that lose the same."""
+    merged: dict[tuple[str, str, str, str, float | None, str], list[str]] = {}
+    for loss in approximations:
+        key = (loss.field, loss.asked, loss.emitted, loss.why, loss.max_torque_error, loss.unit)
+        merged.setdefault(key, []).append(loss.joint)
+    for (field, asked, emitted, why, error, unit), joints in merged.items():
+        size = "" if error is None else f"; at most {format_quantity(error, unit)}"
+        named = [joint for joint in joints if joint]
+        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(named)}" if named else "")
+
+
+def _comment(line: str) -> str:
+    """A line that cannot end the comment: no `--`, no control characters."""
+    safe = one_line(line)
+    while "--" in safe:
+        safe = safe.replace("--", "- -")
+    return safe

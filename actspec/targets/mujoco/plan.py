@@ -1,0 +1,350 @@
+"""The edit plan: what changes in an MJCF, as data that both the MjSpec and the text follow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector
+from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.robot.view import ActuatorView, JointView, RobotView
+from actspec.targets.base import Approximation
+from actspec.targets.mujoco.drive import Drive, Form, drive_of
+from actspec.targets.versions import MujocoDialect
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    import mujoco
+
+
+@dataclass(frozen=True, slots=True)
+class JointEdit:
+    """New passive values of a joint; None leaves the file's.
+
+    Attributes:
+        joint: Name.
+        damping: (linear, quadratic, cubic) passive viscous coefficients.
+        armature: [kg*m^2 or kg].
+        frictionloss: [N*m or N].
+        stiffness: Written only where `springdamper` goes out of force.
+        effort: `actuatorfrcrange` becomes -+ this [N*m or N].
+        springdamper_off: Take `springdamper` out of force.
+    """
+
+    joint: str
+    damping: tuple[float, float, float] | None = None
+    armature: float | None = None
+    frictionloss: float | None = None
+    stiffness: float | None = None
+    effort: float | None = None
+    springdamper_off: bool = False
+
+    @property
+    def empty(self) -> bool:
+        """Whether nothing changes."""
+        return self == JointEdit(self.joint)
+
+
+@dataclass(frozen=True, slots=True)
+class Replaced:
+    """An actuator of the file that becomes a drive, in its place and under its name."""
+
+    index: int
+    drive: Drive
+
+
+@dataclass(frozen=True, slots=True)
+class KeyEdit:
+    """New `ctrl` and `act` of a keyframe, whole vectors; None leaves the file's."""
+
+    index: int
+    ctrl: tuple[float, ...] | None
+    act: tuple[float, ...] | None
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """All edits of one model.
+
+    Attributes:
+        joints: Edits of joints, in the robot's order.
+        replaced: Actuators that become drives.
+        removed: Indices of actuators that go, because another drives the joint already.
+        added: Drives of joints that had no actuator, appended in the robot's joint order.
+        renamed: Removed actuator's name to that of its joint's drive, for sensors.
+        timestep: New `option/timestep` [s]; None leaves the file's.
+        keys: Edits of keyframes.
+    """
+
+    joints: tuple[JointEdit, ...] = ()
+    replaced: tuple[Replaced, ...] = ()
+    removed: tuple[int, ...] = ()
+    added: tuple[Drive, ...] = ()
+    renamed: dict[str, str] = field(default_factory=dict)
+    timestep: float | None = None
+    keys: tuple[KeyEdit, ...] = ()
+
+    @property
+    def drives(self) -> tuple[Drive, ...]:
+        """All drives, in the file's actuator order, added ones last."""
+        return (*(r.drive for r in self.replaced), *self.added)
+
+
+@dataclass(frozen=True, slots=True)
+class Planned:
+    """A plan with what it lost."""
+
+    plan: Plan
+    approximations: tuple[Approximation, ...]
+
+
+def plan_model(
+    actuators: ActuatorSet, robot: RobotView, dialect: MujocoDialect, target: str, collector: Collector
+) -> Planned:
+    """Plan all edits but those of keyframes (`with_keys` adds them, from the compiled model)."""
+    step = actuators.physics_dt.require()
+    names = {a.name for a in robot.actuators}
+    lost: list[Approximation] = []
+    joint_edits: list[JointEdit] = []
+    replaced: list[Replaced] = []
+    removed: list[int] = []
+    added: list[Drive] = []
+    renamed: dict[str, str] = {}
+    for actuator in actuators.joints:
+        joint = robot.joint(actuator.joint)
+        assert joint is not None
+        own = actuators_of(robot, joint.name)
+        result = drive_of(actuator, joint, own, effort_bound(joint, own), dialect, step, target, collector)
+        if result is None:
+            continue
+        lost += result.approximations
+        drive = result.drive
+        if own:
+            drive = replace(drive, name=own[0].name, group=own[0].group)
+            replaced.append(Replaced(own[0].index, drive))
+            _note_replaced(own, drive, collector)
+            for other in own[1:]:
+                removed.append(other.index)
+                if other.name:
+                    renamed[other.name] = drive.name
+        else:
+            if drive.name in names:
+                collector.error(
+                    "MJC002",
+                    f"the actuator of '{joint.name}' would be named like it, but another actuator has that name",
+                    where=joint.name,
+                    span=next(a.span for a in robot.actuators if a.name == drive.name),
+                    help="rename the other actuator",
+                )
+            added.append(drive)
+        joint_edits.append(_joint_edit(actuator, joint, own, dialect, collector))
+    timestep = None
+    if robot.timestep is not None and step != robot.timestep:
+        timestep = step
+        collector.info(
+            "MJC010",
+            f"option/timestep becomes {step:g} s, the file has {robot.timestep:g} s",
+            span=actuators.physics_dt.span,
+            where="timing.physics_dt",
+        )
+    if target and actuators.delta_action is not None:
+        delta = actuators.delta_action
+        lost.append(
+            Approximation(
+                target,
+                "",
+                "delta_action",
+                delta.network,
+                "none",
+                "MuJoCo runs no network: wrap the environment with the runtime",
+                None,
+            )
+        )
+    plan = Plan(
+        joints=tuple(edit for edit in joint_edits if not edit.empty),
+        replaced=tuple(sorted(replaced, key=lambda r: r.index)),
+        removed=tuple(sorted(removed)),
+        added=tuple(added),
+        renamed=renamed,
+        timestep=timestep,
+    )
+    return Planned(plan, tuple(lost))
+
+
+def _note_replaced(own: tuple[ActuatorView, ...], drive: Drive, collector: Collector) -> None:
+    first = own[0]
+    if len(own) > 1:
+        collector.warning(
+            "MJC011",
+            f"'{drive.joint}' had {len(own)} actuators ({', '.join(a.name or '(no name)' for a in own)}), it gets one: "
+            "the number of controls changes",
+            where=drive.joint,
+            span=own[1].span,
+            help=f"send the command to '{drive.name}'",
+        )
+    if first.gear != 1.0:
+        collector.warning(
+            "MJC012",
+            f"'{first.name}' had gear {first.gear:g}, it gets 1: its control and its sensors are in joint units now",
+            where=drive.joint,
+            span=first.span,
+        )
+
+
+def _joint_edit(
+    actuator: JointActuator,
+    joint: JointView,
+    own: tuple[ActuatorView, ...],
+    dialect: MujocoDialect,
+    collector: Collector,
+) -> JointEdit:
+    """What changes at the joint itself."""
+    viscous = actuator.friction_viscous.value
+    folded = [0.0, 0.0, 0.0]
+    for a in own:
+        # An actuator's damping acts on gear * speed and is multiplied by gear again.
+        for power in range(3):
+            folded[power] += abs(a.gear) ** (power + 2) * a.damping[power]
+    linear = viscous if viscous is not None else joint.damping + folded[0]
+    damping = (linear, joint.damping_polynomial[0] + folded[1], joint.damping_polynomial[1] + folded[2])
+    current = (joint.damping, *joint.damping_polynomial)
+    if any(damping[1:]):
+        if not dialect.polynomials:
+            collector.error(
+                "MJC003",
+                f"'{joint.name}' has polynomial damping, which MuJoCo {dialect.text} cannot hold",
+                where=joint.name,
+                span=joint.span,
+                help="compile for MuJoCo 3.7 or later, or remove the second and third number",
+            )
+        if viscous is not None and actuator.friction_viscous.origin.value in ("authored", "identified"):
+            collector.warning(
+                "MJC013",
+                f"'{joint.name}' keeps its polynomial damping ({damping[1]:g} w|w|, {damping[2]:g} w^3) beside "
+                f"friction.viscous {format_quantity(viscous, actuator.friction_viscous.unit)}",
+                where=joint.name,
+                span=joint.span,
+            )
+    armature = actuator.armature.value
+    own_armature = sum(a.gear**2 * a.armature for a in own)
+    if armature is None:
+        armature = joint.armature + own_armature
+    coulomb = actuator.friction_coulomb.value
+    limit = actuator.effort_limit.value
+    effort = None
+    if limit is not None and joint.effort_range is not None:
+        low, high = joint.effort_range
+        if low > -limit or high < limit:
+            effort = limit
+    edit = JointEdit(
+        joint=joint.name,
+        damping=damping if damping != current else None,
+        armature=armature if armature != joint.armature else None,
+        frictionloss=coulomb if coulomb is not None and coulomb != joint.frictionloss else None,
+        effort=effort,
+    )
+    if joint.springdamper:
+        # In force it would overwrite what is written, and follow the armature.
+        edit = replace(edit, damping=damping, stiffness=joint.stiffness, springdamper_off=True)
+    return edit
+
+
+def with_keys(plan: Plan, robot: RobotView, model: mujoco.MjModel, settles: frozenset[str]) -> Plan:
+    """Add the keyframes' new controls and activations to a plan.
+
+    A keyframe's control stays where its meaning stays; where a control's kind or gear changed, and
+    for added ones, it becomes the keyframe's joint position (0 for velocity and effort). The
+    activation of a filtered drive is its control.
+
+    Args:
+        plan: The other edits.
+        robot: The robot.
+        model: The original model, compiled.
+        settles: Joints whose actuator in the file had the same kind and gear.
+    """
+    keys = []
+    by_index = {r.index: r.drive for r in plan.replaced}
+    for index in range(model.nkey):
+        ctrl: list[float] = []
+        act: list[float] = []
+        for actuator in range(len(robot.actuators)):
+            if actuator in plan.removed:
+                continue
+            drive = by_index.get(actuator)
+            if drive is None:
+                ctrl += _controls(model, index, actuator)
+                act += _activations(model, index, actuator)
+                continue
+            value = (
+                _controls(model, index, actuator)[0]
+                if drive.joint in settles
+                else _resting(drive, model, index)
+            )
+            ctrl.append(value)
+            act += [value] if drive.time_constant else []
+        for drive in plan.added:
+            value = _resting(drive, model, index)
+            ctrl.append(value)
+            act += [value] if drive.time_constant else []
+        old_ctrl = [float(x) for x in model.key_ctrl[index]]
+        old_act = [float(x) for x in model.key_act[index]]
+        key = KeyEdit(
+            index,
+            tuple(ctrl) if ctrl != old_ctrl else None,
+            tuple(act) if act != old_act else None,
+        )
+        if key.ctrl is not None or key.act is not None:
+            keys.append(key)
+    return replace(plan, keys=tuple(keys))
+
+
+def _resting(drive: Drive, model: mujoco.MjModel, key: int) -> float:
+    if drive.command is not Command.POSITION:
+        return 0.0
+    import mujoco
+
+    joint = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, drive.joint)
+    return float(model.key_qpos[key][model.jnt_qposadr[joint]])
+
+
+def _controls(model: mujoco.MjModel, key: int, actuator: int) -> list[float]:
+    """Controls of one actuator; from 3.11 on it may have none or several."""
+    address = getattr(model, "actuator_ctrladr", None)
+    if address is None:
+        return [float(model.key_ctrl[key][actuator])]
+    start, count = int(address[actuator]), int(model.actuator_ctrlnum[actuator])
+    return [float(x) for x in model.key_ctrl[key][start : start + count]]
+
+
+def _activations(model: mujoco.MjModel, key: int, actuator: int) -> list[float]:
+    start, count = int(model.actuator_actadr[actuator]), int(model.actuator_actnum[actuator])
+    return [] if start < 0 else [float(x) for x in model.key_act[key][start : start + count]]
+
+
+def unchanged_controls(plan: Plan, robot: RobotView) -> frozenset[str]:
+    """Joints whose control means the same as before: same kind, gear 1 before and after."""
+    kinds = {
+        Command.POSITION: ("position", "dcmotor", "pid"),
+        Command.VELOCITY: ("velocity",),
+        Command.EFFORT: ("motor",),
+    }
+    same = set()
+    for entry in plan.replaced:
+        actuator = robot.actuators[entry.index]
+        if actuator.gear == 1.0 and actuator.control in kinds[entry.drive.command]:
+            if actuator.control == "motor" and actuator.gain != 1.0:
+                continue
+            # A dcmotor without stiffness is commanded in volts.
+            if actuator.control == "dcmotor" and actuator.kp == 0.0:
+                continue
+            same.add(entry.drive.joint)
+    return frozenset(same)
+
+
+def form_counts(plan: Plan) -> dict[Form, int]:
+    """How many drives of each form."""
+    counts: dict[Form, int] = {}
+    for drive in plan.drives:
+        counts[drive.form] = counts.get(drive.form, 0) + 1
+    return counts
