@@ -143,7 +143,8 @@ def _dynamics(joint: JointActuator) -> Iterator[str]:
     scale = 2.0 * math.sqrt(kp * held.reference)
     yield (
         f"  natural frequency {frequency:.4g} rad/s ({frequency / (2 * math.pi):.3g} Hz), damping ratio "
-        f"{kd / scale:.3g} by kd alone, {(kd + viscous) / scale:.3g} with viscous friction (inertia held, reference pose)"
+        f"{kd / scale:.3g} by kd alone, {(kd + viscous) / scale:.3g} with viscous friction "
+        "(inertia held, reference pose)"
     )
 
 

@@ -292,13 +292,14 @@ class JointResolver:
             return written(value.cutoff, "Hz", self.stated.spec.span(*path))
         if value == "from_motor" and self.motor is not None and self.motor.bandwidth is not None:
             return replace(self.motor.bandwidth, origin=Origin.DERIVED, formula="bandwidth of the motor")
-        return None
+        return self.model.filter_cutoff if value is None else None
 
     def delay(self) -> Delay | None:
         value = self.stated.get("delay")
         fitted = self.identified("delay", Kind.TIME)
         if not isinstance(value, SpecDelay):
-            return None if fitted is None else Delay(fitted, fitted.require(), fitted.require(), "episode")
+            kept = choose(fitted, self.model.delay)
+            return None if kept is None else Delay(kept, kept.require(), kept.require(), "episode")
         span = self.span("delay")
         if value.nominal.identified:
             if fitted is None:

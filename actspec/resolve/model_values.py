@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from actspec.ir import JointKind, Origin, Quantity
@@ -28,6 +29,8 @@ class ModelValues:
     armature: Quantity | None
     friction_coulomb: Quantity | None
     friction_viscous: Quantity | None
+    filter_cutoff: Quantity | None
+    delay: Quantity | None
 
 
 def actuators_of(robot: RobotView, joint: str) -> tuple[ActuatorView, ...]:
@@ -96,4 +99,17 @@ def model_values(robot: RobotView, joint: JointView) -> ModelValues:
         friction_viscous=quantity(joint.damping + actuator_damping, Kind.VELOCITY_GAIN, said["damping"])
         if present
         else None,
+        filter_cutoff=None
+        if not servos or servos[0].time_constant <= 0.0
+        else Quantity(
+            1.0 / (2.0 * math.pi * servos[0].time_constant),
+            "Hz",
+            Origin.MODEL,
+            source=place.path,
+            span=place,
+            formula=f"1 / (2 pi {servos[0].time_constant:g} s)",
+        ),
+        delay=None
+        if not actuators or actuators[0].delay <= 0.0
+        else Quantity(actuators[0].delay, "s", Origin.MODEL, source=actuators[0].span.path, span=actuators[0].span),
     )

@@ -42,7 +42,7 @@ MOST_ELEMENTS = 2_000_000
 MOST_DEPTH = 200
 """Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
 MOST_FILES = 1000
-"""Chosen: includes of a model, repeated ones counted each time."""
+"""Chosen: includes of a model, repeated and faulty ones counted each time."""
 MOST_CHAIN = 64
 """Chosen: files on the way from the main file to an include."""
 
@@ -266,6 +266,7 @@ class _Assembly:
         self.includes: list[Include] = []
         self._bytes = 0
         self._elements = 0
+        self._sites = 0
         self._direct: set[str] = set()
 
     def add(self, file: ModelFile, site: Span | None, chain: tuple[str, ...], depth: int) -> Element | None:
@@ -334,6 +335,9 @@ class _Assembly:
         """Elements that take the place of an include; none after an error."""
         file = self.files[index]
         site = Span(file.path, raw.line, raw.column)
+        self._sites += 1
+        if self._sites > MOST_FILES or len(chain) > MOST_CHAIN:
+            raise _error("ROBOT002", f"more than {MOST_FILES} includes, or {MOST_CHAIN} in a chain", site)
         if "file" not in raw.attributes or not raw.attributes["file"].value:
             self.out.error("ROBOT006", "an include without a file", span=site, help='write file="..."')
             return ()
@@ -341,8 +345,6 @@ class _Assembly:
         if not raw.self_closing and file.data[raw.open_end : file.data.rindex(b"</", 0, raw.end)].strip():
             self.out.error("ROBOT006", "an include cannot have content", span=site)
             return ()
-        if len(self.files) > MOST_FILES or len(chain) > MOST_CHAIN:
-            raise _error("ROBOT002", f"more than {MOST_FILES} includes, or {MOST_CHAIN} in a chain", site)
         try:
             included = self.find(self.main, file.path, name)
         except Unreadable as err:

@@ -152,9 +152,10 @@ def written_path(loc: Path, data: Any) -> Path:
     path: list[str | int] = []
     node = data
     for part in loc:
-        if (isinstance(node, Mapping) and part in node) or (isinstance(node, list) and isinstance(part, int) and part < len(node)):
+        try:
             node = node[part]
-        else:
+        except (KeyError, IndexError, TypeError):
+            # A tag of a union that pydantic puts between the keys.
             continue
         path.append(part)
     return tuple(path)

@@ -1,7 +1,9 @@
 """How large an approximation is: the largest difference in torque between two laws.
 
-Static fields: over errors |e| <= 2 L/kp and speeds |w| <= 2 w0. Delay and filter: after a step of
-the command of 0.5 L/kp with the joint held.
+Static fields: over speeds |w| <= 2 w0 and, at each speed, commands for which the unclamped drive
+asks for -2 L to 2 L. (A range of the error alone, |e| <= 2 L/kp, would never ask for driving torque at
+speed where kd is high, and so never see the torque-speed line.) Delay and filter: after a step of the
+command of 0.5 L/kp with the joint held.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ Torque = Callable[[Any, Any, Any], Any]
 
 
 def static_error(law: TorqueLaw, emitted: Torque, *, speed: float | None = None) -> float:
-    """Largest |torque of law - torque of emitted| over the grid of error and speed.
+    """Largest |torque of law - torque of emitted| over the grid of torque asked for and speed.
 
     Args:
         law: What the spec asks for.
@@ -31,16 +33,16 @@ def static_error(law: TorqueLaw, emitted: Torque, *, speed: float | None = None)
     import numpy as np
 
     width = speed if speed is not None else 2.0 * speed_scale(law)
+    half = 2.0 * _limit(law)
+    torques, speeds = np.meshgrid(np.linspace(-half, half, GRID), np.linspace(-width, width, GRID))
+    zero = np.zeros_like(torques)
+    # Solve the drive's law without its clamp for the command that asks for each torque.
     if law.command is Command.POSITION:
-        half = 2.0 * _limit(law) / law.kp if law.kp > 0 else 1.0
+        command = (torques + law.kd * speeds) / law.kp if law.kp > 0 else zero
     elif law.command is Command.VELOCITY:
-        half = 2.0 * _limit(law) / law.kd if law.kd > 0 else 1.0
+        command = torques / law.kd + speeds if law.kd > 0 else zero
     else:
-        half = 2.0 * _limit(law)
-    errors, speeds = np.meshgrid(np.linspace(-half, half, GRID), np.linspace(-width, width, GRID))
-    command = errors + speeds if law.command is Command.VELOCITY else errors
-    zero = np.zeros_like(errors)
-    # The asked law sees the true position; its own encoder bias is part of what may be lost.
+        command = torques
     difference = np.abs(law.torque(command, zero, speeds) - emitted(command, zero, speeds))
     return float(difference.max())
 

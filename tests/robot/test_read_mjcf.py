@@ -15,7 +15,7 @@ import pytest
 from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
 from actspec.robot.load import load_robot
-from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, splice
+from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet, splice
 from actspec.robot.view import ActuatorView, ModelFile, ModelFormat, RobotView
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -95,6 +95,8 @@ def test_springdamper_overwrites() -> None:
     (found,) = read(one_joint(joint)).joints
     assert found.springdamper
     assert (found.damping, found.stiffness) == pytest.approx((20.0, 100.0))
+    (alone,) = read(one_joint('<joint name="j" springdamper="0.1 1"/>')).joints
+    assert (alone.stated, alone.damping) == ({"damping"}, pytest.approx(20.0))
     (out_of_force,) = read(one_joint('<joint name="j" springdamper="0 0" damping="0.3"/>')).joints
     assert (out_of_force.springdamper, out_of_force.damping) == (False, 0.3)
 
@@ -287,6 +289,7 @@ def test_option_is_read() -> None:
         ('<general {} gainprm="1" biastype="affine" biasprm="0 0 -2"/>', "motor", 0, 18, 1),
         ('<general {} dyntype="integrator" gainprm="1"/>', "other", 0, 0, 1),
         ('<general {} gaintype="affine" gainprm="1 2 3"/>', "other", 0, 0, 1),
+        ('<general {} gaintype="affine" gainprm="0 2 3"/>', "other", 0, 0, 0),
     ],
 )
 def test_actuator_kinds(actuator: str, control: str, kp: float, kd: float, gain: float) -> None:
@@ -471,6 +474,20 @@ def test_engine_is_quiet(capfd: pytest.CaptureFixture[str]) -> None:
         assert {d.code for d in view.diagnostics} <= {"ROBOT112"}
     assert capfd.readouterr() == ("", "")
     assert os.listdir() == ["m.xml"]
+
+
+def test_quiet_collects_what_the_engine_would_log() -> None:
+    """A warning of a step goes to the list, not to MUJOCO_LOG.TXT; the user's handler is put back."""
+    model = mujoco.MjModel.from_xml_string(one_joint('<joint name="j"/>'))
+    data = mujoco.MjData(model)
+    before = mujoco.get_mju_user_warning()
+    with quiet() as said:
+        data.qpos[0] = math.nan
+        mujoco.mj_step(model, data)
+    assert len(said) == 1
+    assert "QPOS" in said[0]
+    assert os.listdir() == []
+    assert mujoco.get_mju_user_warning() is before
 
 
 def independent(path: Path) -> Any:

@@ -100,9 +100,13 @@ def test_walk_and_sections() -> None:
     [
         pytest.param('<a x="1" x="2"/>', "1:10: ROBOT004: attribute 'x' is there twice", id="twice"),
         pytest.param("<a>\n<!-- a -- b --></a>", "2:10: ROBOT004: '--' inside a comment", id="dashes"),
-        pytest.param("<a>\n<b></a>", "2:6: ROBOT004: </a> stands where <b> (line 2) is to be closed", id="tags"),
+        pytest.param(
+            "<a>\n<b></a>", "2:6: ROBOT004: </a> stands where <b> (line 2) is to be closed", id="tags"
+        ),
         pytest.param("<a>\n<b>", "2:4: ROBOT004: the file ends before <b> (line 2) is closed", id="open"),
-        pytest.param("<a/>\n</b>", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"),
+        pytest.param(
+            "<a/>\n</b>", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"
+        ),
         pytest.param(
             "<a/><a/>",
             "1:5: ROBOT004: text or an element after the end of the root element",
@@ -117,14 +121,18 @@ def test_walk_and_sections() -> None:
             '<a x="&nbsp;"/>', "1:1: ROBOT004: a reference to an entity that XML does not know", id="entity"
         ),
         pytest.param('<a x="1"y="2"/>', "1:9: ROBOT004: no space between two attributes", id="space"),
-        pytest.param('<a b="c>d"e="1"/>', "1:11: ROBOT004: no space between two attributes", id="space after >"),
+        pytest.param(
+            '<a b="c>d"e="1"/>', "1:11: ROBOT004: no space between two attributes", id="space after >"
+        ),
         pytest.param("<a x=1/>", "1:6: ROBOT004: an attribute value without quotes", id="unquoted"),
         pytest.param("<a x/>", "1:5: ROBOT004: an attribute without a value", id="no value"),
         pytest.param("<a><!--\1--></a>", "1:8: ROBOT004: a control character, 0x01", id="control"),
         pytest.param("<a>\0</a>", "1:4: ROBOT004: a control character, 0x00", id="nul"),
         pytest.param("hello", "1:1: ROBOT004: this is not XML", id="text"),
         pytest.param("", "1:1: ROBOT004: the file has no XML element", id="empty"),
-        pytest.param("<a", "1:1: ROBOT004: the file ends inside a tag or comment that starts here", id="half"),
+        pytest.param(
+            "<a", "1:1: ROBOT004: the file ends inside a tag or comment that starts here", id="half"
+        ),
         pytest.param("<a><![CDATA[", "1:13: ROBOT004: the file ends inside a CDATA section", id="cdata"),
         pytest.param(
             "<a>&#0;</a>",
@@ -142,7 +150,9 @@ def test_walk_and_sections() -> None:
             "3:1: ROBOT005: the file has a DOCTYPE, which can define entities and name other files",
             id="doctype",
         ),
-        pytest.param(b"<a>\n<!-- \xe9 --></a>", "2:6: ROBOT003: the file is not UTF-8: byte 0xe9", id="latin 1"),
+        pytest.param(
+            b"<a>\n<!-- \xe9 --></a>", "2:6: ROBOT003: the file is not UTF-8: byte 0xe9", id="latin 1"
+        ),
         pytest.param(
             "<?xml version='1.0' encoding='ISO-8859-1'?>\n<a x='é'/>",
             "2:7: ROBOT003: the file declares encoding 'ISO-8859-1' and has a character that is not ASCII",
@@ -151,7 +161,9 @@ def test_walk_and_sections() -> None:
         pytest.param("<a/>".encode("utf-16"), "1: ROBOT003: the file is UTF-16 or UTF-32", id="utf-16"),
         pytest.param("<a/>".encode("utf-16-be"), "1: ROBOT003: the file is UTF-16 or UTF-32", id="no mark"),
         pytest.param(
-            "<a>" * 201 + "</a>" * 201, "1:601: ROBOT002: more than 200 elements inside one another", id="deep"
+            "<a>" * 201 + "</a>" * 201,
+            "1:601: ROBOT002: more than 200 elements inside one another",
+            id="deep",
         ),
     ],
 )
@@ -175,7 +187,8 @@ def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
 
 
 @pytest.mark.parametrize(
-    "declaration", ["<?xml version='1.0' encoding='ISO-8859-1'?>", "<?xml version='1.0' encoding=\"utf8\"?>", ""]
+    "declaration",
+    ["<?xml version='1.0' encoding='ISO-8859-1'?>", "<?xml version='1.0' encoding=\"utf8\"?>", ""],
 )
 def test_encodings_that_are_read(declaration: str) -> None:
     """ASCII under another declaration means the same; UTF-8 needs none, and no canonical spelling."""
@@ -427,7 +440,8 @@ def test_all_include_errors_at_once(tmp_path: Path) -> None:
     path = written(
         tmp_path,
         {
-            "m/main.xml": "<mujoco>" + '\n<include file="leg.xml"/>\n<include/>\n<include file="s"/></mujoco>',
+            "m/main.xml": "<mujoco>"
+            + '\n<include file="leg.xml"/>\n<include/>\n<include file="s"/></mujoco>',
             "m/legs.xml": BODY % "b",
             "m/s/x": "",
         },
@@ -466,6 +480,13 @@ def test_repeated_includes_do_not_explode(tmp_path: Path) -> None:
     files["m/a20.xml"] = "<mujoco><option/></mujoco>"
     with pytest.raises(RobotError, match=r"ROBOT002: more than 1000 includes, or 64 in a chain$"):
         read_model_files(written(tmp_path, files))
+
+
+def test_many_faulty_includes_end_soon() -> None:
+    """The limit counts faulty includes too, so that collecting their errors cannot take for ever."""
+    assert refused("<mujoco>" + "<include/>" * 300_000 + "</mujoco>") == (
+        "r.xml:1:10009: ROBOT002: more than 1000 includes, or 64 in a chain"
+    )
 
 
 def test_pipes_devices_and_folders_are_refused(tmp_path: Path) -> None:
@@ -508,7 +529,10 @@ def test_files_must_fit_the_includes() -> None:
 
 def _flat(element: Element) -> Iterator[tuple[str, dict[str, str]]]:
     """Tags and attributes, without what comes from includes."""
-    yield element.tag, {name: a.value for name, a in element.attributes.items() if not name.startswith("xmlns")}
+    yield (
+        element.tag,
+        {name: a.value for name, a in element.attributes.items() if not name.startswith("xmlns")},
+    )
     for child in element.children:
         if child.file == element.file:
             yield from _flat(child)

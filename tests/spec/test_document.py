@@ -98,6 +98,7 @@ def said(text: str | bytes) -> list[str]:
         ("inf", "inf"),
         ("nan", "nan"),
         ("\u0661", "\u0661"),  # an Arabic digit one, which int() would read
+        ("1\u0661", "1\u0661"),
         ("=", "="),
         ("<<", "<<"),
         ("25 N*m/rad", "25 N*m/rad"),
@@ -341,6 +342,7 @@ def test_a_merge_key_points_to_overrides() -> None:
         pytest.param(
             "a: !!int 1.5", "SPEC008 1:4 !!int does not fit the text '1.5'", id="tag that does not fit"
         ),
+        pytest.param("a: !!float x", "SPEC008 1:4 !!float does not fit the text 'x'", id="no float"),
         pytest.param("a: !!bool 1", "SPEC008 1:4 !!bool does not fit the text '1'", id="no bool"),
         pytest.param(
             "%YAML 1.1\n---\na: 1", "SPEC008 1:1 the directive '%YAML 1.1' is not allowed", id="YAML 1.1"

@@ -129,7 +129,7 @@ def general_form(drive: Drive) -> GeneralForm:
         # 1 is MuJoCo's default of dynprm[0], which a shortcut without filter keeps.
         dynprm=(drive.time_constant if filtered else 1.0, 0.0, 0.0),
         gainprm=(gain, 0.0, 0.0),
-        biasprm=(drive.offset, -drive.kp, -drive.kd) if affine else (0.0, 0.0, 0.0),
+        biasprm=(drive.offset, 0.0 - drive.kp, 0.0 - drive.kd) if affine else (0.0, 0.0, 0.0),
     )
 
 

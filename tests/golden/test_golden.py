@@ -1,0 +1,88 @@
+"""What actspec writes for its own robots, whole trees, byte for byte.
+
+`pytest tests/golden --regen` writes the trees anew; the diff is then for a person to read. The model's
+folder is the one thing that differs between machines (an installed distribution's); it stands as
+`<MODEL>` in the trees. Of a model that is not ours only the lines that actspec wrote stand here, each
+with its number: the rest is its author's.
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import json
+import os
+from pathlib import Path
+
+import pytest
+
+from actspec import api, output
+from actspec.diagnostics import RobotError
+
+ROOT = Path(__file__).resolve().parents[2]
+TREES = Path(__file__).parent
+ROBOTS = ("a1", "a1_stiff", "go1", "g1")
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_tree_is_what_it_was(robot: str, request: pytest.FixtureRequest, tmp_path: Path) -> None:
+    """Every file of a robot's compilation equals the golden one, and there is none more or less."""
+    spec = api.load(ROOT / "robots" / f"{robot}.yaml")
+    try:
+        compilation = api.compile(spec, output=str(tmp_path))
+    except RobotError as err:
+        pytest.skip(f"the model is not installed: {err.diagnostics[0].message}")
+    folder = os.path.relpath(os.path.dirname(os.path.abspath(compilation.robot.path)), tmp_path / "mujoco")
+    found = {}
+    for file in output.outputs(compilation):
+        text = file.data.decode("utf-8").replace(folder.replace(os.sep, "/"), "<MODEL>")
+        found[Path(file.path).relative_to(tmp_path).as_posix()] = text
+    theirs = spec.model.robot.model.startswith("package://")
+    # The hash in the manifest is of the bytes with this machine's path in them.
+    for name in [name for name in found if name.endswith("manifest.json")]:
+        record = json.loads(found[name])
+        for entry in record["files"]:
+            data = found[f"{name.rpartition('/')[0]}/{entry['path']}"].encode("utf-8")
+            entry["sha256"] = hashlib.sha256(data).hexdigest()
+        found[name] = json.dumps(record, indent=2, ensure_ascii=False) + "\n"
+    if theirs:
+        original = compilation.robot.files[0].data.decode("utf-8").splitlines()
+        for name in [name for name in found if name.endswith(".xml")]:
+            found[f"{name}.lines"] = _written_lines(original, found.pop(name).splitlines())
+    tree = TREES / robot
+    if request.config.getoption("--regen"):
+        for name, text in found.items():
+            (tree / name).parent.mkdir(parents=True, exist_ok=True)
+            (tree / name).write_text(text, encoding="utf-8")
+    golden = {
+        path.relative_to(tree).as_posix(): path.read_text(encoding="utf-8")
+        for path in tree.rglob("*")
+        if path.is_file()
+    }
+    assert sorted(found) == sorted(golden)
+    for name, text in found.items():
+        assert text == golden[name], f"{robot}/{name} differs; `pytest tests/golden --regen` writes it anew"
+
+
+def _written_lines(original: list[str], text: list[str]) -> str:
+    """Lines of a text that are not the original's, with their numbers; then how many of the original's are gone."""
+    matcher = difflib.SequenceMatcher(None, original, text, autojunk=False)
+    lines, gone = [], 0
+    for kind, start, end, first, last in matcher.get_opcodes():
+        if kind != "equal":
+            gone += end - start
+            lines += [f"{number + 1}: {text[number]}" for number in range(first, last)]
+    return "\n".join([*lines, f"{gone} lines of the original are replaced", ""])
+
+
+@pytest.mark.parametrize("robot", ROBOTS)
+def test_compiling_twice_gives_the_same_bytes(robot: str, tmp_path: Path) -> None:
+    """The output does not depend on the run: no time, no random order."""
+    try:
+        first, second = (
+            [file.data for file in output.outputs(api.compile(ROOT / "robots" / f"{robot}.yaml", output=str(tmp_path)))]
+            for _ in range(2)
+        )
+    except RobotError as err:
+        pytest.skip(f"the model is not installed: {err.diagnostics[0].message}")
+    assert first == second
