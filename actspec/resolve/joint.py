@@ -21,10 +21,10 @@ from actspec.ir import (
 )
 from actspec.resolve.model_values import ModelValues
 from actspec.resolve.motor import JointMotor, Transmission, joint_motor
-from actspec.resolve.quantities import choose, conflict, unit_of, unknown, written
+from actspec.resolve.quantities import choose, conflict, tidy, unit_of, unknown, written
 from actspec.resolve.stated import Stated
 from actspec.spec.derive import DerivedGain
-from actspec.spec.fields import SpecDelay
+from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import CommandFilter
 from actspec.spec.rules import range_of
 from actspec.spec.validate import dotted
@@ -219,7 +219,7 @@ class JointResolver:
                     f"{format_quantity(error, self.unit(Kind.POSITION))}"
                 )
                 derived = Quantity(
-                    fraction * effort.require() / error,
+                    tidy(fraction * effort.require() / error),
                     unit,
                     Origin.DERIVED,
                     span=self.span("kp"),
@@ -232,7 +232,7 @@ class JointResolver:
                 frequency = gain.numbers["frequency"].value
                 assert frequency is not None
                 derived = Quantity(
-                    inertia[0] * (2.0 * math.pi * frequency) ** 2,
+                    tidy(inertia[0] * (2.0 * math.pi * frequency) ** 2),
                     unit,
                     Origin.DERIVED,
                     span=self.span("kp"),
@@ -267,7 +267,7 @@ class JointResolver:
             ratio = gain.numbers["ratio"].value
             assert ratio is not None
             derived = Quantity(
-                2.0 * ratio * math.sqrt(kp.require() * inertia[0]),
+                tidy(2.0 * ratio * math.sqrt(kp.require() * inertia[0])),
                 unit,
                 Origin.DERIVED,
                 span=self.span("kd"),
@@ -341,7 +341,8 @@ class JointResolver:
                 for end in self.joint.range
             )
             return low, high
-        return written(value[0], unit, span), written(value[1], unit, span)
+        assert isinstance(value, CommandRange)
+        return written(value.low, unit, span), written(value.high, unit, span)
 
     def randomize(self) -> tuple[Randomization, ...]:
         found = []

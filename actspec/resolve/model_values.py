@@ -111,5 +111,7 @@ def model_values(robot: RobotView, joint: JointView) -> ModelValues:
         ),
         delay=None
         if not actuators or actuators[0].delay <= 0.0
-        else Quantity(actuators[0].delay, "s", Origin.MODEL, source=actuators[0].span.path, span=actuators[0].span),
+        else Quantity(
+            actuators[0].delay, "s", Origin.MODEL, source=actuators[0].span.path, span=actuators[0].span
+        ),
     )

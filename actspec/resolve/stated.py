@@ -9,6 +9,7 @@ from actspec.diagnostics import Collector
 from actspec.ir import JointKind, Quantity
 from actspec.resolve.binding import Binding
 from actspec.resolve.quantities import unit_of, written
+from actspec.spec.fields import CommandRange
 from actspec.spec.models import Actuators, Motor
 from actspec.spec.results import JointResult
 from actspec.spec.validate import Spec, dotted
@@ -125,16 +126,14 @@ def _check_units(stated: Stated, collector: Collector) -> None:
     for field, (value, path) in stated.fields.items():
         if isinstance(value, SpecValue) and value.value is not None and value.linear is not None:
             _fault(stated, field, value, path, collector)
-        if field == "command_range" and isinstance(value, tuple):
-            for end in value:
+        if isinstance(value, CommandRange):
+            for end in (value.low, value.high):
                 _fault(stated, field, end, path, collector)
 
 
 def _fault(stated: Stated, field: str, value: SpecValue, path: Path, collector: Collector) -> None:
     kind = stated.kind
     if value.linear is None or value.linear is (kind is JointKind.SLIDE):
-        return
-    if field == "command_range" and stated.group.command != "position":
         return
     collector.error(
         "RES001",

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
+from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from actspec.spec.values import Number, Pair, SpecValue, check_keys, fault, parse_below, short, value_schema
 from actspec.units import Kind
@@ -54,6 +54,56 @@ class SpecDelay:
     nominal: SpecValue
     range: tuple[SpecValue, SpecValue] | None
     sampling: str
+
+
+RANGE_WORDS = ("none", "joint")
+RANGE_KINDS = (Kind.POSITION, Kind.SPEED, Kind.TORQUE)
+
+
+@dataclass(frozen=True, slots=True)
+class CommandRange:
+    """A clamp of the command.
+
+    Attributes:
+        low: Least command.
+        high: Largest command.
+        kind: What its unit says that the command is; None where both ends are 0.
+    """
+
+    low: SpecValue
+    high: SpecValue
+    kind: Kind | None
+
+
+class CommandRangeField:
+    """Annotation of `command_range`: `none`, `joint`, or [low, high] in the command's own unit."""
+
+    def __call__(self, given: Any) -> CommandRange | str:
+        """Parse what the YAML holds: the first end with a unit decides what the command is."""
+        fits = []
+        for kind in RANGE_KINDS:
+            try:
+                pair = Pair(kind, words=RANGE_WORDS)(given)
+            except PydanticCustomError:
+                continue
+            if isinstance(pair, str):
+                return pair
+            fits.append((kind, pair))
+        if not fits:
+            # As a position it is most often meant, and the message is about that.
+            Pair(Kind.POSITION, words=RANGE_WORDS)(given)
+        kind, (low, high) = fits[0]
+        return CommandRange(low, high, kind if len(fits) == 1 else None)
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        numbers = [value_schema(kind, ()) for kind in RANGE_KINDS]
+        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"anyOf": numbers}}
+        return {"anyOf": [{"enum": list(RANGE_WORDS)}, pair]}
 
 
 class DelayField:

@@ -11,7 +11,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from actspec.spec.derive import Gain, GainField
-from actspec.spec.fields import DelayField, EffortField, SpecDelay
+from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
 from actspec.spec.values import Number, Pair, SpecValue, fault
 from actspec.units import Kind
 
@@ -256,7 +256,7 @@ class Tunable(Strict):
     """Passive friction at the joint."""
     command_filter: CommandFilter | Literal["from_motor", "none"] | None = None
     """Low-pass on the command."""
-    command_range: Annotated[Any, Pair(Kind.POSITION, words=("none", "joint"))] = None
+    command_range: Annotated[CommandRange | str, CommandRangeField()] | None = None
     """Clamp of the command, in its own unit: `none` (default), `joint` (its range) or [low, high]."""
     delay: Delay | None = None
     """Delay of the command [s], or {nominal, range, sampling}."""

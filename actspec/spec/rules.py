@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, nearest
 from actspec.patterns import PatternError, compile_pattern
-from actspec.spec.fields import SpecDelay
+from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, Motor, SpecModel, Tunable
 from actspec.spec.values import Pair, SpecValue
 from actspec.units import Kind, format_quantity
@@ -247,6 +247,16 @@ class _Checker:
                     (*path, "friction", "static"),
                     "break-away friction is at least the kinetic one; are the two swapped?",
                 )
+        limits = fields.command_range
+        wanted = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.TORQUE}[group.command]
+        if isinstance(limits, CommandRange) and limits.kind not in (None, wanted):
+            self.error(
+                "SPEC148",
+                f"the command is a {wanted.noun} (`command: {group.command}`), its range "
+                f"[{limits.low.written}, {limits.high.written}] is not",
+                (*path, "command_range"),
+                f"a {wanted.noun} is in {wanted.rotary_unit} (hinge) or {wanted.linear_unit} (slide)",
+            )
         for field in ("kp", "kd", "armature", "encoder_bias"):
             self.identified((*path, field), getattr(fields, field), group)
         if friction is not None:

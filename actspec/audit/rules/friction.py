@@ -31,8 +31,8 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                 yield Diagnostic(
                     "FRC001",
                     Severity.WARNING,
-                    f"{actuator.joint}: dry friction {format_quantity(coulomb.value, unit)} is not below the effort limit "
-                    f"{format_quantity(limit, unit)}: the joint could never move",
+                    f"{actuator.joint}: dry friction {format_quantity(coulomb.value, unit)} is not below the "
+                    f"effort limit {format_quantity(limit, unit)}: the joint could never move",
                     f"actuators.{actuator.group}.friction.coulomb",
                     coulomb.span,
                     f"is it in mN*m ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless coefficient?",
@@ -51,8 +51,8 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                 "FRC002",
                 Severity.WARNING,
                 f"{actuator.joint}: viscous friction {format_quantity(viscous.value, viscous.unit)} takes "
-                f"{format_quantity(viscous.value * speed / 2.0, unit)} at {speed / 2.0:g} {actuator.velocity_limit.unit}, "
-                f"half the joint's speed; the effort limit is {format_quantity(limit, unit)}",
+                f"{format_quantity(viscous.value * speed / 2.0, unit)} at {speed / 2.0:g} "
+                f"{actuator.velocity_limit.unit}, half the joint's speed; the effort limit is {format_quantity(limit, unit)}",
                 f"actuators.{actuator.group}.friction.viscous",
                 viscous.span,
                 f"is it in mN*m*s/rad ({format_quantity(viscous.value / MILLI, viscous.unit)})? The slope of the "
