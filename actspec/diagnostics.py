@@ -42,7 +42,7 @@ class Span:
     column: int = 0
 
     def __str__(self) -> str:
-        text = self.path
+        text = one_line(self.path)
         if self.line:
             text += f":{self.line}"
             if self.column:

@@ -201,7 +201,8 @@ def suggest_pattern(pattern: str, names: Sequence[str]) -> str | None:
         if candidate == pattern:
             continue
         try:
-            if match_names(candidate, few):
+            # All names, not the few: the caller matches a suggestion against them without a guard.
+            if match_names(candidate, names):
                 return candidate
         except PatternError:
             continue

@@ -270,6 +270,17 @@ def test_a_suggestion_on_hostile_names_ends() -> None:
     assert suggest_pattern("_".join(["qqqqqqq"] * 30), ["z" * 500 + str(i) for i in range(5000)]) is None
 
 
+def test_a_suggestion_can_be_matched_against_all_names() -> None:
+    """A suggestion that only the first names can bear is none: callers match it without a guard."""
+    # With `.*` behind it the pattern takes 63 761 steps a name (8 033 without), and all may take 5e7:
+    # room for 784 names. The search itself looks at the first 512.
+    pattern = "a{0,5}" * 4 + "_hip"
+    name = "a" * 20 + "_hip" + "_joint" + "x" * 4
+    assert suggest_pattern(pattern, [name] * 784) == f"{pattern}.*"
+    assert suggest_pattern(pattern, [name] * 785) is None
+    assert match_names(pattern, [name] * 785) == ()
+
+
 def test_a_list_of_patterns_keeps_every_result_and_every_problem() -> None:
     """Union in the order of names, one entry a pattern, problems at their index."""
     found = resolve_patterns(["R._hip_joint", "*_hip_joint", ".*_claf_joint", "RR_.*", "wheel"], LEGS)

@@ -151,11 +151,12 @@ class _Matcher:
         if found:
             return found
         self.failed = True
-        others = [
-            j
-            for j in self.robot.joints
-            if j.name in match_names(pattern, [k.name for k in self.robot.joints])
-        ]
+        try:
+            elsewhere = set(match_names(pattern, [joint.name for joint in self.robot.joints]))
+        except PatternError:
+            # It is safe to match against the group's joints, not against all of them.
+            elsewhere = set()
+        others = [joint for joint in self.robot.joints if joint.name in elsewhere]
         guess = suggest_pattern(pattern, names)
         if others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
             help: str | None = (

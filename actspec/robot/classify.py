@@ -8,7 +8,7 @@ Source: MuJoCo 3.7, 3.11, 3.12 and 4.0, measured on 23 forms of actuator.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ class Control:
         kd: [N*m*s/rad before the gear].
         gain: gainprm[0] as compiled.
         time_constant: Of the activation's filter [s]; 0 without one.
+        offset: Constant force beside gain and feedback [N*m or N].
+        line: As `ActuatorView.line`, before the gear.
     """
 
     kind: str
@@ -49,6 +51,8 @@ class Control:
     kd: float
     gain: float
     time_constant: float
+    offset: float = 0.0
+    line: tuple[float, float] | None = None
 
 
 def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
@@ -69,14 +73,17 @@ def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
     filtered = dynamics in ("mjDYN_FILTER", "mjDYN_FILTEREXACT")
     tau = float(model.actuator_dynprm[index][0]) if filtered else 0.0
 
+    offset = bias[0] if bias_type == "mjBIAS_AFFINE" else 0.0
+
     def is_(kind: str, kp: float = 0.0, kd: float = 0.0) -> Control:
         # `+ 0.0` turns the -0.0 of a negated zero into 0.0.
-        return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau)
+        return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset)
 
     if model.actuator_plugin[index] >= 0:
         return is_("plugin")
     if gain_type == "mjGAIN_DCMOTOR":
-        return is_("dcmotor", *_dcmotor_gains(model, index, gain))
+        found = is_("dcmotor", *_dcmotor_gains(model, index, gain))
+        return replace(found, line=_dcmotor_line(model, index, gain, bias))
     if gain_type == "mjGAIN_PID":
         return is_("pid", -bias[1], -bias[2])
     if tag in ("cylinder", "adhesion") or dynamics in ("mjDYN_MUSCLE", "mjDYN_USER"):
@@ -119,6 +126,26 @@ def _dcmotor_gains(model: mujoco.MjModel, index: int, gain: list[float]) -> tupl
     if gain[8] == 2.0:
         return 0.0, gain[4] * ratio + back_emf
     return 0.0, back_emf
+
+
+def _dcmotor_line(
+    model: mujoco.MjModel, index: int, gain: list[float], bias: list[float]
+) -> tuple[float, float] | None:
+    """Stall torque K V/R and no-load speed V/K of a dcmotor that is a PD within its voltage, nothing else."""
+    import mujoco
+
+    resistance, constant, integral, voltage = gain[0], gain[1], gain[5], gain[7]
+    if min(resistance, constant, voltage) <= 0.0 or integral or any(bias) or model.actuator_actnum[index]:
+        return None
+    if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
+        # One input: a position, or a velocity without any stiffness left.
+        inputs = int(model.actuator_ctrlspec[index])
+        speed = inputs == int(mujoco.mjtCtrlInput.mjINPUT_VEL) and gain[4] == 0.0
+        if inputs != int(mujoco.mjtCtrlInput.mjINPUT_POS) and not speed:
+            return None
+    elif gain[8] != 1.0:
+        return None
+    return constant * voltage / resistance, voltage / constant
 
 
 def transmission(model: mujoco.MjModel, index: int) -> tuple[str, str]:

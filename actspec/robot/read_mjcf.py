@@ -231,6 +231,8 @@ def _actuator(
         time_constant=kind.time_constant,
         delay=float(model.actuator_delay[index]),
         group=int(model.actuator_group[index]),
+        offset=kind.offset,
+        line=None if kind.line is None or not gear else (abs(gear) * kind.line[0], kind.line[1] / abs(gear)),
     )
 
 

@@ -111,6 +111,10 @@ class ActuatorView:
         time_constant: Filter time constant of the activation [s]; 0 without.
         delay: [s]; 0 without.
         group: Actuator group.
+        offset: Constant force beside gain and feedback, actuator side [N*m or N].
+        line: Torque-speed line of a dcmotor at the joint, gear included: (stall torque [N*m],
+            no-load speed [rad/s]); None for others, and where no voltage limits it or it has more
+            than a PD (an integral, states, cogging).
     """
 
     name: str
@@ -131,6 +135,8 @@ class ActuatorView:
     time_constant: float
     delay: float
     group: int
+    offset: float = 0.0
+    line: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -202,9 +202,7 @@ class _File:
         self.deletions: list[tuple[int, int]] = []
         # (start, end, text), the text taking the place of the bytes.
         self.patches: list[tuple[int, int, bytes]] = []
-        removed = [plan.element for plan in plans if plan.removed]
-        self._removed_from = {element.start: element.end for element in removed}
-        self._removed_to = {element.end: element.start for element in removed}
+        self.removed = {plan.element.start: plan.element.end for plan in plans if plan.removed}
 
     def edited(self) -> bytes:
         for plan in self.plans:
@@ -233,7 +231,7 @@ class _File:
         pieces: list[bytes] = []
         done = 0
         for start, end, text in sorted([*self.patches, *united], key=lambda patch: patch[:2]):
-            pieces.append(self.data[done : max(start, done)])
+            pieces.append(self.data[done:start])
             pieces.append(text)
             # An insertion inside a deleted stretch of white space lands at its end.
             done = max(done, end)
@@ -272,18 +270,15 @@ class _File:
     def _indent(self, at: int) -> str:
         """The white space that begins the line of `at`."""
         start = max(self.data.rfind(b"\n", 0, at), self.data.rfind(b"\r", 0, at)) + 1
-        if start == 0 and self.data.startswith(_BOM):
-            start = 3
         return self.data[start : min(self._blank_after(start), at)].decode()
 
     def _lines_of(self, element: Element) -> tuple[int, int]:
         """Bytes to delete with an element: itself, and its lines if only removed elements share them."""
         first = self._blank_before(element.start)
-        while first in self._removed_to:
-            first = self._blank_before(self._removed_to[first])
         last = self._blank_after(element.end)
-        while last in self._removed_from:
-            last = self._blank_after(self._removed_from[last])
+        # The first removed element of a line takes those behind it along.
+        while last in self.removed:
+            last = self._blank_after(self.removed[last])
         begins, ends = self._begins_line(first), self._ends_line(last)
         if begins and ends:
             return first, self._after_break(last)

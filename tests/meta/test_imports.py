@@ -21,8 +21,8 @@ LAYERS = (
     {"spec", "robot", "patterns", "runtime"},
     {"resolve", "lift"},
     {"targets", "audit", "sysid", "learn"},
-    {"verify", "report"},
-    {"api"},
+    {"verify", "report", "draft"},
+    {"api", "output"},
     {"cli", "__main__", ""},
 )
 """Lowest first. A part imports lower layers, and its own as long as the parts form no circle. "" is `actspec`

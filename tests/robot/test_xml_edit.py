@@ -358,10 +358,13 @@ def test_edits_go_to_their_own_file() -> None:
 
 def test_append_to_a_parent_whose_children_are_included() -> None:
     """A new child goes to the parent's own file and indentation, not to its children's."""
-    document = two_files()
+    # <body> is byte 18 of its file, where the main file has <worldbody>, nine deep.
+    text = b'<mujoco>\n         <worldbody>\n           <include file="b.xml"/>\n         </worldbody>\n</mujoco>\n'
+    document = parse_document((ModelFile("m/a.xml", "", text), ModelFile("m/b.xml", "b.xml", PART)))
+    assert first(document, "body").start == first(document, "worldbody").start == 18
     main, part = apply_edits(document, [AppendChild(first(document, "worldbody"), "<body/>")])
     assert part is document.files[1]
-    assert main.data == MAIN.replace(b"  </worldbody>", b"    <body/>\n  </worldbody>")
+    assert main.data == text.replace(b"         </worldbody>", b"           <body/>\n         </worldbody>")
 
 
 def test_an_include_can_be_edited() -> None:

@@ -44,7 +44,8 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     if robot.format is ModelFormat.URDF:
         collector.info(
             "MJC015",
-            "the URDF is written as an MJCF; its velocity limits have no place there",
+            "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it, and its velocity "
+            "limits have no place there",
             span=Span(robot.path),
         )
     return view

@@ -55,6 +55,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             help="name an MJCF or a URDF, or leave the target out",
         )
         raise EmitError(collector.sorted())
+    source = os.path.basename(robot.path)
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
@@ -79,7 +80,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         actuators,
         planned.approximations,
         f"MuJoCo {dialect.text}",
-        os.path.basename(robot.path),
+        source,
         f"actspec {actspec.__version__}",
     )
     files = _write(document, plan, anchors, dialect, options.folder, main_name, comment, collector)

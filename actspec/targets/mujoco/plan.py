@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.resolve.model_values import actuators_of, effort_bound
 from actspec.robot.view import ActuatorView, JointView, RobotView
@@ -139,6 +139,16 @@ def plan_model(
                 )
             added.append(drive)
         joint_edits.append(_joint_edit(actuator, joint, own, dialect, collector))
+    unmeasured = [a for a in actuators.joints if a.armature.value is None]
+    if unmeasured:
+        collector.warning(
+            "MJC016",
+            f"the armature of {len(unmeasured)} joints is unknown, and MuJoCo takes what the file has, else "
+            f"0 {unmeasured[0].armature.unit}: {listed([a.joint for a in unmeasured])}",
+            where=f"actuators.{unmeasured[0].group}.armature",
+            span=unmeasured[0].armature.span or unmeasured[0].span,
+            help="state armature, or rotor_inertia and gear_ratio of the motor",
+        )
     timestep = None
     if robot.timestep is not None and step != robot.timestep:
         timestep = step
