@@ -57,14 +57,15 @@ def print_json(data: Any) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def table(rows: Sequence[Sequence[str]], indent: str = "  ") -> list[str]:
-    """Rows as aligned columns, the first row the heading; numbers stand right."""
+def table(rows: Sequence[Sequence[str]], indent: str = "  ", headings: int = 1) -> list[str]:
+    """Rows as aligned columns, the first `headings` rows the heading; columns of numbers stand right."""
     if not rows:
         return []
     cells = [[one_line(cell) for cell in row] for row in rows]
     widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
     right = [
-        all(_is_number(row[column]) for row in cells[1:]) and len(cells) > 1 for column in range(len(widths))
+        all(_is_number(row[column]) for row in cells[headings:]) and len(cells) > headings
+        for column in range(len(widths))
     ]
     lines = []
     for row in cells:

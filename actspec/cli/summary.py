@@ -33,7 +33,7 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
     )
     if actuators.unmanaged:
         yield f"  left as they are: {listed(actuators.unmanaged)}"
-    yield from table(list(_rows(actuators.joints)))
+    yield from table(list(_rows(actuators.joints)), headings=2)
     for options, emission in zip(compilation.targets, compilation.emissions, strict=True):
         yield ""
         yield f"{options.name}: {options.kind} {options.version} -> {options.folder}"
@@ -69,6 +69,7 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
         "filter",
         "delay",
     )
+    yield ("", "", "", "", "N*m/rad", "N*m*s/rad", "N*m", "rad/s", "kg*m^2", "N*m", "N*m*s/rad", "", "")
     merged: dict[tuple[str, ...], int] = {}
     for joint in joints:
         delay = joint.delay
@@ -90,9 +91,8 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
         merged[row] = merged.get(row, 0) + 1
     slides = any(row[-1] == JointKind.SLIDE.value for row in merged)
     for row, count in merged.items():
-        group = f"{row[0]} ({row[-1]})" if slides else row[0]
+        group = f"{row[0]} (slide, in N and m)" if slides and row[-1] == JointKind.SLIDE.value else row[0]
         yield (group, str(count), *row[1:-1])
-    yield ("", "", "", "", "N*m/rad", "N*m*s/rad", "N*m", "rad/s", "kg*m^2", "N*m", "N*m*s/rad", "", "")
 
 
 def _number(quantity: Quantity | None) -> str:

@@ -45,14 +45,15 @@ def check_encoding(path: str, data: bytes) -> None:
         place = place_of(path, data, err.start)
         help += _CANONICAL
         raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None) from err
-    declared = _DECLARED.match(data.removeprefix(_BOM))
-    if declared is None or data.isascii():
+    body = data.removeprefix(_BOM)
+    declared = _DECLARED.match(body)
+    if declared is None or body.isascii():
         return
     name = declared[1].decode("ascii")
     if name.lower().replace("-", "").replace("_", "") == "utf8":
         return
-    first = next(i for i, byte in enumerate(data[3:] if data.startswith(_BOM) else data) if byte > 127)
-    place = place_of(path, data, first + 3 * data.startswith(_BOM))
+    first = next(i for i, byte in enumerate(body) if byte > 127)
+    place = place_of(path, data, first + len(data) - len(body))
     message = f"the file declares encoding {name!r} and has a character that is not ASCII"
     help += _CANONICAL
     raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None)

@@ -9,7 +9,16 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, core_schema
 
 from actspec.diagnostics import nearest
-from actspec.spec.values import Number, SpecValue, check_keys, fault, parse_below, short, value_schema
+from actspec.spec.values import (
+    EXAMPLES,
+    Number,
+    SpecValue,
+    check_keys,
+    fault,
+    parse_below,
+    short,
+    value_schema,
+)
 from actspec.units import Kind
 
 REFLECTED = "reflected"
@@ -22,7 +31,26 @@ METHODS: dict[str, tuple[str, ...]] = {
 }
 """Keys of each method beside `derive`; all are required."""
 
-_KINDS = {"fraction": Kind.RATIO, "error": Kind.POSITION, "frequency": Kind.FREQUENCY, "ratio": Kind.RATIO}
+_KINDS = {
+    "fraction": Kind.RATIO,
+    "error": Kind.POSITION,
+    "frequency": Kind.FREQUENCY,
+    "ratio": Kind.RATIO,
+    "inertia": Kind.INERTIA,
+}
+_LAWS = {
+    "torque_at_error": "kp = fraction effort_limit / error [N*m/rad or N/m].",
+    "natural_frequency": "kp = I (2 pi frequency)^2 [N*m/rad or N/m].",
+    "damping_ratio": "kd = 2 ratio sqrt(kp I) [N*m*s/rad or N*s/m].",
+}
+_MEANINGS = {
+    "fraction": "Part of effort_limit that the drive applies at `error` [-].",
+    "error": "Position error [rad or m].",
+    "frequency": "Natural frequency, in cycles [Hz].",
+    "ratio": "Damping ratio [-].",
+    "inertia": "`reflected` (the rotor's, seen at the joint), `joint` (M_jj, armature included) or a number "
+    "[kg*m^2 or kg].",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +88,11 @@ class GainField:
         method = given["derive"]
         if method not in self.methods:
             guess = nearest(str(method), self.methods)
+            known = isinstance(method, str) and method in METHODS
             raise fault(
-                f"no derivation is named {short(method)}",
+                f"'{method}' does not derive a {self.number.kind.noun}"
+                if known
+                else f"no derivation is named {short(method)}",
                 f"did you mean '{guess}'?" if guess else f"known here: {', '.join(self.methods)}",
                 ("derive",),
             )
@@ -70,12 +101,13 @@ class GainField:
         missing = [key for key in keys if key not in given]
         if missing:
             raise fault(
-                f"the derivation '{method}' needs {', '.join(missing)}", f"its keys: {', '.join(keys)}"
+                f"the derivation '{method}' needs {' and '.join(missing)}",
+                f"write for instance `{_example(method)}`",
             )
         numbers = {}
         for key in keys:
             if key != "inertia":
-                numbers[key] = parse_below(key, given[key], Number(_KINDS[key], above=0.0))
+                numbers[key] = parse_below(key, given[key], _number(key))
         inertia: SpecValue | Literal["reflected", "joint"] | None = None
         if "inertia" in keys:
             word = given["inertia"]
@@ -88,7 +120,7 @@ class GainField:
                     ("inertia",),
                 )
             else:
-                inertia = parse_below("inertia", word, Number(Kind.INERTIA, above=0.0))
+                inertia = parse_below("inertia", word, _number("inertia"))
         return DerivedGain(method, numbers, inertia)
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
@@ -97,17 +129,14 @@ class GainField:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        base = value_schema(self.number.kind, self.number.words)
         derivations = []
         for method in self.methods:
-            properties: dict[str, Any] = {"derive": {"const": method}}
+            properties: dict[str, Any] = {"derive": {"const": method, "description": _LAWS[method]}}
             for key in METHODS[method]:
+                number = value_schema(_number(key))
                 if key == "inertia":
-                    properties[key] = {
-                        "anyOf": [{"enum": [REFLECTED, JOINT]}, value_schema(Kind.INERTIA, ())]
-                    }
-                else:
-                    properties[key] = value_schema(_KINDS[key], ())
+                    number = {"anyOf": [{"enum": [REFLECTED, JOINT]}, number]}
+                properties[key] = {**number, "description": _MEANINGS[key]}
             derivations.append(
                 {
                     "type": "object",
@@ -116,4 +145,13 @@ class GainField:
                     "properties": properties,
                 }
             )
-        return {"anyOf": [*base["anyOf"], *derivations]}
+        return {"anyOf": [value_schema(self.number), *derivations]}
+
+
+def _number(key: str) -> Number:
+    return Number(_KINDS[key], above=0.0, unknown=False)
+
+
+def _example(method: str) -> str:
+    written = [f"{key}: {REFLECTED if key == 'inertia' else EXAMPLES[_KINDS[key]]}" for key in METHODS[method]]
+    return f"{{derive: {', '.join([method, *written])}}}"

@@ -8,11 +8,26 @@ from typing import Any
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from actspec.spec.values import Number, Pair, SpecValue, check_keys, fault, parse_below, short, value_schema
+from actspec.diagnostics import nearest
+from actspec.spec.values import (
+    Fault,
+    Number,
+    Pair,
+    SpecValue,
+    check_keys,
+    fault,
+    pair_or_fault,
+    parse_below,
+    short,
+    value_schema,
+)
 from actspec.units import Kind
 
 EFFORT_WORDS = ("continuous", "peak")
 SAMPLINGS = ("episode", "step")
+RANGE_WORDS = ("none", "joint")
+COMMAND_KINDS = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.TORQUE}
+"""What a command is, by the word under `command`."""
 
 
 class EffortField:
@@ -26,9 +41,10 @@ class EffortField:
             if given in EFFORT_WORDS:
                 return given
             if given.isalpha() and given != "unknown":
+                guess = nearest(given, (*EFFORT_WORDS, "unknown"))
                 raise fault(
-                    f"must be a torque, `continuous` or `peak`, got {short(given)}",
-                    "write for instance `33.5 N*m`",
+                    f"must be a torque, `continuous`, `peak` or `unknown`, got {short(given)}",
+                    f"did you mean '{guess}'?" if guess else "write for instance `33.5 N*m`",
                 )
         return self.number(given)
 
@@ -38,7 +54,40 @@ class EffortField:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return {"anyOf": [{"enum": list(EFFORT_WORDS)}, *value_schema(Kind.TORQUE)["anyOf"]]}
+        return {"anyOf": [{"enum": list(EFFORT_WORDS)}, value_schema(self.number)]}
+
+
+class CommandRangeField:
+    """Annotation of a command's range: `none`, `joint` or [low, high] in the command's own unit.
+
+    The unit depends on the group's `command`, so the ends are read by `command_range_of`.
+    """
+
+    def __call__(self, given: Any) -> list[Any] | str:
+        """Check the shape of what the YAML holds."""
+        if isinstance(given, str) and given in RANGE_WORDS:
+            return given
+        if not isinstance(given, list) or len(given) != 2:
+            raise fault(
+                f"must be `none`, `joint` or [low, high], got {short(given)}",
+                "write for instance `[-1 rad, 1 rad]`; `joint` is the joint's own range",
+            )
+        return given
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        ends = [value_schema(Number(kind, unknown=False)) for kind in COMMAND_KINDS.values()]
+        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"anyOf": ends}}
+        return {"anyOf": [{"enum": list(RANGE_WORDS)}, pair]}
+
+
+def command_range_of(given: list[Any], command: str) -> tuple[SpecValue, SpecValue] | Fault:
+    """The ends of a command's range, in the unit of `command` (position, velocity or effort)."""
+    return pair_or_fault(given, Pair(COMMAND_KINDS[command]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -118,12 +167,17 @@ class DelayField:
             return SpecDelay(self.number(given), None, "episode")
         check_keys(given, ("nominal", "range", "sampling"), "a delay")
         if "nominal" not in given:
-            raise fault("a delay needs its key 'nominal'", "write {nominal: 5 ms, range: [0 ms, 10 ms]}")
+            raise fault("a delay needs its key 'nominal'", "write `{nominal: 5 ms, range: [0 ms, 10 ms]}`")
         nominal = parse_below("nominal", given["nominal"], self.number)
         limits = parse_below("range", given["range"], self.pair) if "range" in given else None
         sampling = given.get("sampling", "episode")
         if sampling not in SAMPLINGS:
-            raise fault(f"must be `episode` or `step`, got {short(sampling)}", None, ("sampling",))
+            guess = nearest(str(sampling), SAMPLINGS)
+            raise fault(
+                f"must be `episode` or `step`, got {short(sampling)}",
+                f"did you mean '{guess}'?" if guess else "`episode` draws at reset and holds, `step` draws anew",
+                ("sampling",),
+            )
         pair = None if limits is None or isinstance(limits, str) else limits
         if pair is not None and nominal.value is not None:
             low, high = pair
@@ -141,16 +195,25 @@ class DelayField:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        number = value_schema(Kind.TIME, self.number.words)
-        time = value_schema(Kind.TIME, ())
+        number = value_schema(self.number)
+        time = value_schema(Number(Kind.TIME, at_least=0.0, unknown=False))
         full = {
             "type": "object",
             "required": ["nominal"],
             "additionalProperties": False,
             "properties": {
-                "nominal": number,
-                "range": {"type": "array", "minItems": 2, "maxItems": 2, "items": time},
-                "sampling": {"enum": list(SAMPLINGS)},
+                "nominal": {**number, "description": "Nominal delay [s]."},
+                "range": {
+                    "type": "array",
+                    "minItems": 2,
+                    "maxItems": 2,
+                    "items": time,
+                    "description": "Least and largest delay, [low, high] [s].",
+                },
+                "sampling": {
+                    "enum": list(SAMPLINGS),
+                    "description": "`episode` (default): drawn at reset and held; `step`: drawn every step.",
+                },
             },
         }
-        return {"anyOf": [*number["anyOf"], full]}
+        return {"anyOf": [number, full]}

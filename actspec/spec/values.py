@@ -1,11 +1,12 @@
 """Numbers as a spec writes them: `33.5 N*m`, `0.2`, `unknown`, `{value, unit, source, std, note}`.
 
-Each field of the spec names its quantity kind; a field's type is an
-an annotated `SpecValue` that parses, checks and documents itself in the JSON Schema (`Number`).
+Each field of the spec names its quantity kind; a field's type is an annotated `SpecValue` that
+parses, checks and documents itself in the JSON Schema (`Number`).
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -118,15 +119,22 @@ def parse_value(
         source, note, std_given = given.get("source"), given.get("note"), given.get("std")
         for key, text in (("unit", unit_text), ("source", source), ("note", note)):
             if text is not None and not isinstance(text, str):
-                raise fault(f"must be text, got {text!r}", None, (key,))
-    if isinstance(number, str) and number.strip() in words:
+                raise fault(f"must be text, got {short(text)}", f'write "{short(text)}" in quotes', (key,))
+    if isinstance(number, str) and number.strip() in (UNKNOWN, IDENTIFIED):
         word = number.strip()
+        if word not in words:
+            raise fault(f"{_a(kind.noun)} is needed here, got `{word}`", _example(kind), at)
         return SpecValue(None, kind.rotary_unit, None, word, source, None, note, word == IDENTIFIED)
     if isinstance(number, bool) or not isinstance(number, (int, float, str)):
-        raise fault(f"must be a {kind.noun}, got {short(number)}", _example(kind), at)
+        raise fault(f"must be {_a(kind.noun)}, got {short(number)}", _example(kind), at)
     if unit_text is not None and isinstance(number, str):
-        # A unit on both: the one in the text is the author's word for the number.
-        number, unit_text = f"{number} {unit_text}", None
+        if not _PLAIN_NUMBER.fullmatch(number):
+            raise fault(
+                f"the unit stands twice, in `value: {short(number)}` and in `unit: {short(unit_text)}`",
+                "remove `unit`",
+                ("unit",),
+            )
+        number = float(number)
     try:
         parsed = (
             parse_quantity(number, kind) if unit_text is None else parse_with_unit(number, unit_text, kind)
@@ -140,9 +148,10 @@ def parse_value(
         (at_most is not None and parsed.value > at_most, "<=", at_most),
     ):
         if bad and bound is not None:
+            percent = sense == "<=" and bound == 1.0 and parsed.value <= 100.0
             raise fault(
                 f"must be {sense} {format_quantity(bound, unit)}, got {format_quantity(parsed.value, unit)}",
-                None,
+                f"did you mean `{parsed.value:g} %`? That is {parsed.value / 100.0:g}" if percent else None,
                 at,
             )
     std = None
@@ -157,7 +166,10 @@ def parse_value(
             raise fault(err.message, err.help, ("std",)) from None
         std = std_parsed.value
         if std < 0:
-            raise fault(f"must be >= 0 {unit}, got {format_quantity(std, unit)}", None, ("std",))
+            bound = format_quantity(0.0, unit)
+            raise fault(f"must be >= {bound}, got {format_quantity(std, unit)}", None, ("std",))
+        if None not in (parsed.linear, std_parsed.linear) and parsed.linear is not std_parsed.linear:
+            raise fault(f"is in {std_parsed.unit}, but the value is in {unit}", f"write it in {unit}", ("std",))
     return SpecValue(parsed.value, unit, parsed.linear, short(number), source, std, note)
 
 
@@ -165,7 +177,8 @@ def parse_value(
 class Number:
     """Annotation of a field that holds one number: `Annotated[SpecValue, Number(Kind.TORQUE, above=0)]`.
 
-    Attributes: see `parse_value`; `identified` also takes the word `identified`.
+    Attributes: see `parse_value`; `identified` also takes the word `identified`, and `unknown` tells
+    whether the field takes the word `unknown`.
     """
 
     kind: Kind
@@ -173,11 +186,12 @@ class Number:
     above: float | None = None
     at_most: float | None = None
     identified: bool = False
+    unknown: bool = True
 
     @property
     def words(self) -> tuple[str, ...]:
         """Words that the field takes in place of a number."""
-        return (UNKNOWN, IDENTIFIED) if self.identified else (UNKNOWN,)
+        return (UNKNOWN,) * self.unknown + (IDENTIFIED,) * self.identified
 
     def __call__(self, given: Any) -> SpecValue:
         """Parse what the YAML holds."""
@@ -191,7 +205,7 @@ class Number:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        return value_schema(self.kind, self.words)
+        return value_schema(self)
 
 
 @dataclass(frozen=True, slots=True)
@@ -212,7 +226,7 @@ class Pair:
         if not isinstance(given, list) or len(given) != 2:
             choices = "".join(f", or `{word}`" for word in self.words)
             raise fault(
-                f"must be [low, high], two of a {self.kind.noun}{choices}, got {short(given)}",
+                f"must be [low, high], each {_a(self.kind.noun)}{choices}, got {short(given)}",
                 f"write for instance `[{EXAMPLES[self.kind]}, {EXAMPLES[self.kind]}]`",
             )
         ends = []
@@ -223,6 +237,8 @@ class Pair:
                 context = dict(err.context or {})
                 raise fault(context["message"], context["help"], (index, *context["at"])) from None
         low, high = ends
+        if None not in (low.linear, high.linear) and low.linear is not high.linear:
+            raise fault(f"the ends are in two units, {low.written} and {high.written}", "use one unit for both")
         if self.ordered and low.value is not None and high.value is not None and low.value > high.value:
             raise fault(
                 f"the range is the wrong way round: {low.written} is above {high.written}",
@@ -236,8 +252,35 @@ class Pair:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": value_schema(self.kind, ())}
+        end = value_schema(Number(self.kind, at_least=self.at_least, unknown=False))
+        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": end}
         return {"anyOf": [{"enum": list(self.words)}, pair]} if self.words else pair
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Why something written is not what its field needs.
+
+    Attributes:
+        message: What is wrong.
+        help: The nearest right answer; None when there is none.
+        at: Place below the field.
+    """
+
+    message: str
+    help: str | None
+    at: tuple[str | int, ...]
+
+
+def pair_or_fault(given: Any, pair: Pair) -> tuple[SpecValue, SpecValue] | Fault:
+    """Read a [low, high] whose kind another field decides, after the spec's shape was checked."""
+    try:
+        ends = pair(given)
+    except PydanticCustomError as err:
+        context = dict(err.context or {})
+        return Fault(context["message"], context["help"], tuple(context["at"]))
+    assert not isinstance(ends, str)
+    return ends
 
 
 def parse_below(key: str, given: Any, parse: Callable[[Any], T]) -> T:
@@ -249,43 +292,79 @@ def parse_below(key: str, given: Any, parse: Callable[[Any], T]) -> T:
         raise fault(context["message"], context["help"], (key, *context["at"])) from None
 
 
-def value_schema(kind: Kind, words: tuple[str, ...] = (UNKNOWN,)) -> dict[str, Any]:
-    """JSON Schema of a number of that kind, for editors."""
+HOIST = "actspec-definition"
+"""Key that marks a part of a JSON Schema as a definition of that name (see `schema`)."""
+
+
+def value_schema(number: Number) -> dict[str, Any]:
+    """JSON Schema of a number, for editors; what it accepts is a little more than `parse_value` does."""
+    kind = number.kind
+    unit = kind.rotary_unit
+    if kind.linear_unit != unit:
+        unit += f" or {kind.linear_unit}"
+    positive = (number.above is not None and number.above >= 0) or (
+        number.at_least is not None and number.at_least >= 0
+    )
     text = {
         "type": "string",
-        "description": f"Number with its unit, a {kind.noun} [{kind.rotary_unit}], e.g. `{EXAMPLES[kind]}`.",
+        "pattern": r"^\s*\+?\.?[0-9]" if positive else r"^\s*[-+\u2212]?\.?[0-9]",
+        "description": f"{_a(kind.noun).capitalize()} with its unit [{unit}], e.g. `{EXAMPLES[kind]}`.",
         "examples": [EXAMPLES[kind]],
     }
-    bare: list[dict[str, Any]] = [
-        {"type": "number", "description": f"A {kind.noun} in {kind.rotary_unit or 'no unit'}."}
-    ]
+    bare: dict[str, Any] = {"type": "number", "description": f"{_a(kind.noun).capitalize()} in SI [{unit}]."}
+    for key, bound in (
+        ("minimum", number.at_least),
+        ("exclusiveMinimum", number.above),
+        ("maximum", number.at_most),
+    ):
+        if bound is not None:
+            bare[key] = bound
+    scalar = [bare, text]
     if not kind.bare:
-        bare = [{"const": 0, "description": "Only 0 may stand without a unit."}]
-    scalar: list[dict[str, Any]] = [{"enum": list(words)}, *bare, text]
-    return {
-        "anyOf": [
-            *scalar,
-            {
-                "type": "object",
-                "required": ["value"],
-                "additionalProperties": False,
-                "properties": {
-                    "value": {"anyOf": scalar},
-                    "unit": {"type": "string", "description": "Unit of a bare `value` and `std`."},
-                    "source": {"type": "string", "description": "Key of `sources`."},
-                    "std": {"anyOf": [{"type": "number"}, text], "description": "Standard deviation."},
-                    "note": {"type": "string", "description": "Remark."},
-                },
-            },
-        ]
+        scalar = [text]
+        if number.above is None:
+            scalar.append({"const": 0, "description": f"0 alone stands without a unit [{unit}]."})
+    if number.words:
+        scalar.append({"enum": list(number.words), "description": "A word in place of the number."})
+    within = {
+        "value": {"anyOf": scalar, "description": f"The number [{unit}]."},
+        "unit": {"type": "string", "description": "Unit of a bare `value` and `std`."},
+        "source": {"type": "string", "description": "Key of `sources`."},
+        "std": {
+            "anyOf": [{"type": "number", "minimum": 0}, {**text, "pattern": r"^\s*\+?\.?[0-9]"}],
+            "description": f"Standard deviation [{unit}].",
+        },
+        "note": {"type": "string", "description": "Remark."},
     }
+    if not kind.bare:
+        # A bare value is right beside a `unit`.
+        within["value"] = {"anyOf": [*scalar, {"type": "number"}], "description": f"The number [{unit}]."}
+    full = {
+        "type": "object",
+        "required": ["value"],
+        "additionalProperties": False,
+        "properties": within,
+    }
+    sign = "positive_" if number.above == 0.0 else "nonnegative_" if number.at_least == 0.0 else ""
+    words = "".join(f"_or_{word}" for word in number.words)
+    most = "" if number.at_most is None else f"_to_{number.at_most:g}"
+    return {HOIST: f"{sign}{kind.noun.replace(' ', '_')}{most}{words}", "anyOf": [*scalar, full]}
 
 
 def short(given: Any) -> str:
-    """What was given, cut to a length fit for a message."""
+    """What was given, as YAML has it, cut to a length fit for a message."""
+    if given is None or isinstance(given, bool):
+        return "null" if given is None else str(given).lower()
     text = given if isinstance(given, str) else repr(given)
     return text if len(text) <= 60 else text[:57] + "..."
 
 
 def _example(kind: Kind) -> str:
     return f"write for instance `{EXAMPLES[kind]}`"
+
+
+def _a(noun: str) -> str:
+    return f"{'an' if noun[0] in 'aeiou' else 'a'} {noun}"
+
+
+_PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*", re.ASCII)

@@ -19,7 +19,7 @@ LAYERS = (
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
-    {"resolve", "lift"},
+    {"resolve", "lift", "draft"},
     {"targets", "audit", "sysid", "learn"},
     {"verify", "report", "draft"},
     {"api", "output"},
