@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import contextlib
 import difflib
 import hashlib
 import json
 import os
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
@@ -15,6 +13,7 @@ from typing import Any
 import actspec
 from actspec.api import Compilation
 from actspec.diagnostics import Collector, EmitError, Span
+from actspec.files import replace_file
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
 MANIFEST = "manifest.json"
@@ -102,7 +101,7 @@ def write(files: tuple[Output, ...], *, force: bool = False) -> None:
             continue
         try:
             os.makedirs(os.path.dirname(file.path), exist_ok=True)
-            _replace(file.path, file.data)
+            replace_file(file.path, file.data)
         except OSError as err:
             collector.error("OUT002", f"cannot be written: {err.strerror}", span=Span(file.path))
     collector.raise_if_failed(EmitError)
@@ -162,22 +161,3 @@ def _is_ours(file: Output) -> bool:
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return False
     return known.get(os.path.basename(file.path)) == hashlib.sha256(file.old).hexdigest()
-
-
-def _replace(path: str, data: bytes) -> None:
-    folder, name = os.path.split(path)
-    handle, temporary = tempfile.mkstemp(prefix=f".{name}.", dir=folder or ".")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        # mkstemp makes files for the owner alone; these are for everybody that the umask allows.
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(temporary)
-        raise

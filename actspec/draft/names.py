@@ -14,21 +14,26 @@ _MOST_CUTS = 6
 _LONGEST_CUT = 80
 """Chosen: names above this have no structure that a reader would see; they are listed."""
 
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
 _METACHARACTER = re.compile(r"[\\.^$*+?{}\[\]|()]")
 _BEFORE = re.compile(r"(?<=[^_\-./ :])(?=[_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 _AFTER = re.compile(r"(?<=[_\-./ :])(?=[^_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 
-_SIDES = frozenset(
-    "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb left right front rear hind back fore upper lower".split()
+_SIDES = _words(
+    "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb left right front rear hind back fore upper lower"
 )
-_GENERIC = frozenset("joint jnt j joints link motor act actuator".split())
+_GENERIC = _words("joint jnt j joints link motor act actuator")
 _BODY_PARTS = (
-    ("legs", frozenset("hip thigh calf knee ankle leg foot shank toe abduction haa hfe kfe".split())),
-    ("arms", frozenset("shoulder elbow wrist arm forearm".split())),
-    ("hands", frozenset("thumb index middle ring pinky little finger fingers hand palm".split())),
-    ("torso", frozenset("waist torso spine head neck".split())),
+    ("legs", _words("hip thigh calf knee ankle leg foot shank toe abduction haa hfe kfe")),
+    ("arms", _words("shoulder elbow wrist arm forearm")),
+    ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
+    ("torso", _words("waist torso spine head neck")),
 )
-_RESERVED = frozenset("y n yes no on off true false null none unknown".split())
+_RESERVED = _words("y n yes no on off true false null none unknown")
 
 
 def escaped(name: str) -> str:
@@ -188,7 +193,7 @@ def _common(parts: Sequence[list[str]]) -> Iterator[str]:
 def _shared(parts: Sequence[list[str]]) -> list[str]:
     """What all lists begin with."""
     shared = []
-    for words in zip(*parts):
+    for words in zip(*parts, strict=False):
         if len(set(words)) > 1:
             break
         shared.append(words[0])

@@ -153,5 +153,7 @@ def _number(key: str) -> Number:
 
 
 def _example(method: str) -> str:
-    written = [f"{key}: {REFLECTED if key == 'inertia' else EXAMPLES[_KINDS[key]]}" for key in METHODS[method]]
+    written = [
+        f"{key}: {REFLECTED if key == 'inertia' else EXAMPLES[_KINDS[key]]}" for key in METHODS[method]
+    ]
     return f"{{derive: {', '.join([method, *written])}}}"

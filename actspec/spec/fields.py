@@ -10,13 +10,11 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from actspec.diagnostics import nearest
 from actspec.spec.values import (
-    Fault,
     Number,
     Pair,
     SpecValue,
     check_keys,
     fault,
-    pair_or_fault,
     parse_below,
     short,
     value_schema,
@@ -25,9 +23,6 @@ from actspec.units import Kind
 
 EFFORT_WORDS = ("continuous", "peak")
 SAMPLINGS = ("episode", "step")
-RANGE_WORDS = ("none", "joint")
-COMMAND_KINDS = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.TORQUE}
-"""What a command is, by the word under `command`."""
 
 
 class EffortField:
@@ -55,39 +50,6 @@ class EffortField:
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
         return {"anyOf": [{"enum": list(EFFORT_WORDS)}, value_schema(self.number)]}
-
-
-class CommandRangeField:
-    """Annotation of a command's range: `none`, `joint` or [low, high] in the command's own unit.
-
-    The unit depends on the group's `command`, so the ends are read by `command_range_of`.
-    """
-
-    def __call__(self, given: Any) -> list[Any] | str:
-        """Check the shape of what the YAML holds."""
-        if isinstance(given, str) and given in RANGE_WORDS:
-            return given
-        if not isinstance(given, list) or len(given) != 2:
-            raise fault(
-                f"must be `none`, `joint` or [low, high], got {short(given)}",
-                "write for instance `[-1 rad, 1 rad]`; `joint` is the joint's own range",
-            )
-        return given
-
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
-        ends = [value_schema(Number(kind, unknown=False)) for kind in COMMAND_KINDS.values()]
-        pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"anyOf": ends}}
-        return {"anyOf": [{"enum": list(RANGE_WORDS)}, pair]}
-
-
-def command_range_of(given: list[Any], command: str) -> tuple[SpecValue, SpecValue] | Fault:
-    """The ends of a command's range, in the unit of `command` (position, velocity or effort)."""
-    return pair_or_fault(given, Pair(COMMAND_KINDS[command]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +112,7 @@ class CommandRangeField:
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler
     ) -> dict[str, Any]:
-        numbers = [value_schema(kind, ()) for kind in RANGE_KINDS]
+        numbers = [value_schema(Number(kind, unknown=False)) for kind in RANGE_KINDS]
         pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"anyOf": numbers}}
         return {"anyOf": [{"enum": list(RANGE_WORDS)}, pair]}
 
@@ -175,7 +137,9 @@ class DelayField:
             guess = nearest(str(sampling), SAMPLINGS)
             raise fault(
                 f"must be `episode` or `step`, got {short(sampling)}",
-                f"did you mean '{guess}'?" if guess else "`episode` draws at reset and holds, `step` draws anew",
+                f"did you mean '{guess}'?"
+                if guess
+                else "`episode` draws at reset and holds, `step` draws anew",
                 ("sampling",),
             )
         pair = None if limits is None or isinstance(limits, str) else limits

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, SpecError
 from actspec.spec.document import load_document
-from actspec.spec.results import Results, validate_results
 from actspec.spec.validate import Spec, validate
+
+if TYPE_CHECKING:
+    from actspec.spec.results import Results
 
 
 def load_spec(path: str) -> Spec:
@@ -36,6 +39,9 @@ def load_spec(path: str) -> Spec:
                 help="keep results files below the folder of the spec",
             )
             continue
+        # Most specs name no results, and the models take time to build.
+        from actspec.spec.results import validate_results
+
         try:
             results[named] = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
         except SpecError as err:

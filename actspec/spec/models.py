@@ -1,14 +1,14 @@
 """The spec language as pydantic models: what a spec may say, each field with its unit.
 
-The docstring under a field ends in its unit and goes into the JSON Schema. Figures are parsed to
-SI here (`SpecValue`); patterns, references between sections and defaults are resolved later.
+The docstring under a field says its unit and goes into the JSON Schema (`descriptions`). Figures are
+parsed to SI here (`SpecValue`); patterns, references between sections and defaults are resolved later.
 """
 
 from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
 
 from actspec.spec.derive import Gain, GainField
 from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
@@ -20,9 +20,13 @@ SPEC_VERSION = 1
 
 
 class Strict(BaseModel):
-    """Base of all models: frozen, unknown keys refused, docstrings become descriptions."""
+    """Base of all models: frozen, unknown keys refused, built when the first file is read.
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    `use_attribute_docstrings` is off because it parses the source at every start; `descriptions`
+    does so when somebody asks.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 def _text_version(given: Any) -> Any:
@@ -31,6 +35,15 @@ def _text_version(given: Any) -> Any:
             f"a version is text, got the number {given}", f'write "{given}" in quotes: 3.10 would read as 3.1'
         )
     return given
+
+
+def _shape(given: Any) -> str:
+    """Which part of a union a value is meant for."""
+    return "mapping" if isinstance(given, dict) else "word"
+
+
+def _text_or_number(given: Any) -> Any:
+    return str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
 
 
 Version = Annotated[str, BeforeValidator(_text_version)]
@@ -48,7 +61,9 @@ FittedSpeed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0, identified=True
 Time = Annotated[SpecValue, Number(Kind.TIME, at_least=0.0)]
 PositiveTime = Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
 Frequency = Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)]
+Cutoff = Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0, identified=True)]
 Ratio = Annotated[SpecValue, Number(Kind.RATIO, above=0.0)]
+Factor = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, unknown=False)]
 Efficiency = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, at_most=1.0)]
 Kp = Annotated[
     Gain,
@@ -70,9 +85,9 @@ class Source(Strict):
     """Title of the document, repository or measurement."""
     url: str | None = None
     """Address."""
-    page: str | int | None = None
+    page: Annotated[str, BeforeValidator(_text_or_number)] | None = None
     """Page, table, or path inside a repository."""
-    commit: str | None = None
+    commit: Annotated[str, BeforeValidator(_text_or_number)] | None = None
     """Commit of a repository."""
     accessed: str | None = None
     """Day on which it was read, YYYY-MM-DD."""
@@ -91,6 +106,11 @@ class ListedJoint(Strict):
     """Position range, [low, high] [rad or m]."""
 
 
+OneJoint = Annotated[
+    Annotated[ListedJoint, Tag("mapping")] | Annotated[Name, Tag("word")], Discriminator(_shape)
+]
+
+
 class Robot(Strict):
     """The robot that the spec is for."""
 
@@ -98,7 +118,7 @@ class Robot(Strict):
     """Name of the robot; output folders and constants are named after it."""
     model: str
     """MJCF or URDF, relative to the spec's folder; or `package://DISTRIBUTION/path`; or `none`."""
-    joints: tuple[ListedJoint | Name, ...] = ()
+    joints: tuple[OneJoint, ...] = ()
     """Joints in the robot's order, only with `model: none`."""
     unmanaged: tuple[str, ...] = ()
     """Patterns of joints that are left as they are."""
@@ -149,9 +169,9 @@ class Motor(Strict):
     efficiency: Efficiency | None = None
     """Of the gearbox, 0 to 1 [-]; scales motor-side torques. Default 1."""
     torque_constant: Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0)] | None = None
-    """[N*m/A]."""
+    """Torque per current [N*m/A], on the motor's `side`."""
     nominal_voltage: Annotated[SpecValue, Number(Kind.VOLTAGE, above=0.0)] | None = None
-    """[V]."""
+    """Supply for which stall torque and no-load speed hold [V]."""
     nominal_current: Annotated[SpecValue, Number(Kind.CURRENT, above=0.0)] | None = None
     """Continuous current [A]; with `torque_constant` it gives the continuous torque."""
     peak_current: Annotated[SpecValue, Number(Kind.CURRENT, above=0.0)] | None = None
@@ -182,8 +202,14 @@ class Friction(Strict):
 class CommandFilter(Strict):
     """First-order low-pass on the command."""
 
-    cutoff: Frequency
+    cutoff: Cutoff
     """-3 dB frequency [Hz]."""
+
+
+FilterOrWord = Annotated[
+    Annotated[CommandFilter, Tag("mapping")] | Annotated[Literal["from_motor", "none"], Tag("word")],
+    Discriminator(_shape),
+]
 
 
 class NetworkFile(Strict):
@@ -195,19 +221,22 @@ class NetworkFile(Strict):
     """Its manifest: inputs, scales, order, period."""
 
 
+Ends = Annotated[list[Any], Field(min_length=2, max_length=2)]
+
+
 class Randomize(Strict):
     """One domain-randomisation range: exactly one of scale, add and abs, or `from: identified`."""
 
     scale: Annotated[Any, Pair(Kind.RATIO, ordered=False)] = None
     """Factor on the nominal value, [low, high] [-]."""
-    add: list[Any] | None = None
-    """Offset on the nominal value, [low, high], in the field's unit."""
-    abs: list[Any] | None = None
-    """Replacement of the nominal value, [low, high], in the field's unit."""
+    add: Ends | None = None
+    """Offset on the nominal value, [low, high] [unit of the field]."""
+    abs: Ends | None = None
+    """Replacement of the nominal value, [low, high] [unit of the field]."""
     from_: Literal["identified"] | None = Field(default=None, alias="from")
     """Take the range from the identification's standard deviation."""
-    sigma: Annotated[SpecValue, Number(Kind.RATIO, above=0.0)] | None = None
-    """With `from: identified`: half-width in standard deviations [-]."""
+    sigma: Factor | None = None
+    """With `from: identified`: half-width in standard deviations [-]. Default 1."""
     distribution: Literal["uniform", "log_uniform", "gaussian"] = "uniform"
     """For `gaussian` the pair is (mean, standard deviation)."""
     when: Literal["startup", "reset", "interval"] = "reset"
@@ -228,6 +257,7 @@ RandomizedField = Literal[
     "friction.coulomb",
     "friction.viscous",
     "friction.static",
+    "friction.stribeck_velocity",
     "encoder_bias",
     "delay",
 ]
@@ -238,7 +268,7 @@ class Tunable(Strict):
 
     motor: Name | None = None
     """Key of `motors`."""
-    reduction: Ratio | None = None
+    reduction: Factor | None = None
     """Extra reduction from the motor's output to the joint [-]. Default 1."""
     motors_per_joint: Annotated[int, Field(ge=1, le=100, strict=True)] | None = None
     """Motors that drive the joint in parallel [-]. Default 1."""
@@ -253,17 +283,18 @@ class Tunable(Strict):
     armature: FittedInertia | None = None
     """Inertia added to the joint [kg*m^2 or kg]. Default: from rotor inertia and gears."""
     friction: Friction | None = None
-    """Passive friction at the joint."""
-    command_filter: CommandFilter | Literal["from_motor", "none"] | None = None
-    """Low-pass on the command."""
+    """Passive friction at the joint, outside every clamp."""
+    command_filter: FilterOrWord | None = None
+    """Low-pass on the command: {cutoff} [Hz], `from_motor` (its bandwidth) or `none`."""
     command_range: Annotated[CommandRange | str, CommandRangeField()] | None = None
-    """Clamp of the command, in its own unit: `none` (default), `joint` (its range) or [low, high]."""
+    """Clamp of the command: `none` (default), `joint` (its range) or [low, high], in the unit of
+    `command` [rad or m; rad/s or m/s; N*m or N]."""
     delay: Delay | None = None
     """Delay of the command [s], or {nominal, range, sampling}."""
     encoder_bias: FittedAngle | None = None
     """q_measured = q + bias [rad or m]. Default 0."""
     action_scale: Annotated[SpecValue, Number(Kind.RATIO)] | None = None
-    """Command per unit of action [-]."""
+    """Command per unit of action, in SI [-]."""
 
 
 class Actuators(Tunable):

@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal
 
-from pydantic import Field, ValidationError
+from pydantic import Field
 
 from actspec.diagnostics import Collector, SpecError
 from actspec.spec.document import Document
 from actspec.spec.models import Name, Strict
-from actspec.spec.validate import report, written_path
+from actspec.spec.validate import checked
 from actspec.spec.values import Number, SpecValue
 from actspec.units import Kind
 
@@ -29,7 +29,7 @@ class FrictionResult(Strict):
     static: Annotated[SpecValue, Number(Kind.TORQUE, at_least=0.0)] | None = None
     """Break-away friction [N*m or N]."""
     stribeck_velocity: Annotated[SpecValue, Number(Kind.SPEED, above=0.0)] | None = None
-    """[rad/s or m/s]."""
+    """Speed over which static falls to coulomb [rad/s or m/s]."""
 
 
 class JointResult(Strict):
@@ -47,6 +47,9 @@ class JointResult(Strict):
     """Delay of the command [s]."""
     bandwidth: Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)] | None = None
     """-3 dB frequency of the command's low-pass [Hz]."""
+    closed_loop_bandwidth: Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)] | None = None
+    """-3 dB frequency of q over q*, the drive included [Hz]. A diagnostic: as a command filter it would
+    count the PD twice."""
     encoder_bias: Annotated[SpecValue, Number(Kind.POSITION)] | None = None
     """q_measured = q + bias [rad or m]."""
     bounds_hit: tuple[str, ...] = ()
@@ -95,10 +98,8 @@ def validate_results(document: Document) -> Results:
     Raises:
         SpecError: with every error of the file.
     """
-    try:
-        return Results.model_validate(document.data)
-    except ValidationError as err:
-        collector = Collector()
-        for item in err.errors(include_url=False):
-            report(collector, document, item, written_path(tuple(item["loc"]), document.data), Results)
-        raise SpecError(collector.sorted()) from None
+    collector = Collector()
+    results = checked(Results, document, collector)
+    collector.raise_if_failed(SpecError)
+    assert results is not None
+    return results

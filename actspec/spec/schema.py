@@ -1,9 +1,18 @@
-"""JSON Schemas of the files that people write, for editors; generated from the models."""
+"""JSON Schemas of the files that people write, for editors; generated from the models.
+
+An editor checks less than `actspec validate`: units, references and patterns are not in a schema.
+"""
 
 from __future__ import annotations
 
 import json
-from typing import Any
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from actspec.spec.values import HOIST
+
+if TYPE_CHECKING:
+    from pydantic import BaseModel
 
 FILES = {
     "spec": "actspec-v1.schema.json",
@@ -14,20 +23,113 @@ FILES = {
 
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
 
+_NAMED = ("properties", "$defs", "patternProperties")
+"""Keywords whose keys are names, not keywords."""
+
 
 def schema(name: str) -> dict[str, Any]:
     """The JSON Schema of `spec`, `results` or `network`."""
-    from pydantic import BaseModel
+    root = _root(name)
+    found = root.model_json_schema(by_alias=True)
+    definitions: dict[str, Any] = found.pop("$defs", {})
+    by_name = {model.__name__: model for model in (root, *_models(root))}
+    _describe(found, root)
+    for title, part in definitions.items():
+        if title in by_name:
+            _describe(part, by_name[title])
+    if name == "spec":
+        from actspec.spec.models import SPEC_VERSION
+        from actspec.spec.rules import TARGETS
 
-    from actspec.spec.models import SpecModel
-    from actspec.spec.network import NetworkManifest
-    from actspec.spec.results import Results
-
-    models: dict[str, type[BaseModel]] = {"spec": SpecModel, "results": Results, "network": NetworkManifest}
-    found = models[name].model_json_schema(by_alias=True)
-    return {"$schema": DRAFT, "$id": FILES[name], **found}
+        found["properties"]["actspec"]["const"] = SPEC_VERSION
+        definitions["Target"]["properties"]["target"]["enum"] = list(TARGETS)
+    hoisted: dict[str, Any] = {}
+    found = _tidy(found, hoisted)
+    definitions = _tidy({"$defs": definitions}, hoisted)["$defs"]
+    return {
+        "$schema": DRAFT,
+        "$id": FILES[name],
+        **found,
+        "$defs": {key: {**definitions, **hoisted}[key] for key in sorted({**definitions, **hoisted})},
+    }
 
 
 def schema_text(name: str) -> str:
     """The schema as it stands in `schemas/`."""
     return json.dumps(schema(name), indent=2, ensure_ascii=False) + "\n"
+
+
+def _root(name: str) -> type[BaseModel]:
+    if name == "results":
+        from actspec.spec.results import Results
+
+        return Results
+    if name == "network":
+        from actspec.spec.network import NetworkManifest
+
+        return NetworkManifest
+    from actspec.spec.models import SpecModel
+
+    return SpecModel
+
+
+def _models(root: type[BaseModel]) -> Iterator[type[BaseModel]]:
+    """Every model of the language."""
+    from actspec.spec.models import Strict
+
+    pending = [Strict]
+    while pending:
+        model = pending.pop()
+        yield model
+        pending.extend(model.__subclasses__())
+
+
+def _describe(part: dict[str, Any], model: type[BaseModel]) -> None:
+    """Write the fields' docstrings into a model's schema."""
+    from actspec.spec.descriptions import descriptions
+
+    texts = descriptions(model)
+    for name, field in model.model_fields.items():
+        if name in texts:
+            part["properties"][field.alias or name]["description"] = " ".join(texts[name].split())
+
+
+def _tidy(node: Any, hoisted: dict[str, Any], *, names: bool = False) -> Any:
+    """Drop what misleads an editor, and write each kind of number once.
+
+    pydantic lets an optional field be null and gives it null as its default; in a spec a field is
+    optional by being left out, and an empty value is an error. Its titles repeat the key.
+    """
+    if isinstance(node, list):
+        return [_tidy(item, hoisted) for item in node]
+    if not isinstance(node, dict):
+        return node
+    if names:
+        return {key: _tidy(value, hoisted) for key, value in node.items()}
+    tidy: dict[str, Any] = {}
+    for key, value in node.items():
+        if key in ("title", HOIST) or (
+            key == "default" and (value is None or isinstance(value, (dict, list)))
+        ):
+            continue
+        if key in ("anyOf", "oneOf"):
+            value = [part for part in value if part != {"type": "null"}]
+        # Enumerations and constants are data, not schemas.
+        tidy[key] = (
+            value
+            if key in ("enum", "const", "examples", "default")
+            else _tidy(value, hoisted, names=key in _NAMED)
+        )
+    if HOIST in node:
+        reference: dict[str, Any] = {"$ref": f"#/$defs/{node[HOIST]}"}
+        if "description" in tidy:
+            reference["description"] = tidy.pop("description")
+        known = hoisted.setdefault(node[HOIST], tidy)
+        assert known == tidy
+        return reference
+    parts = tidy.get("anyOf")
+    if parts is not None and len(parts) == 1:
+        # An optional field: what it is, with the field's own description.
+        del tidy["anyOf"]
+        return {**parts[0], **tidy}
+    return tidy

@@ -8,12 +8,21 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, get_args, get_origin
+from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import Collector, Span, SpecError, listed, nearest
-from actspec.spec.models import SPEC_VERSION, SpecModel
+from actspec.spec.models import (
+    SPEC_VERSION,
+    Actuators,
+    Friction,
+    Motor,
+    Robot,
+    SpecModel,
+    Timing,
+    Tunable,
+)
 from actspec.spec.rules import check_spec
 from actspec.spec.values import short
 
@@ -22,6 +31,7 @@ if TYPE_CHECKING:
     from actspec.spec.results import Results
 
 Path = tuple[str | int, ...]
+M = TypeVar("M", bound=BaseModel)
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,24 +73,7 @@ def validate(document: Document) -> Spec:
             help=f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    empty = set()
-    for path in _nulls(data):
-        empty.add(path)
-        collector.error(
-            "SPEC103",
-            "is empty",
-            where=dotted(path),
-            span=document.spans.key(path),
-            help="write a value, `unknown`, or remove the line",
-        )
-    model: SpecModel | None = None
-    try:
-        model = SpecModel.model_validate(data)
-    except ValidationError as err:
-        for item in err.errors(include_url=False):
-            path = written_path(tuple(item["loc"]), data)
-            if path not in empty:
-                report(collector, document, item, path, SpecModel)
+    model = checked(SpecModel, document, collector)
     if model is not None and version is not None and version < SPEC_VERSION:
         collector.error(
             "SPEC102",
@@ -94,6 +87,28 @@ def validate(document: Document) -> Spec:
     collector.raise_if_failed(SpecError)
     assert model is not None
     return Spec(model, document, diagnostics=collector.sorted())
+
+
+def checked(root: type[M], document: Document, collector: Collector) -> M | None:
+    """The document as a model; None when it is none, with every reason in the collector."""
+    data = document.data
+    empty = list(_nulls(data))
+    for path in empty:
+        collector.error(
+            "SPEC103",
+            "is empty",
+            where=dotted(path),
+            span=document.spans.key(path),
+            help="write a value, `unknown`, or remove the line",
+        )
+    try:
+        return root.model_validate(data)
+    except ValidationError as err:
+        for item in err.errors(include_url=False):
+            path = written_path(tuple(item["loc"]), data)
+            if (*path, *item.get("ctx", {}).get("at", ())) not in empty:
+                report(collector, document, item, path, root)
+    return None
 
 
 def report(collector: Collector, document: Document, item: Any, path: Path, root: type[BaseModel]) -> None:
@@ -123,11 +138,12 @@ def report(collector: Collector, document: Document, item: Any, path: Path, root
         )
     elif kind == "extra_forbidden":
         key = str(item["loc"][-1])
-        known = sorted(_known_keys(root, path[:-1]))
-        guess = nearest(key, known)
-        help = f"did you mean '{guess}'?" if guess else f"known keys: {listed(known, 40)}" if known else None
         collector.error(
-            "SPEC101", f"unknown key '{key}'", where=dotted(path), span=document.spans.key(path), help=help
+            "SPEC101",
+            f"unknown key '{short(key)}'",
+            where=dotted(path),
+            span=document.spans.key(path),
+            help=_help_for_key(key, _model_at(root, path[:-1])),
         )
     elif kind == "literal_error":
         expected = str(context.get("expected", ""))
@@ -136,15 +152,99 @@ def report(collector: Collector, document: Document, item: Any, path: Path, root
         guess = nearest(str(given), options)
         collector.error(
             "SPEC105",
-            f"must be one of {', '.join(options)}, got {short(given)}",
+            f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
             where=dotted(path),
             span=document.spans.key(path) if on_key else span,
             help=f"did you mean '{guess}'?" if guess else None,
         )
     else:
-        message = str(item["msg"])
-        message = message[:1].lower() + message[1:]
-        collector.error("SPEC106", f"{message}, got {short(given)}", where=dotted(path), span=span)
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, _model_at(root, path))
+        collector.error("SPEC106", message, where=dotted(path), span=span, help=help)
+
+
+def _in_yaml_words(
+    kind: str, message: str, context: Mapping[str, Any], given: Any, model: type[BaseModel] | None
+) -> tuple[str, str | None]:
+    """Message and help of a pydantic error about the shape of a value."""
+    got = f", got {_got(given)}"
+    if kind in ("tuple_type", "list_type"):
+        single = isinstance(given, (str, int, float)) and not isinstance(given, bool)
+        return f"must be a list{got}", f'write `["{short(given)}"]`' if single else None
+    if kind in ("dict_type", "model_type", "model_attributes_type"):
+        keys = _keys(model) if model is not None else []
+        return f"must be a mapping{got}", f"its keys: {listed(keys, 40)}" if keys else "write `{name: ...}`"
+    if kind == "string_type":
+        single = isinstance(given, (bool, int, float))
+        return f"must be text{got}", f'write "{short(given)}" in quotes' if single else None
+    if kind.startswith("int_"):
+        return f"must be a whole number{got}", None
+    if kind == "float_type":
+        return f"must be a number{got}", None
+    for prefix, sign, key in (("greater_than", ">", "g"), ("less_than", "<", "l")):
+        if kind.startswith(prefix):
+            equal = kind.endswith("_equal")
+            return f"must be {sign}{'=' * equal} {context[key + ('e' if equal else 't')]}{got}", None
+    if kind in ("too_short", "too_long"):
+        least = kind == "too_short"
+        bound = context["min_length" if least else "max_length"]
+        have = context["actual_length"]
+        return (
+            f"must have at {'least' if least else 'most'} {bound} entr{'y' if bound == 1 else 'ies'}, got {have}",
+            None,
+        )
+    if kind == "string_too_short":
+        return "is an empty text", None
+    if kind == "string_too_long":
+        return f"must have at most {context['max_length']} characters, got {len(str(given))}", None
+    if kind == "string_pattern_mismatch":
+        return f"does not fit the form {context['pattern']}{got}", None
+    return message[:1].lower() + message[1:] + got, None
+
+
+_MISNOMERS = {
+    "damping": "`kd` is the drive's velocity gain; passive joint damping is `friction: {viscous: ...}`",
+    "stiffness": "the drive's stiffness is `kp`",
+    "frictionloss": "dry friction is `friction: {coulomb: ...}`",
+    "torque_limit": "the clamp of the drive's torque is `effort_limit`",
+    "forcerange": "the clamp of the drive's torque is `effort_limit`",
+    "saturation_effort": "the torque at zero speed is the motor's `stall_torque`",
+    "gear": "gears are the motor's `gear_ratio`, and `reduction` from its output to the joint",
+    "saturation": "the torque at zero speed is the motor's `stall_torque`",
+    "latency": "the delay of the command is `delay`",
+    "timestep": "the simulation's step is `timing: {physics_dt: ...}`",
+    "dt": "the simulation's step is `timing: {physics_dt: ...}`",
+}
+"""Words of simulators and configs to the language's own."""
+
+_SECTIONS: tuple[tuple[type[BaseModel], str], ...] = (
+    (SpecModel, "the top of the spec"),
+    (Actuators, "a group, actuators.NAME"),
+    (Motor, "a motor, motors.NAME"),
+    (Friction, "`friction`"),
+    (Timing, "`timing`"),
+    (Robot, "`robot`"),
+)
+
+
+def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
+    """The nearest known key, or where this one belongs."""
+    known = _keys(model) if model is not None else []
+    if model is Tunable and key in Actuators.model_fields:
+        return f"`{key}` holds for a whole group: give these joints a group of their own"
+    if key in _MISNOMERS:
+        return _MISNOMERS[key]
+    for section, place in _SECTIONS:
+        if key in section.model_fields and key not in ("name", "note", "joints"):
+            return f"`{key}` belongs to {place}"
+    guess = nearest(key, known)
+    if guess is not None:
+        return f"did you mean '{guess}'?"
+    return f"known keys: {listed(known, 40)}" if known else None
+
+
+def _got(given: Any) -> str:
+    """What was given; text in quotes, so that "1" is not taken for 1."""
+    return f"'{short(given)}'" if isinstance(given, str) else short(given)
 
 
 def written_path(loc: Path, data: Any) -> Path:
@@ -214,18 +314,18 @@ def _unwrapped(node: Any) -> Any:
     return (models or nested or arguments or [node])[0]
 
 
-def _known_keys(root: type[BaseModel], path: Path) -> list[str]:
-    model = _model_at(root, path)
-    if model is None:
-        return []
-    return [info.alias or name for name, info in model.model_fields.items()]
+def _keys(model: type[BaseModel]) -> list[str]:
+    return sorted(info.alias or name for name, info in model.model_fields.items())
 
 
 def _description(root: type[BaseModel], path: Path) -> str | None:
+    from actspec.spec.descriptions import descriptions
+
     model = _model_at(root, path[:-1])
     if model is None:
         return None
+    texts = descriptions(model)
     for name, info in model.model_fields.items():
-        if (info.alias or name) == path[-1] and info.description:
-            return f"{path[-1]}: {' '.join(info.description.split())}"
+        if (info.alias or name) == path[-1] and name in texts:
+            return f"{path[-1]}: {' '.join(texts[name].split())}"
     return None

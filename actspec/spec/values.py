@@ -169,8 +169,11 @@ def parse_value(
             bound = format_quantity(0.0, unit)
             raise fault(f"must be >= {bound}, got {format_quantity(std, unit)}", None, ("std",))
         if None not in (parsed.linear, std_parsed.linear) and parsed.linear is not std_parsed.linear:
-            raise fault(f"is in {std_parsed.unit}, but the value is in {unit}", f"write it in {unit}", ("std",))
-    return SpecValue(parsed.value, unit, parsed.linear, short(number), source, std, note)
+            raise fault(
+                f"is in {std_parsed.unit}, but the value is in {unit}", f"write it in {unit}", ("std",)
+            )
+    written = short(number if unit_text is None else f"{short(number)} {unit_text}")
+    return SpecValue(parsed.value, unit, parsed.linear, written, source, std, note)
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,7 +241,9 @@ class Pair:
                 raise fault(context["message"], context["help"], (index, *context["at"])) from None
         low, high = ends
         if None not in (low.linear, high.linear) and low.linear is not high.linear:
-            raise fault(f"the ends are in two units, {low.written} and {high.written}", "use one unit for both")
+            raise fault(
+                f"the ends are in two units, {low.written} and {high.written}", "use one unit for both"
+            )
         if self.ordered and low.value is not None and high.value is not None and low.value > high.value:
             raise fault(
                 f"the range is the wrong way round: {low.written} is above {high.written}",

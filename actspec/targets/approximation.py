@@ -36,13 +36,7 @@ def static_error(law: TorqueLaw, emitted: Torque, *, speed: float | None = None)
     half = 2.0 * _limit(law)
     torques, speeds = np.meshgrid(np.linspace(-half, half, GRID), np.linspace(-width, width, GRID))
     zero = np.zeros_like(torques)
-    # Solve the drive's law without its clamp for the command that asks for each torque.
-    if law.command is Command.POSITION:
-        command = (torques + law.kd * speeds) / law.kp if law.kp > 0 else zero
-    elif law.command is Command.VELOCITY:
-        command = torques / law.kd + speeds if law.kd > 0 else zero
-    else:
-        command = torques
+    command = _command(law, torques, speeds)
     difference = np.abs(law.torque(command, zero, speeds) - emitted(command, zero, speeds))
     return float(difference.max())
 
@@ -56,12 +50,34 @@ def speed_scale(law: TorqueLaw) -> float:
     return _limit(law) / law.kd if law.kd > 0 else 1.0
 
 
-def held_step_error(law: TorqueLaw) -> float:
-    """Largest difference in torque when the command of 0.5 L/kp comes a step too early or too late.
+def held_step_error(law: TorqueLaw, *, filtered: bool = False, late: float = math.inf) -> float:
+    """Largest difference in torque after a step of the command of 0.5 L/kp, the joint held.
 
-    With the joint held, one path gives 0.5 L where the other still gives 0.
+    Where one path has the command already and the other still has none of it, that is the whole
+    0.5 L (or what the law gives of it at standstill). Behind a filter that both paths have, the
+    later one has caught up with the start of the step before the earlier one is through.
+
+    Args:
+        law: What the spec asks for.
+        filtered: Whether the law's filter is emitted too.
+        late: How far apart the two paths are in time [s].
     """
-    return 0.5 * _limit(law)
+    import numpy as np
+
+    half, zero = np.array(0.5 * _limit(law)), np.array(0.0)
+    step = float(law.torque(_command(law, half, zero), zero, zero))
+    if filtered and law.filter_cutoff is not None:
+        step *= -math.expm1(-2.0 * math.pi * law.filter_cutoff * late)
+    return abs(step)
+
+
+def _command(law: TorqueLaw, torques: Any, speeds: Any) -> Any:
+    """Commands for which the drive without its clamp gives these torques at position 0."""
+    if law.command is Command.POSITION:
+        return law.encoder_bias + ((torques + law.kd * speeds) / law.kp if law.kp > 0 else 0.0 * torques)
+    if law.command is Command.VELOCITY:
+        return torques / law.kd + speeds if law.kd > 0 else 0.0 * torques
+    return torques
 
 
 def _limit(law: TorqueLaw) -> float:

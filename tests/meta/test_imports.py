@@ -15,11 +15,11 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources"},
+    {"units", "diagnostics", "resources", "files"},
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
-    {"resolve", "lift", "draft"},
+    {"resolve", "lift"},
     {"targets", "audit", "sysid", "learn"},
     {"verify", "report", "draft"},
     {"api", "output"},

@@ -128,7 +128,12 @@ def drive_of(
     known = _with_own_gains(actuator, own, own_limit, collector)
     if known is None:
         return None
-    return _Chooser(known, joint, dialect, step, target).choose()
+    try:
+        return _Chooser(known, joint, dialect, step, target).choose()
+    except ValueError as err:
+        # The law itself says which number it lacks.
+        collector.error("MJC018", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        return None
 
 
 def _with_own_gains(
@@ -194,6 +199,8 @@ class _Chooser:
         law = self.law
         if actuator.level is Level.DC_MOTOR:
             form, line = self.dc_motor(form, law)
+            if form is Form.DCMOTOR and law.curve is not None:
+                limit = min(law.effort_limit, law.curve[0])
         offset = 0.0
         if law.encoder_bias != 0.0 and actuator.command is Command.POSITION:
             if form is Form.DCMOTOR:
@@ -206,7 +213,7 @@ class _Chooser:
                 )
             else:
                 offset = -law.kp * law.encoder_bias
-        steps = self.delay(law)
+        steps = self.delay(law, form)
         time_constant = self.filter(law, form)
         self.passive()
         control_range, limited = self.control_range(law, limit)
@@ -320,40 +327,47 @@ class _Chooser:
     def speed_unit(self) -> str:
         return self.actuator.velocity_limit.unit
 
-    def delay(self, law: TorqueLaw) -> int:
+    def delay(self, law: TorqueLaw, form: Form) -> int:
         delay = self.actuator.delay
         if delay is None or delay.nominal.value is None:
             return 0
         nominal = delay.nominal.value
         steps, loss = delay_steps(nominal, self.step)
-        milliseconds = f"{steps * self.step * 1e3:g} ms ({steps} steps of {self.step * 1e3:g} ms)"
+        filtered = form is not Form.DCMOTOR
+        asked = f"{nominal * 1e3:g} ms"
         if steps and not self.dialect.native_delay:
             self.approximate(
                 "delay",
-                f"{nominal * 1e3:g} ms",
+                asked,
                 "none",
                 f"MuJoCo {self.dialect.text} has no actuator delay (3.5 and later have)",
-                held_step_error(law),
+                held_step_error(law, filtered=filtered, late=steps * self.step),
             )
             steps = 0
         elif abs(loss) > 1e-9:
             self.approximate(
                 "delay",
-                f"{nominal * 1e3:g} ms",
-                milliseconds if steps else "none",
+                asked,
+                self.delay_text(steps),
                 f"a delay is a whole number of steps; {abs(loss) * 1e3:g} ms "
                 f"{'more' if loss > 0 else 'less'} than asked",
-                held_step_error(law),
+                held_step_error(law, filtered=filtered, late=abs(loss)),
             )
         if delay.low != delay.high:
+            reach = max(abs(steps * self.step - end) for end in (delay.low, delay.high))
             self.approximate(
                 "delay.range",
                 f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
-                milliseconds if steps else "none",
+                self.delay_text(steps),
                 "a MuJoCo model has one fixed delay",
-                held_step_error(law),
+                held_step_error(law, filtered=filtered, late=reach),
             )
         return steps
+
+    def delay_text(self, steps: int) -> str:
+        return (
+            f"{steps * self.step * 1e3:g} ms ({steps} steps of {self.step * 1e3:g} ms)" if steps else "none"
+        )
 
     def filter(self, law: TorqueLaw, form: Form) -> float:
         if law.filter_cutoff is None:

@@ -15,16 +15,20 @@ from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits, users_of
 from actspec.targets.mujoco.canonical import canonical_files
 from actspec.targets.mujoco.check import differences, outside_plan
+from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
 from actspec.targets.mujoco.readback import check_readback
-from actspec.targets.versions import MujocoDialect, UnknownVersion, mujoco_dialect
+from actspec.targets.versions import MUJOCO_RELEASES, MujocoDialect, UnknownVersion, mujoco_dialect
 
 if TYPE_CHECKING:
     import mujoco
 
     from actspec.robot.xml import XmlDocument
+
+OLDEST_INSTALLED = (3, 7)
+"""The edit is checked through dcmotor and polynomial damping, which older bindings lack."""
 
 REPORT = "this is an error of the compiler: please report it with the spec and the model"
 
@@ -65,6 +69,16 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     original = _compiled(robot.files)
     plan = with_keys(planned.plan, robot, original, unchanged_controls(planned.plan, robot))
     anchors = find_anchors(document, robot, plan, collector)
+    unlimited = [
+        drive.joint for drive in plan.drives if drive.form is Form.DCMOTOR and drive.effort_limit is None
+    ]
+    if anchors.explicit and unlimited:
+        collector.error(
+            "MJC019",
+            "a dcmotor without effort_limit takes the force range of the file's main default class: "
+            f"{listed(unlimited)}",
+            help="state effort_limit, or give the class a name",
+        )
     collector.raise_if_failed(EmitError)
     plan = users_of(anchors, plan)
 
@@ -118,10 +132,26 @@ def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
 
 
 def installed_dialect() -> MujocoDialect:
-    """Dialect of the MuJoCo that is installed here."""
+    """Dialect of the MuJoCo that is installed here; one that is newer than the table counts as its last row.
+
+    Raises:
+        EmitError: it is too old to check an edit with.
+    """
     import mujoco
 
-    return mujoco_dialect(".".join(mujoco.__version__.split(".")[:2]))
+    text = ".".join(mujoco.__version__.split(".")[:2])
+    numbers = tuple(int(part) for part in text.split(".") if part.isdigit())
+    if numbers < OLDEST_INSTALLED:
+        collector = Collector()
+        collector.error(
+            "MJC017",
+            f"MuJoCo {mujoco.__version__} is installed, and actspec checks its output with 3.7 or later",
+            help="pip install 'mujoco>=3.7'; for older simulators write `version: ...` in the target",
+        )
+        raise EmitError(collector.sorted())
+    if numbers > MUJOCO_RELEASES[-1]:
+        text = "{}.{}".format(*MUJOCO_RELEASES[-1])
+    return mujoco_dialect(text)
 
 
 def _same_words(target: MujocoDialect, installed: MujocoDialect, plan: Plan) -> bool:

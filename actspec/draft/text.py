@@ -1,0 +1,64 @@
+"""Scalars and comments of a draft: whatever a robot file calls its parts, the YAML stays valid."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+from actspec.diagnostics import one_line
+
+_PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[./-]+[A-Za-z0-9_]+)*")
+_WORDS = frozenset(
+    {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "none", "unknown", "nan", "inf"}
+)
+_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
+
+
+def scalar(text: str, *, quoted: bool = False) -> str:
+    """Text as a YAML scalar on one line, in a flow or block collection, as key or value.
+
+    Plain where that is safe for every YAML parser; in single quotes where it holds backslashes, as
+    patterns do; else in double quotes with escapes.
+
+    Args:
+        text: Any text, of any length.
+        quoted: Never plain.
+    """
+    if not quoted and _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
+        return text
+    if "\\" in text and text.isprintable():
+        doubled = text.replace("'", "''")
+        return f"'{doubled}'"
+    return '"' + "".join(_ESCAPES.get(c) or (c if c.isprintable() else _escape(c)) for c in text) + '"'
+
+
+def _escape(character: str) -> str:
+    code = ord(character)
+    if code < 0x100:
+        return f"\\x{code:02x}"
+    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+
+
+def comment(text: str, most: int = 160) -> str:
+    """Text of a stranger's file behind a `#`: one line, no control characters, not endless."""
+    line = one_line(text)
+    return line if len(line) <= most else line[: most - 3] + "..."
+
+
+def render(template: str, **values: Any) -> str:
+    """Fill a template of `templates/init`; a value that is missing is an error.
+
+    Args:
+        template: Its file name.
+        values: What it uses.
+    """
+    import jinja2
+
+    from actspec.resources import data_path
+
+    source = data_path("templates", f"init/{template}").read_text(encoding="utf-8")
+    # Not HTML: values come ready, from `scalar` and `comment`.
+    environment = jinja2.Environment(
+        undefined=jinja2.StrictUndefined, autoescape=False, keep_trailing_newline=True, trim_blocks=False
+    )
+    return environment.from_string(source).render(**values)

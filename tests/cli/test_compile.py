@@ -1,0 +1,191 @@
+"""`actspec compile` as a user meets it: files, exit codes, what it refuses to overwrite."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec.cli.main import main
+
+ROOT = Path(__file__).resolve().parents[2]
+MODEL = """<mujoco model="arm">
+  <!-- the author's comment -->
+  <worldbody>
+    <body><joint name="knee" range="-60 60"/><geom size=".1"/></body>
+  </worldbody>
+</mujoco>
+"""
+SPEC = """actspec: 1
+robot: {name: arm, model: arm.xml}
+actuators:
+  legs:
+    joints: [knee]
+    level: ideal_pd
+    kp: 20 N*m/rad
+    kd: 1 N*m*s/rad
+    effort_limit: 10 N*m
+    armature: 0.01 kg*m^2
+    delay: 5 ms
+targets:
+  mujoco: {version: "4.0"}
+"""
+OUT = Path("build/arm/mujoco/arm.xml")
+
+
+@pytest.fixture
+def spec(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A small robot with its spec in the working folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "arm.xml").write_text(MODEL)
+    path = tmp_path / "arm.yaml"
+    path.write_text(SPEC)
+    return path
+
+
+def test_writes_below_build_and_nothing_else(spec: Path) -> None:
+    """Files go to build/ROBOT/TARGET; the model and the spec stay as they are."""
+    assert main(["compile", "arm.yaml"]) == 0
+    assert sorted(p.as_posix() for p in Path(".").rglob("*") if p.is_file()) == [
+        "arm.xml",
+        "arm.yaml",
+        "build/arm/mujoco/arm.xml",
+        "build/arm/mujoco/manifest.json",
+    ]
+    assert Path("arm.xml").read_text() == MODEL
+    assert "<!-- the author's comment -->" in OUT.read_text()
+
+
+def test_output_folder_and_two_targets(spec: Path) -> None:
+    """-o DIR puts one folder a target below DIR; two versions stand side by side."""
+    text = SPEC.replace("targets:\n", "targets:\n  old: {target: mujoco, version: '3.3'}\n")
+    spec.write_text(text)
+    assert main(["compile", "arm.yaml", "-o", "out"]) == 0
+    assert sorted(p.as_posix() for p in Path("out").rglob("*.xml")) == ["out/mujoco/arm.xml", "out/old/arm.xml"]
+    assert 'delay="0.006"' in Path("out/mujoco/arm.xml").read_text()  # 5 ms is 2.5 steps of 2 ms: 3 steps
+    assert "delay=" not in Path("out/old/arm.xml").read_text()
+
+
+def test_unchanged_files_are_not_touched(spec: Path, capsys: Any) -> None:
+    """A second compile writes nothing: the modification times stay."""
+    assert main(["compile", "arm.yaml"]) == 0
+    os.utime(OUT, ns=(1, 1))
+    assert main(["compile", "arm.yaml"]) == 0
+    assert OUT.stat().st_mtime_ns == 1
+    assert "arm.xml  unchanged" in capsys.readouterr().out
+
+
+def test_check_and_diff_tell_stale_files(spec: Path, capsys: Any) -> None:
+    """--check and --diff write nothing, exit 1 while something would change and 0 afterwards."""
+    assert main(["compile", "arm.yaml", "--check"]) == 1
+    assert "build/arm/mujoco/arm.xml: missing" in capsys.readouterr().out
+    assert not Path("build").exists()
+    assert main(["compile", "arm.yaml"]) == 0
+    assert main(["compile", "arm.yaml", "--check"]) == 0
+    spec.write_text(SPEC.replace("kp: 20", "kp: 21"))
+    before = OUT.read_bytes()
+    capsys.readouterr()
+    assert main(["compile", "arm.yaml", "--diff"]) == 1
+    out = capsys.readouterr().out
+    assert [line for line in out.splitlines() if line.startswith("+ ") and 'kp="21"' in line]
+    assert OUT.read_bytes() == before
+
+
+def test_strict_refuses_and_accept_takes(spec: Path, capsys: Any) -> None:
+    """--strict exits 1 on an approximation, writes nothing, and passes once the spec accepts it."""
+    assert main(["compile", "arm.yaml", "--strict"]) == 1
+    assert "mujoco.delay (1 joint)" in capsys.readouterr().err
+    assert not Path("build").exists()
+    spec.write_text(SPEC + 'accept: {mujoco.delay: "half a step is below our jitter"}\n')
+    assert main(["compile", "arm.yaml", "--strict"]) == 0
+    assert OUT.exists()
+
+
+def test_a_file_of_somebody_else_is_not_replaced(spec: Path, capsys: Any) -> None:
+    """A file that actspec did not write stays as it is, exit code 2; --force replaces it."""
+    OUT.parent.mkdir(parents=True)
+    OUT.write_text("mine")
+    assert main(["compile", "arm.yaml"]) == 2
+    assert OUT.read_text() == "mine"
+    assert "OUT003" in capsys.readouterr().err
+    assert main(["compile", "arm.yaml", "--force"]) == 0
+    assert OUT.read_text() != "mine"
+
+
+def test_an_edited_output_is_not_replaced(spec: Path) -> None:
+    """A generated file that a person changed since is theirs: it stays, exit code 2."""
+    assert main(["compile", "arm.yaml"]) == 0
+    OUT.write_text(OUT.read_text() + "<!-- tuned by hand -->\n")
+    spec.write_text(SPEC.replace("kp: 20", "kp: 21"))
+    assert main(["compile", "arm.yaml"]) == 2
+    assert OUT.read_text().endswith("<!-- tuned by hand -->\n")
+
+
+def test_the_model_itself_is_never_replaced(spec: Path) -> None:
+    """An output folder that is the model's own folder does not cost the user the model."""
+    Path("mujoco").mkdir()
+    Path("mujoco/arm.xml").write_text(MODEL)
+    spec.write_text(SPEC.replace("model: arm.xml", "model: mujoco/arm.xml"))
+    assert main(["compile", "arm.yaml", "-o", "."]) == 2
+    assert Path("mujoco/arm.xml").read_text() == MODEL
+
+
+def test_target_on_the_command_line(spec: Path) -> None:
+    """--target mujoco==3.11 compiles for that version whatever the spec says."""
+    assert main(["compile", "arm.yaml", "-t", "mujoco==3.11"]) == 0
+    assert "for MuJoCo 3.11." in OUT.read_text()
+
+
+@pytest.mark.parametrize(
+    "target, said",
+    [
+        ("mujoco==3.99", "MJC007"),
+        ("mujoco==", "MJC007"),
+        ("mujco", "did you mean 'mujoco'?"),
+        ("isaaclab", "CLI002"),
+    ],
+    ids=["no such version", "no version", "misspelt", "not yet"],
+)
+def test_wrong_targets(target: str, said: str, spec: Path, capsys: Any) -> None:
+    """A target that cannot be compiled is an error with help, exit code 2, nothing written."""
+    assert main(["compile", "arm.yaml", "-t", target]) == 2
+    assert said in capsys.readouterr().err
+    assert not Path("build").exists()
+
+
+def test_all_errors_of_both_targets_at_once(spec: Path, capsys: Any) -> None:
+    """Two targets that fail are both reported in one run."""
+    spec.write_text(SPEC.replace('version: "4.0"', 'version: "9.9"') + '  two: {target: mujoco, version: "8.8"}\n')
+    assert main(["compile", "arm.yaml"]) == 2
+    err = capsys.readouterr().err
+    assert "targets.mujoco.version" in err and "targets.two.version" in err
+
+
+def test_nothing_is_written_when_one_of_two_specs_fails(spec: Path) -> None:
+    """Several specs are compiled before the first file is written."""
+    Path("bad.yaml").write_text(SPEC.replace("[knee]", "[nee]"))
+    assert main(["compile", "arm.yaml", "bad.yaml"]) == 2
+    assert not Path("build").exists()
+
+
+def test_plain_output_in_a_pipe(spec: Path) -> None:
+    """In a pipe there is no colour, and a closed pipe is no traceback."""
+    command = [sys.executable, "-m", "actspec.cli.main", "compile", "arm.yaml"]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "\x1b" not in done.stdout + done.stderr
+
+
+def test_version(capsys: Any) -> None:
+    """--version names the tool and its version."""
+    import actspec
+
+    with pytest.raises(SystemExit) as stop:
+        main(["--version"])
+    assert stop.value.code == 0
+    assert capsys.readouterr().out == f"actspec {actspec.__version__}\n"

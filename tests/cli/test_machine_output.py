@@ -1,0 +1,71 @@
+"""Machine output keeps its contract: what commands print validates against the committed schemas."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from actspec.cli.main import main
+from actspec.resources import data_path
+
+ROOT = Path(__file__).resolve().parents[2]
+A1 = str(ROOT / "robots" / "a1.yaml")
+
+
+def _schema(name: str) -> dict[str, Any]:
+    schema: dict[str, Any] = json.loads(data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return schema
+
+
+@pytest.mark.parametrize(
+    "name, arguments",
+    [
+        ("compile", ["compile", A1, "-t", "mujoco==3.3"]),
+        ("actuators", ["show", A1]),
+        ("actuators", ["show", A1, "FR_calf_joint"]),
+        ("validate", ["validate", A1]),
+    ],
+    ids=["compile", "show all", "show one", "validate"],
+)
+def test_output_validates(
+    name: str, arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """The JSON of a command that succeeds has the form that its schema states."""
+    monkeypatch.chdir(tmp_path)
+    assert main([*arguments, "--output-format", "json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    jsonschema.validate(record, _schema(name))
+    assert record["format"] == f"actspec-{name}/1"
+
+
+@pytest.mark.parametrize("command", ["compile", "validate"])
+def test_failure_is_json_too(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """A spec that is wrong gives the diagnostics in JSON on stdout, exit code 2, and no traceback."""
+    monkeypatch.chdir(tmp_path)
+    bad = tmp_path / "bad.yaml"
+    bad.write_text("actspec: 1\nrobot: {name: r, model: none, joints: [a]}\nactuators: {g: {joints: [a], level: x}}\n")
+    assert main([command, str(bad), "--output-format", "json"]) == 2
+    out = capsys.readouterr()
+    record = json.loads(out.out)
+    jsonschema.validate(record, _schema(command))
+    found = record["diagnostics"] if command == "compile" else record["files"][0]["diagnostics"]
+    assert [(item["code"], item["line"]) for item in found] == [("SPEC105", 3)]
+    assert out.err == ""
+
+
+def test_manifest_validates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The manifest beside compiled files has the form that its schema states, and names their hashes."""
+    import hashlib
+
+    monkeypatch.chdir(tmp_path)
+    assert main(["compile", A1]) == 0
+    folder = tmp_path / "build" / "unitree_a1" / "mujoco"
+    record = json.loads((folder / "manifest.json").read_text("utf-8"))
+    jsonschema.validate(record, _schema("manifest"))
+    for entry in record["files"]:
+        assert entry["sha256"] == hashlib.sha256((folder / entry["path"]).read_bytes()).hexdigest()
