@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from actspec.diagnostics import Collector, listed
+from actspec.diagnostics import Collector, Diagnostic, Severity, listed
 from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names, suggest_pattern
 from actspec.robot.view import JointView, RobotView
@@ -37,6 +37,7 @@ class Bindings:
 
     managed: tuple[Binding, ...]
     unmanaged: tuple[str, ...]
+    """Joints left as they are: by `robot.unmanaged`, or in no group and without an actuator."""
     default_pose: dict[str, str]
     """Joint to the pattern of `default_pose` that matches it."""
 
@@ -100,13 +101,7 @@ def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
             pose.setdefault(joint, pattern)
     loose = [joint.name for joint in joints if joint.name not in owner and joint.name not in unmanaged]
     if loose and not matcher.failed:
-        collector.error(
-            "BIND005",
-            f"{len(loose)} joint{'s' if len(loose) > 1 else ''} of '{robot.name}' in no group: {listed(loose)}",
-            where="actuators",
-            span=spec.document.spans.key(("actuators",)),
-            help="add them to a group, or to robot.unmanaged to leave them as they are",
-        )
+        _report_loose(spec, robot, loose, collector)
     managed = tuple(
         Binding(
             joint,
@@ -117,7 +112,35 @@ def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
         for joint in joints
         if joint.name in owner
     )
-    return Bindings(managed, tuple(joint.name for joint in joints if joint.name in unmanaged), pose)
+    return Bindings(managed, tuple(joint.name for joint in joints if joint.name not in owner), pose)
+
+
+def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector: Collector) -> None:
+    """Joints in no group: an error where the file drives them, else said once.
+
+    Only an MJCF with actuators can say that a joint has none; of another file the spec must.
+    """
+    driven = {
+        actuator.target for actuator in robot.actuators if actuator.transmission in ("joint", "jointinparent")
+    }
+    forgotten = [name for name in loose if not driven or name in driven]
+    passive = [name for name in loose if name not in forgotten]
+    span = spec.document.spans.key(("actuators",))
+    for names, severity in ((forgotten, Severity.ERROR), (passive, Severity.INFO)):
+        if not names:
+            continue
+        error = severity is Severity.ERROR
+        collector.add(
+            Diagnostic(
+                "BIND005" if error else "BIND007",
+                severity,
+                f"{len(names)} joint{'s' * (len(names) > 1)} of '{robot.name}' in no group"
+                f"{'' if error else ' and without an actuator in the model: left as they are'}: {listed(names)}",
+                "actuators",
+                span,
+                "add them to a group, or to robot.unmanaged to leave them as they are" if error else None,
+            )
+        )
 
 
 class _Matcher:

@@ -70,6 +70,14 @@ class JointResolver:
             return None
         file = str(self.stated.group.identified)
         span = self.stated.spec.span("actuators", self.stated.binding.group, "identified")
+        if value.linear is not None and value.linear is not (self.kind is JointKind.SLIDE):
+            self.collector.error(
+                "RES001",
+                f"'{self.joint.name}' is a {self.kind.value} joint, but {file} gives its {field} as {value.written}",
+                where=dotted(("actuators", self.stated.binding.group, "identified")),
+                span=span,
+                help="a hinge is in rad and N*m, a slide in m and N",
+            )
         found = written(value, self.unit(kind), span, Origin.IDENTIFIED)
         return replace(found, source=found.source or file)
 
@@ -84,7 +92,13 @@ class JointResolver:
         """A field by precedence; None when nobody says anything about it."""
         authored = self.stated.authored(field, kind)
         fitted = self.identified(field, kind) if field in FITTED else None
-        value = self.stated.get(field)
+        self.compare(field, self.stated.get(field), authored, fitted)
+        return choose(authored, fitted, derived, *rest)
+
+    def compare(
+        self, field: str, value: object, authored: Quantity | None, fitted: Quantity | None
+    ) -> None:
+        """Report an identified number that is asked for and missing, or far from the authored one."""
         if isinstance(value, SpecValue) and value.identified and fitted is None:
             self.error(
                 "RES002",
@@ -101,7 +115,6 @@ class JointResolver:
                 span=self.span(field),
                 help=f"the authored value is used; write `{field.split('.')[-1]}: identified` to use the fitted one",
             )
-        return choose(authored, fitted, derived, *rest)
 
     # -- parts ---------------------------------------------------------------------------------
 
@@ -131,11 +144,19 @@ class JointResolver:
                 named = {value: named[value]}
             for name, torque in named.items():
                 if torque.known:
-                    note = None if isinstance(value, str) else f"{name} torque of the motor; {both}"
+                    note = torque.note
+                    if not isinstance(value, str):
+                        note = f"{name} torque of the motor; {both}" + (f"; {note}" if note else "")
                     formula = torque.formula or f"{name}_torque of the motor"
-                    candidates.append(
-                        replace(torque, origin=Origin.DERIVED, formula=formula, note=torque.note or note)
-                    )
+                    candidates.append(replace(torque, origin=Origin.DERIVED, formula=formula, note=note))
+            if isinstance(value, str) and not candidates:
+                self.error(
+                    "RES008",
+                    f"the limit is to be the {value} torque of the motor '{self.stated.get('motor')}', "
+                    "which is unknown",
+                    "effort_limit",
+                    f"state {value}_torque of the motor, or a torque here",
+                )
             stall = motor.curve.drive_torque if motor.curve is not None else motor.stall_torque
             if not candidates and stall is not None and stall.known:
                 candidates.append(
@@ -238,8 +259,7 @@ class JointResolver:
                     span=self.span("kp"),
                     formula=f"{inertia[1]} x (2 pi {format_quantity(frequency, 'Hz')})^2",
                 )
-            return choose(derived, self.identified("kp", Kind.STIFFNESS), self.model.kp)
-        found = self.number("kp", Kind.STIFFNESS, rest=(self.model.kp,))
+        found = self.number("kp", Kind.STIFFNESS, derived=derived, rest=(self.model.kp,))
         if found is None:
             self.error(
                 "RES005",
@@ -273,8 +293,7 @@ class JointResolver:
                 span=self.span("kd"),
                 formula=f"2 x {ratio:g} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})",
             )
-            return choose(derived, self.identified("kd", Kind.VELOCITY_GAIN), self.model.kd)
-        found = self.number("kd", Kind.VELOCITY_GAIN, rest=(self.model.kd,))
+        found = self.number("kd", Kind.VELOCITY_GAIN, derived=derived, rest=(self.model.kd,))
         if found is None:
             self.error(
                 "RES005",

@@ -9,6 +9,7 @@ from actspec.diagnostics import Collector
 from actspec.ir import JointKind, Quantity
 from actspec.resolve.binding import Binding
 from actspec.resolve.quantities import unit_of, written
+from actspec.spec.derive import DerivedGain
 from actspec.spec.fields import CommandRange
 from actspec.spec.models import Actuators, Motor
 from actspec.spec.results import JointResult
@@ -126,6 +127,11 @@ def _check_units(stated: Stated, collector: Collector) -> None:
     for field, (value, path) in stated.fields.items():
         if isinstance(value, SpecValue) and value.value is not None and value.linear is not None:
             _fault(stated, field, value, path, collector)
+        if isinstance(value, DerivedGain):
+            for key, number in value.numbers.items():
+                _fault(stated, f"{key} of {field}", number, (*path, key), collector)
+            if isinstance(value.inertia, SpecValue):
+                _fault(stated, f"inertia of {field}", value.inertia, (*path, "inertia"), collector)
         if isinstance(value, CommandRange):
             for end in (value.low, value.high):
                 _fault(stated, field, end, path, collector)

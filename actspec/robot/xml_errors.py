@@ -10,7 +10,7 @@ from actspec.diagnostics import Diagnostic, Severity, Span
 _BOM = b"\xef\xbb\xbf"
 _TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
 _DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']""")
-_CANONICAL = " (MuJoCo reads it as it is, so `--canonical` works too)"
+_LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
 
 
 class Malformed(Exception):
@@ -43,7 +43,7 @@ def check_encoding(path: str, data: bytes) -> None:
     except UnicodeDecodeError as err:
         message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
         place = place_of(path, data, err.start)
-        help += _CANONICAL
+        help += _LENIENT
         raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None) from err
     body = data.removeprefix(_BOM)
     declared = _DECLARED.match(body)
@@ -55,7 +55,7 @@ def check_encoding(path: str, data: bytes) -> None:
     first = next(i for i, byte in enumerate(body) if byte > 127)
     place = place_of(path, data, first + len(data) - len(body))
     message = f"the file declares encoding {name!r} and has a character that is not ASCII"
-    help += _CANONICAL
+    help += _LENIENT
     raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None)
 
 
@@ -93,19 +93,19 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
         name = found[0].decode("utf-8", "replace") if found else ""
         return f"attribute {name!r} is there twice", "delete one of the two; MuJoCo refuses it too"
     if text == expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
-        canonical = _CANONICAL if data[at : at + 1] == b"<" else ""
-        return "text or an element after the end of the root element", f"delete what follows{canonical}"
+        lenient = _LENIENT if data[at : at + 1] == b"<" else ""
+        return "text or an element after the end of the root element", f"delete what follows{lenient}"
     if text == expat.errors.XML_ERROR_UNDEFINED_ENTITY:
         return (
             "a reference to an entity that XML does not know",
-            f"write the character itself, or &#NUMBER;{_CANONICAL}",
+            f"write the character itself, or &#NUMBER;{_LENIENT}",
         )
     if text == expat.errors.XML_ERROR_BAD_CHAR_REF:
         return "a reference to a character that XML does not allow", "delete it"
     if text in (expat.errors.XML_ERROR_MISPLACED_XML_PI, expat.errors.XML_ERROR_XML_DECL):
         return (
             "a malformed XML declaration, or one that is not the first thing in the file",
-            f'begin the file with <?xml version="1.0"?>, or leave it out{_CANONICAL}',
+            f'begin the file with <?xml version="1.0"?>, or leave it out{_LENIENT}',
         )
     return f"not well-formed XML: {text}", None
 
@@ -116,22 +116,22 @@ def _invalid_token(data: bytes, at: int) -> tuple[str, str | None]:
     if here < b" " and here not in (b"\t", b"\n", b"\r"):
         return f"a control character, 0x{here.hex() or '00'}", "delete it"
     if data.rfind(b"<!--", 0, at) > data.rfind(b"-->", 0, at) and data[at - 2 : at] == b"--":
-        return "'--' inside a comment", f"write '- -', or another character{_CANONICAL}"
+        return "'--' inside a comment", f"write '- -', or another character{_LENIENT}"
     if before == b"&":
-        return "a bare '&'", f"write &amp;{_CANONICAL}"
+        return "a bare '&'", f"write &amp;{_LENIENT}"
     if data[at - 1 : at + 1] == b"</":
-        return "a closing tag whose element is closed already", f"delete it{_CANONICAL}"
+        return "a closing tag whose element is closed already", f"delete it{_LENIENT}"
     if before == b"<":
         return "a '<' that does not begin a tag", "write &lt;"
     tag = data[max(data.rfind(b"<", 0, at), 0) : at]
     so_far = _TAG_SO_FAR.match(tag)
     rest = tag[so_far.end() :] if so_far is not None else b">"
     if here == b"<" and rest[:1] in (b'"', b"'"):
-        return "'<' inside an attribute value", f"write &lt;, or add the missing quote before it{_CANONICAL}"
+        return "'<' inside an attribute value", f"write &lt;, or add the missing quote before it{_LENIENT}"
     if not rest and here == b"<":
         return "a tag begins inside another tag", "close the tag before it with '>'"
     if not rest and before in (b'"', b"'"):
-        return "no space between two attributes", f"put a space between them{_CANONICAL}"
+        return "no space between two attributes", f"put a space between them{_LENIENT}"
     if not rest and tag.rstrip().endswith(b"="):
         return "an attribute value without quotes", 'write name="value"'
     if not rest and here != b"=" and re.search(rb"\s[^\s=\"'/]+\s*$", tag):

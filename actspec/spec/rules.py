@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, nearest
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.fields import CommandRange, SpecDelay
-from actspec.spec.models import Actuators, Motor, SpecModel, Tunable
-from actspec.spec.values import Pair, SpecValue
-from actspec.units import Kind, format_quantity
+from actspec.spec.models import Actuators, CommandFilter, Motor, SpecModel, Tunable
+from actspec.spec.values import Fault, Pair, SpecValue, pair_or_fault
+from actspec.units import Kind
 
 if TYPE_CHECKING:
     from actspec.spec.document import Document
@@ -31,6 +31,7 @@ RANDOMIZED_KINDS: Mapping[str, Kind] = {
     "friction.coulomb": Kind.TORQUE,
     "friction.viscous": Kind.VELOCITY_GAIN,
     "friction.static": Kind.TORQUE,
+    "friction.stribeck_velocity": Kind.SPEED,
     "encoder_bias": Kind.POSITION,
     "delay": Kind.TIME,
 }
@@ -121,22 +122,28 @@ class _Checker:
                 path,
                 "write `side: joint` (output) or `side: motor` (rotor, needs gear_ratio)",
             )
+        missing = "missing" if motor.gear_ratio is None else "unknown"
         geared = motor.gear_ratio is not None and motor.gear_ratio.value is not None
-        if motor.side == "motor" and sided and not geared:
+        if motor.side == "motor" and not geared:
+            for field in sided:
+                self.error(
+                    "SPEC131",
+                    f"{field} is quoted at the motor, but `gear_ratio` is {missing}",
+                    (*path, field),
+                    "state gear_ratio, or quote the figure at the joint with `side: joint`",
+                )
+        torques = [field for field in sided if field != "no_load_speed"]
+        if motor.side == "motor" and torques and motor.efficiency and motor.efficiency.value is None:
             self.error(
                 "SPEC131",
-                f"{sided[0]} is quoted at the motor, but `gear_ratio` is missing",
-                (*path, sided[0]),
-                "state gear_ratio, or quote the figure at the joint with `side: joint`",
+                f"{torques[0]} is quoted at the motor, but `efficiency` is unknown",
+                (*path, "efficiency"),
+                "state it, or remove it to take 1; or quote the torques at the joint with `side: joint`",
             )
-        if (
-            motor.rotor_inertia is not None
-            and motor.rotor_inertia.value is not None
-            and motor.gear_ratio is None
-        ):
+        if motor.rotor_inertia is not None and motor.rotor_inertia.value is not None and not geared:
             self.error(
                 "SPEC131",
-                "rotor_inertia is at the rotor, but `gear_ratio` is missing",
+                f"rotor_inertia is at the rotor, but `gear_ratio` is {missing}",
                 (*path, "rotor_inertia"),
                 "state gear_ratio (1 for a direct drive), or give reflected_inertia at the output",
             )
@@ -155,13 +162,13 @@ class _Checker:
                 "remove one of the two",
             )
         if motor.curve is not None:
-            knee, free = motor.curve.knee_speed.value, motor.curve.no_load_speed.value
-            if knee is not None and free is not None and knee >= free:
+            knee, free = motor.curve.knee_speed, motor.curve.no_load_speed
+            if knee.value is not None and free.value is not None and knee.value >= free.value:
                 self.error(
                     "SPEC134",
-                    f"knee_speed {format_quantity(knee, 'rad/s')} is not below no_load_speed "
-                    f"{format_quantity(free, 'rad/s')}",
+                    f"knee_speed {knee.written} is not below no_load_speed {free.written}",
                     (*path, "curve", "knee_speed"),
+                    "the full torque ends at the knee, all torque at no_load_speed",
                 )
         low, high = motor.continuous_torque, motor.peak_torque
         if low and high and low.value is not None and high.value is not None and low.value > high.value:
@@ -197,6 +204,13 @@ class _Checker:
             self.dc_motor(path, group)
         for field, entry in group.randomize.items():
             self.randomize((*path, "randomize", field), field, entry)
+            if entry.from_ is not None and group.identified is None:
+                self.error(
+                    "SPEC146",
+                    "asks for the identified range, but the group names no results",
+                    (*path, "randomize", field),
+                    "add `identified: results/FILE.yaml` to the group",
+                )
 
     def tunable(self, path: Path, fields: Tunable, group: Actuators) -> None:
         if fields.motor is not None and fields.motor not in self.model.motors:
@@ -218,7 +232,8 @@ class _Checker:
                     else "remove it: with `command: effort` the command is the torque, the gains are the caller's",
                 )
         motor = self.model.motors.get(fields.motor or group.motor or "")
-        if fields.command_filter == "from_motor" and (motor is None or motor.bandwidth is None):
+        bandwidth = None if motor is None or motor.bandwidth is None else motor.bandwidth.value
+        if fields.command_filter == "from_motor" and bandwidth is None:
             self.error(
                 "SPEC143",
                 "`command_filter: from_motor` needs the motor's `bandwidth`",
@@ -228,12 +243,15 @@ class _Checker:
         if isinstance(fields.effort_limit, str):
             if motor is None:
                 self.error(
-                    "SPEC144", f"`effort_limit: {fields.effort_limit}` needs a motor", (*path, "effort_limit")
+                    "SPEC144",
+                    f"`effort_limit: {fields.effort_limit}` needs a motor",
+                    (*path, "effort_limit"),
+                    "add `motor: NAME`, or write a torque here",
                 )
-            elif self._motor_torque(motor, fields.effort_limit) is None:
+            elif not _states_torque(motor, fields.effort_limit):
                 self.error(
                     "SPEC144",
-                    f"the motor has no {fields.effort_limit}_torque",
+                    f"{fields.effort_limit}_torque of the motor is not known",
                     (*path, "effort_limit"),
                     f"state {fields.effort_limit}_torque of the motor, or a torque here",
                 )
@@ -264,6 +282,8 @@ class _Checker:
                 self.identified((*path, "friction", part), getattr(friction, part), group)
         if isinstance(fields.delay, SpecDelay):
             self.identified((*path, "delay"), fields.delay.nominal, group)
+        if isinstance(fields.command_filter, CommandFilter):
+            self.identified((*path, "command_filter", "cutoff"), fields.command_filter.cutoff, group)
 
     def identified(self, path: Path, value: Any, group: Actuators) -> None:
         if isinstance(value, SpecValue) and value.identified and group.identified is None:
@@ -273,16 +293,6 @@ class _Checker:
                 path,
                 "add `identified: results/FILE.yaml` to the group",
             )
-
-    @staticmethod
-    def _motor_torque(motor: Motor, which: str) -> SpecValue | None:
-        stated = motor.continuous_torque if which == "continuous" else motor.peak_torque
-        if stated is not None and stated.value is not None:
-            return stated
-        current = motor.nominal_current if which == "continuous" else motor.peak_current
-        if motor.torque_constant is not None and current is not None:
-            return current
-        return None
 
     def dc_motor(self, path: Path, group: Actuators) -> None:
         for motor_name, at in [(group.motor, path)] + [
@@ -299,16 +309,25 @@ class _Checker:
                 )
                 continue
             motor = self.model.motors.get(motor_name)
-            if motor is None or motor.curve is not None:
+            if motor is None:
                 continue
-            for needed in ("stall_torque", "no_load_speed"):
-                value = getattr(motor, needed)
+            holder: Any = motor
+            place: Path = ("motors", motor_name)
+            fields: tuple[str, ...] = ("stall_torque", "no_load_speed")
+            if motor.curve is not None:
+                holder, place = motor.curve, (*place, "curve")
+                fields = ("drive_torque", "brake_torque", "knee_speed", "no_load_speed")
+            for needed in fields:
+                value = getattr(holder, needed)
                 if value is None or value.value is None:
                     self.error(
                         "SPEC147",
-                        f"level dc_motor needs {needed} of the motor '{motor_name}'",
-                        at if value is None else ("motors", motor_name, needed),
-                        "state it (or `curve`), or use level ideal_pd",
+                        f"level dc_motor needs {needed} of the motor '{motor_name}', which is "
+                        f"{'not stated' if value is None else 'unknown'}",
+                        at if value is None else (*place, needed),
+                        "state it (or `curve`), or use level ideal_pd"
+                        if motor.curve is None
+                        else "state it, or use level ideal_pd",
                     )
 
     def randomize(self, path: Path, field: str, entry: Any) -> None:
@@ -324,13 +343,23 @@ class _Checker:
             )
             return
         if entry.from_ is None and entry.sigma is not None:
-            self.error("SPEC150", "`sigma` goes with `from: identified`", (*path, "sigma"))
+            self.error("SPEC150", "`sigma` goes with `from: identified`", (*path, "sigma"), "remove it")
         if (entry.when == "interval") != (entry.every is not None):
-            self.error("SPEC151", "`every` goes with `when: interval`, and only with it", path)
+            self.error(
+                "SPEC151",
+                "`when: interval` needs `every`" if entry.every is None else "`every` needs `when: interval`",
+                path,
+                "write `when: interval, every: [5 s, 10 s]`, or neither",
+            )
+        if field in ("gains", "strength", "effort_limit") and given[0] == "from":
+            help = "write `scale: [0.9, 1.1]`"
+            self.error("SPEC152", f"no identification gives a range of {field}", (*path, "from"), help)
+            return
         if given[0] == "from":
             return
         if field in ("gains", "strength") and given[0] != "scale":
-            self.error("SPEC152", f"`{field}` is a factor: only `scale` fits", (*path, given[0]))
+            help = f"write `{field}: {{scale: [0.9, 1.1]}}`"
+            self.error("SPEC152", f"`{field}` is a factor: only `scale` fits", (*path, given[0]), help)
             return
         pair = range_of(entry, field)
         if isinstance(pair, tuple):
@@ -339,8 +368,9 @@ class _Checker:
                 return
             positive = given[0] in ("scale", "abs") and field != "encoder_bias"
             mean_std = entry.distribution == "gaussian"
-            if positive and not mean_std and low < 0:
-                self.error("SPEC153", f"the range goes below 0: {pair[0].written}", (*path, given[0], 0))
+            if positive and low < 0:
+                what = "mean is" if mean_std else "range goes"
+                self.error("SPEC153", f"the {what} below 0: {pair[0].written}", (*path, given[0], 0))
             if entry.distribution == "log_uniform" and low <= 0:
                 self.error(
                     "SPEC153",
@@ -352,6 +382,7 @@ class _Checker:
                     "SPEC153",
                     f"the range is the wrong way round: {pair[0].written} is above {pair[1].written}",
                     (*path, given[0]),
+                    f"write [{pair[1].written}, {pair[0].written}]",
                 )
             if mean_std and high < 0:
                 self.error(
@@ -361,8 +392,9 @@ class _Checker:
             self.error("SPEC110", pair.message, (*path, given[0], *pair.at), pair.help)
 
     def targets(self) -> None:
-        names = self.model.targets
-        for name, target in names.items():
+        # Without targets the spec compiles to MuJoCo.
+        names = tuple(self.model.targets) or ("mujoco",)
+        for name, target in self.model.targets.items():
             kind = target.target or name
             if kind not in TARGETS:
                 guess = nearest(kind, TARGETS)
@@ -388,40 +420,40 @@ class _Checker:
                     "SPEC162",
                     f"'{entry}' names no target of this spec",
                     ("accept", entry),
-                    f"write TARGET.FIELD; targets: {', '.join(names) or 'none'}",
+                    f"write TARGET.FIELD; targets: {', '.join(names)}",
                     key=True,
                 )
             if not reason.strip():
-                self.error("SPEC162", "an accepted approximation needs its reason", ("accept", entry))
+                self.error(
+                    "SPEC162",
+                    "an accepted approximation needs its reason",
+                    ("accept", entry),
+                    "say in a sentence why the loss does not matter here",
+                )
 
 
 def _folder_name(name: str) -> bool:
     """Whether a name is safe as a folder on every system and as part of an identifier."""
-    return name.isascii() and all(c.isalnum() or c in "-_." for c in name) and name[0] not in ".-"
+    return (
+        name != "" and name.isascii() and all(c.isalnum() or c in "-_." for c in name) and name[0] not in ".-"
+    )
 
 
-class RangeFault:
-    """Why a randomisation's range is none."""
+def _states_torque(motor: Motor, which: str) -> bool:
+    """Whether `continuous` or `peak` torque is known; an authored `unknown` says that it is not."""
+    stated = motor.continuous_torque if which == "continuous" else motor.peak_torque
+    if stated is not None:
+        return stated.value is not None
+    current = motor.nominal_current if which == "continuous" else motor.peak_current
+    return all(part is not None and part.value is not None for part in (motor.torque_constant, current))
 
-    def __init__(self, message: str, help: str | None, at: Path) -> None:
-        self.message, self.help, self.at = message, help, at
 
-
-def range_of(entry: Any, field: str) -> tuple[SpecValue, SpecValue] | RangeFault:
+def range_of(entry: Any, field: str) -> tuple[SpecValue, SpecValue] | Fault:
     """The range of a randomisation in SI units; a gaussian's pair is (mean, std) and need not be ordered."""
-    from pydantic_core import PydanticCustomError
-
     if entry.scale is not None:
         return entry.scale  # type: ignore[no-any-return]
     given = entry.add if entry.add is not None else entry.abs
-    kind = RANDOMIZED_KINDS[field]
-    try:
-        pair = Pair(kind, ordered=False)(given)
-    except PydanticCustomError as err:
-        context = dict(err.context or {})
-        return RangeFault(context["message"], context["help"], tuple(context["at"]))
-    assert not isinstance(pair, str)
-    return pair
+    return pair_or_fault(given, Pair(RANDOMIZED_KINDS[field], ordered=False))
 
 
 def _source_keys(node: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:

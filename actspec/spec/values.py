@@ -166,8 +166,9 @@ def parse_value(
             raise fault(err.message, err.help, ("std",)) from None
         std = std_parsed.value
         if std < 0:
-            bound = format_quantity(0.0, unit)
-            raise fault(f"must be >= {bound}, got {format_quantity(std, unit)}", None, ("std",))
+            raise fault(
+                f"must be >= {format_quantity(0.0, unit)}, got {format_quantity(std, unit)}", None, ("std",)
+            )
         if None not in (parsed.linear, std_parsed.linear) and parsed.linear is not std_parsed.linear:
             raise fault(
                 f"is in {std_parsed.unit}, but the value is in {unit}", f"write it in {unit}", ("std",)
