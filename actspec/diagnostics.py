@@ -160,6 +160,12 @@ def one_line(text: str) -> str:
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 
+def shortened(text: str, most: int = 60) -> str:
+    """Text from a stranger's file for a message: safe to print, and at most `most` characters."""
+    text = one_line(text[: most + 1])
+    return text if len(text) <= most else text[: most - 3] + "..."
+
+
 def listed(names: Iterable[str], most: int = 8) -> str:
     """Names in the given order, at most `most`, then how many more."""
     all_names = list(names)

@@ -1,10 +1,68 @@
-"""Writing one file so that nobody ever finds half of it."""
+"""Reading a file of a stranger, and writing one so that nobody ever finds half of it."""
 
 from __future__ import annotations
 
 import contextlib
 import os
-import tempfile
+import stat
+
+
+class NotRegular(Exception):
+    """What a path names is no regular file; the text says what it is.
+
+    Attributes:
+        folder: Whether it is a folder.
+    """
+
+    def __init__(self, folder: bool) -> None:
+        super().__init__("a folder" if folder else "not a regular file")
+        self.folder = folder
+
+
+class TooLarge(Exception):
+    """A file has more bytes than are read.
+
+    Attributes:
+        size: Bytes that it has at least.
+    """
+
+    def __init__(self, size: int) -> None:
+        super().__init__(f"{size} bytes")
+        self.size = size
+
+
+def read_regular(path: str, most: int) -> bytes:
+    """Read a regular file; never waits on a pipe or device.
+
+    Args:
+        path: Where.
+        most: Largest size [bytes].
+
+    Raises:
+        NotRegular: it is a folder, pipe, device or socket.
+        TooLarge: it is larger than `most`.
+        OSError: it cannot be opened or read.
+        ValueError: the path cannot be one, as with NUL.
+    """
+    flags = os.O_RDONLY
+    for name in ("O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"):
+        flags |= getattr(os, name, 0)
+    # Looked at before it is opened, because opening a device may do something; and after.
+    _refuse_irregular(os.stat(path))
+    with open(os.open(path, flags), "rb") as stream:
+        info = os.fstat(stream.fileno())
+        _refuse_irregular(info)
+        # The file may grow after fstat, so the read is bounded too.
+        data = b"" if info.st_size > most else stream.read(most + 1)
+    size = max(info.st_size, len(data))
+    if size > most:
+        raise TooLarge(size)
+    return data
+
+
+def _refuse_irregular(info: os.stat_result) -> None:
+    if not stat.S_ISREG(info.st_mode):
+        raise NotRegular(stat.S_ISDIR(info.st_mode))
 
 
 def replace_file(path: str, data: bytes) -> None:
@@ -17,6 +75,8 @@ def replace_file(path: str, data: bytes) -> None:
     Raises:
         OSError: it cannot be written; the old file is untouched.
     """
+    import tempfile  # brings compression and random numbers along
+
     folder, name = os.path.split(path)
     handle, temporary = tempfile.mkstemp(prefix=f".{name}.", dir=folder or ".")
     try:

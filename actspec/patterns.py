@@ -16,7 +16,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import listed
+from actspec.diagnostics import listed, shortened
 
 MAX_PATTERN = 256
 """Longest pattern [characters]. Chosen: design section 4; the longest in the field's cfgs has about 80."""
@@ -407,4 +407,4 @@ def _nearest_part(run: str, name: str, from_start: bool, to_end: bool) -> tuple[
 
 
 def _quoted(text: str) -> str:
-    return f"'{text}'" if len(text) <= 80 else f"'{text[:77]}...'"
+    return f"'{shortened(text, 80)}'"

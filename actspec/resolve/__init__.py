@@ -11,6 +11,7 @@ from actspec.resolve.joint import JointResolver
 from actspec.resolve.model_values import model_values
 from actspec.resolve.motor import linear_faults
 from actspec.resolve.quantities import written
+from actspec.resolve.reports import Reports
 from actspec.resolve.stated import stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.validate import Spec, dotted
@@ -30,6 +31,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         collector.add(item)
     bindings = bind(spec, robot, collector)
     resolvers = []
+    reports = Reports()
     seen_motors: set[tuple[str, str]] = set()
     for binding in bindings.managed:
         stated = stated_of(spec, binding, collector)
@@ -37,17 +39,17 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         if stated.motor is not None and (str(motor_name), stated.kind.value) not in seen_motors:
             seen_motors.add((str(motor_name), stated.kind.value))
             wrong = linear_faults(stated.motor, stated.kind)
-            if wrong:
-                path = ("motors", str(motor_name), *wrong[0].split("."))
+            for name in wrong:
+                path = ("motors", str(motor_name), *name.split("."))
                 collector.error(
                     "RES001",
-                    f"'{binding.joint.name}' is a {stated.kind.value} joint, but {wrong[0]} of its motor is not "
-                    f"in that joint's unit",
+                    f"'{binding.joint.name}' is a {stated.kind.value} joint, but {name} of its motor is not "
+                    "in that joint's unit",
                     where=dotted(path),
                     span=spec.span(*path),
                     help="state the figure at the joint: rad and N*m for a hinge, m and N for a slide",
                 )
-        resolvers.append(JointResolver(stated, model_values(robot, binding.joint), collector))
+        resolvers.append(JointResolver(stated, model_values(robot, binding.joint), collector, reports))
     collector.raise_if_failed(ResolveError)
 
     armatures = [resolver.armature() for resolver in resolvers]
@@ -71,6 +73,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         )
         for resolver, armature in zip(resolvers, armatures, strict=True)
     )
+    reports.tell(collector)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action

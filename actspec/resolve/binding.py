@@ -186,7 +186,7 @@ class _Matcher:
                 f"'{others[0].name}' is a {others[0].kind.value} joint; only hinge and slide joints have actuators here"
             )
         elif others and scope:
-            help = f"it matches {listed([j.name for j in others])}, which are not in the group"
+            help = f"it matches {listed([j.name for j in others])}, outside the group"
         elif guess is not None:
             help = f"did you mean '{guess}'? (matches {listed(match_names(guess, names))})"
         else:

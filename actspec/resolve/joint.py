@@ -22,10 +22,11 @@ from actspec.ir import (
 from actspec.resolve.model_values import ModelValues
 from actspec.resolve.motor import JointMotor, Transmission, joint_motor
 from actspec.resolve.quantities import choose, conflict, tidy, unit_of, unknown, written
+from actspec.resolve.reports import Reports
 from actspec.resolve.stated import Stated
 from actspec.spec.derive import DerivedGain
 from actspec.spec.fields import CommandRange, SpecDelay
-from actspec.spec.models import CommandFilter
+from actspec.spec.models import CommandFilter, Randomize
 from actspec.spec.rules import range_of
 from actspec.spec.validate import dotted
 from actspec.spec.values import SpecValue
@@ -36,10 +37,11 @@ class JointResolver:
     """Resolves the fields of one joint by the precedence
     authored > identified > derived > model > default."""
 
-    def __init__(self, stated: Stated, model: ModelValues, collector: Collector) -> None:
+    def __init__(self, stated: Stated, model: ModelValues, collector: Collector, reports: Reports) -> None:
         self.stated = stated
         self.model = model
         self.collector = collector
+        self.reports = reports
         self.joint = stated.binding.joint
         self.kind = stated.kind
         self.command = Command(stated.group.command)
@@ -49,9 +51,8 @@ class JointResolver:
     # -- small steps ---------------------------------------------------------------------------
 
     def error(self, code: str, message: str, field: str, help: str | None = None) -> None:
-        path = self.stated.path(field)
-        self.collector.error(
-            code, f"{self.joint.name}: {message}", where=dotted(path), span=self.span(field), help=help
+        self.reports.error(
+            code, self.joint.name, message, dotted(self.stated.path(field)), self.span(field), help
         )
 
     def span(self, field: str) -> Span:
@@ -96,7 +97,12 @@ class JointResolver:
         return choose(authored, fitted, derived, *rest)
 
     def compare(
-        self, field: str, value: object, authored: Quantity | None, fitted: Quantity | None
+        self,
+        field: str,
+        value: object,
+        authored: Quantity | None,
+        fitted: Quantity | None,
+        word: str | None = None,
     ) -> None:
         """Report an identified number that is asked for and missing, or far from the authored one."""
         if isinstance(value, SpecValue) and value.identified and fitted is None:
@@ -113,7 +119,8 @@ class JointResolver:
                 f"{self.joint.name}: {field}: {apart}",
                 where=dotted(self.stated.path(field)),
                 span=self.span(field),
-                help=f"the authored value is used; write `{field.split('.')[-1]}: identified` to use the fitted one",
+                help="the authored value is used; to use the fitted one write "
+                f"`{word or field.split('.')[-1]}: identified`",
             )
 
     # -- parts ---------------------------------------------------------------------------------
@@ -260,15 +267,14 @@ class JointResolver:
                     formula=f"{inertia[1]} x (2 pi {format_quantity(frequency, 'Hz')})^2",
                 )
         found = self.number("kp", Kind.STIFFNESS, derived=derived, rest=(self.model.kp,))
-        if found is None:
+        if found is None and not (isinstance(gain, SpecValue) and gain.identified):
             self.error(
                 "RES005",
                 "kp is not stated, and the robot's file has no position servo to take it from",
                 "kp",
                 "write kp: 25 N*m/rad (or {derive: ...}), or `unknown` to leave the file's actuator alone",
             )
-            return unknown(unit)
-        return found
+        return unknown(unit) if found is None else found
 
     def kd(self, kp: Quantity | None, armature: Quantity, held: InertiaRange | None) -> Quantity | None:
         if self.command is Command.EFFORT:
@@ -276,13 +282,20 @@ class JointResolver:
         if self.level is Level.ACTUATOR_NET:
             return self.number("kd", Kind.VELOCITY_GAIN)
         gain = self.stated.get("kd")
+        derived = None
         unit = self.unit(Kind.VELOCITY_GAIN)
         if isinstance(gain, DerivedGain):
             inertia = self.inertia_for_gain(gain, armature, held, "kd")
             if inertia is None:
                 return unknown(unit)
             if kp is None or not kp.known:
-                self.error("RES004", "kd is derived from kp, which is unknown", "kd", "state kp")
+                why = "unknown" if kp is not None else "not there with `command: velocity`"
+                self.error(
+                    "RES004",
+                    f"kd is derived from kp, which is {why}",
+                    "kd",
+                    "state kp" if kp is not None else "write kd: 0.5 N*m*s/rad",
+                )
                 return unknown(unit)
             ratio = gain.numbers["ratio"].value
             assert ratio is not None
@@ -294,24 +307,38 @@ class JointResolver:
                 formula=f"2 x {ratio:g} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})",
             )
         found = self.number("kd", Kind.VELOCITY_GAIN, derived=derived, rest=(self.model.kd,))
-        if found is None:
+        if found is None and not (isinstance(gain, SpecValue) and gain.identified):
             self.error(
                 "RES005",
                 "kd is not stated, and the robot's file has no servo to take it from",
                 "kd",
                 "write kd: 0.5 N*m*s/rad (or {derive: ...}), 0, or `unknown` to leave the file's actuator alone",
             )
-            return unknown(unit)
-        return found
+        return unknown(unit) if found is None else found
 
     def filter_cutoff(self) -> Quantity | None:
         value = self.stated.get("command_filter")
+        if value == "none":
+            return None
+        fitted = self.identified("bandwidth", Kind.FREQUENCY)
+        authored = derived = None
         if isinstance(value, CommandFilter):
             path = (*self.stated.path("command_filter"), "cutoff")
-            return written(value.cutoff, "Hz", self.stated.spec.span(*path))
-        if value == "from_motor" and self.motor is not None and self.motor.bandwidth is not None:
-            return replace(self.motor.bandwidth, origin=Origin.DERIVED, formula="bandwidth of the motor")
-        return self.model.filter_cutoff if value is None else None
+            if not value.cutoff.identified:
+                authored = written(value.cutoff, "Hz", self.stated.spec.span(*path))
+            self.compare("command_filter", value.cutoff, authored, fitted, word="cutoff")
+        elif value == "from_motor":
+            bandwidth = None if self.motor is None else self.motor.bandwidth
+            if bandwidth is None or not bandwidth.known:
+                self.error(
+                    "RES008",
+                    f"the filter is to be that of the motor '{self.stated.get('motor')}', whose bandwidth is unknown",
+                    "command_filter",
+                    "state the motor's bandwidth, or write command_filter: {cutoff: 30 Hz}",
+                )
+            else:
+                derived = replace(bandwidth, origin=Origin.DERIVED, formula="bandwidth of the motor")
+        return choose(authored, fitted, derived, self.model.filter_cutoff)
 
     def delay(self) -> Delay | None:
         value = self.stated.get("delay")
@@ -319,23 +346,24 @@ class JointResolver:
         if not isinstance(value, SpecDelay):
             kept = choose(fitted, self.model.delay)
             return None if kept is None else Delay(kept, kept.require(), kept.require(), "episode")
-        span = self.span("delay")
-        if value.nominal.identified:
-            if fitted is None:
-                self.error(
-                    "RES002", "delay is to be the identified value, but the results have none", "delay"
-                )
-                return None
-            nominal = fitted
-        else:
-            authored = written(value.nominal, "s", span)
-            nominal = choose(authored, fitted) or authored
-        if nominal.value is None:
-            return Delay(nominal, 0.0, 0.0, value.sampling)
-        low = high = nominal.value
+        authored = None
+        if not value.nominal.identified:
+            authored = written(value.nominal, "s", self.span("delay"))
+        self.compare("delay", value.nominal, authored, fitted)
+        nominal = choose(authored, fitted, self.model.delay)
+        if nominal is None:
+            return None
+        low = high = nominal.value or 0.0
         if value.range is not None:
-            low = value.range[0].value if value.range[0].value is not None else low
-            high = value.range[1].value if value.range[1].value is not None else high
+            low, high = (end.value or 0.0 for end in value.range)
+            if nominal.value is not None and not low <= nominal.value <= high:
+                self.error(
+                    "RES009",
+                    f"the {nominal.origin.value} delay {format_quantity(nominal.value, 's')} is outside its range "
+                    f"[{value.range[0].written}, {value.range[1].written}]",
+                    "delay",
+                    "widen the range, or state the nominal delay",
+                )
         return Delay(nominal, low, high, value.sampling)
 
     def command_range(self) -> tuple[Quantity, Quantity] | None:
@@ -372,14 +400,24 @@ class JointResolver:
             if entry.every is not None:
                 every = (float(entry.every[0].value), float(entry.every[1].value))
             if entry.from_ is not None:
-                pair = self.from_identified(field, entry.sigma.value if entry.sigma is not None else 1.0)
-                if pair is None:
+                fitted = self.from_identified(field)
+                if fitted is None:
                     continue
-                operation, low, high = "abs", *pair
+                operation, low, high = "abs", *_spread(fitted, field, entry)
             else:
                 operation = next(key for key in ("scale", "add", "abs") if getattr(entry, key) is not None)
                 numbers = range_of(entry, field)
                 assert isinstance(numbers, tuple)
+                for end in numbers:
+                    if end.linear is not None and end.linear is not (self.kind is JointKind.SLIDE):
+                        self.collector.error(
+                            "RES001",
+                            f"'{self.joint.name}' is a {self.kind.value} joint, but the range of {field} has "
+                            f"{end.written}",
+                            where=dotted((*path, operation)),
+                            span=self.stated.spec.span(*path, operation),
+                            help="a hinge is in rad and N*m, a slide in m and N",
+                        )
                 low, high = float(numbers[0].value or 0.0), float(numbers[1].value or 0.0)
             found.append(
                 Randomization(
@@ -388,22 +426,33 @@ class JointResolver:
             )
         return tuple(found)
 
-    def from_identified(self, field: str, sigma: float | None) -> tuple[float, float] | None:
-        """Range of nominal -+ sigma std of the fitted value."""
+    def from_identified(self, field: str) -> Quantity | None:
+        """The fitted value that a range is taken from; None after an error."""
         kind = RANDOMIZED_FITTED.get(field)
         fitted = self.identified(field, kind) if kind is not None else None
         if fitted is None or fitted.std is None:
-            self.collector.error(
+            path = ("actuators", self.stated.binding.group, "randomize", field)
+            self.reports.error(
                 "RES007",
-                f"{self.joint.name}: no identified standard deviation of {field} to take the range from",
-                where=dotted(("actuators", self.stated.binding.group, "randomize", field)),
-                span=self.stated.spec.span("actuators", self.stated.binding.group, "randomize", field),
-                help="state the range as scale, add or abs",
+                self.joint.name,
+                f"no identified standard deviation of {field} to take the range from",
+                dotted(path),
+                self.stated.spec.span(*path),
+                "state the range as scale, add or abs",
             )
             return None
-        half = (sigma or 1.0) * fitted.std
-        low = fitted.require() - half
-        return (low if field == "encoder_bias" else max(0.0, low)), fitted.require() + half
+        return fitted
+
+    def check_static(self, static: Quantity, coulomb: Quantity) -> None:
+        """Break-away friction is at least the kinetic one, wherever the two come from."""
+        if static.require() < coulomb.require():
+            self.error(
+                "RES009",
+                f"static friction {format_quantity(static.value, static.unit)} ({static.origin.value}) is below "
+                f"coulomb friction {format_quantity(coulomb.value, coulomb.unit)} ({coulomb.origin.value})",
+                "friction.static",
+                "state both",
+            )
 
     def default_position(self, pattern: str | None) -> Quantity:
         unit = self.unit(Kind.POSITION)
@@ -444,6 +493,9 @@ class JointResolver:
                 ("stribeck_velocity", Kind.SPEED, None),
             )
         }
+        static, coulomb = friction["static"], friction["coulomb"]
+        if static is not None and coulomb is not None and None not in (static.value, coulomb.value):
+            self.check_static(static, coulomb)
         bias = self.number("encoder_bias", Kind.POSITION)
         scale = self.stated.get("action_scale")
         network = self.stated.group.network
@@ -500,6 +552,15 @@ class JointResolver:
         )
 
 
+def _spread(fitted: Quantity, field: str, entry: Randomize) -> tuple[float, float]:
+    """The fitted value -+ sigma std; for a gaussian (mean, sigma std)."""
+    sigma = 1.0 if entry.sigma is None else entry.sigma.value or 1.0
+    mean, half = fitted.require(), sigma * (fitted.std or 0.0)
+    if entry.distribution == "gaussian":
+        return mean, half
+    return (mean - half if field == "encoder_bias" else max(0.0, mean - half)), mean + half
+
+
 FITTED = (
     "kp",
     "kd",
@@ -519,6 +580,7 @@ RANDOMIZED_FITTED = {
     "friction.coulomb": Kind.TORQUE,
     "friction.viscous": Kind.VELOCITY_GAIN,
     "friction.static": Kind.TORQUE,
+    "friction.stribeck_velocity": Kind.SPEED,
     "encoder_bias": Kind.POSITION,
     "delay": Kind.TIME,
 }

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Span
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.resolve.quantities import scaled, unit_of, unknown, written
+from actspec.resolve.quantities import scaled, tidy, unit_of, unknown, written
 from actspec.spec.models import Motor
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
@@ -79,11 +79,17 @@ def joint_motor(
 
     def torque(value: SpecValue | None, *path: str) -> Quantity | None:
         found = figure(value, Kind.TORQUE, *path)
-        return None if found is None else scaled(found, to_torque)
+        return None if found is None else efficient(scaled(found, to_torque))
 
     def speed(value: SpecValue | None, *path: str) -> Quantity | None:
         found = figure(value, Kind.SPEED, *path)
         return None if found is None else scaled(found, to_speed, divide=True)
+
+    def efficient(found: Quantity) -> Quantity:
+        """Say where an efficiency that nobody states was taken as 1."""
+        if not at_rotor or motor.efficiency is not None or found.formula is None:
+            return found
+        return replace(found, formula=f"{found.formula} x 1 (efficiency, default)")
 
     def by_current(current: SpecValue | None, field: str) -> Quantity | None:
         """Torque constant times current, where the torque itself is not stated."""
@@ -91,7 +97,7 @@ def joint_motor(
         if constant is None or constant.value is None or current is None or current.value is None:
             return None
         product = Quantity(
-            constant.value * current.value,
+            tidy(constant.value * current.value),
             unit_of(Kind.TORQUE, kind),
             Origin.DERIVED,
             source=constant.source or current.source,
@@ -101,11 +107,11 @@ def joint_motor(
         )
         at_joint = scaled(product, to_torque)
         if at_joint is product:
-            return product
+            return efficient(product)
         formula = f"{product.formula}" + (at_joint.formula or "").removeprefix(
             format_quantity(product.value, product.unit)
         )
-        return replace(at_joint, formula=formula)
+        return efficient(replace(at_joint, formula=formula))
 
     torque_unit = unit_of(Kind.TORQUE, kind)
     curve = None
@@ -154,6 +160,8 @@ def linear_faults(motor: Motor, kind: JointKind) -> list[str]:
         value = getattr(motor, field)
         if value is not None and value.value is not None and value.linear is wrong:
             names.append(field)
+    if motor.torque_constant is not None and (motor.nominal_current or motor.peak_current) and not wrong:
+        names.append("torque_constant")
     if motor.curve is not None:
         for field in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
             value = getattr(motor.curve, field)

@@ -3,9 +3,7 @@
 A model is opened from bytes in memory, never from a path, so that nothing is read twice and no
 file that the reader has not checked is reached. Three things are done on the way:
 
-- Includes are spliced into one text. MuJoCo's own in-memory includes are found by base name
-  alone, so `a/leg.xml` and `b/leg.xml` collide, and it reports every error in one as "line 0".
-  The splice keeps a table from lines of the one text to lines of the author's files.
+- Includes are spliced into one text, which keeps the author's lines: see `splice`.
 - Mesh, texture, height-field and skin files are replaced by tiny stand-ins under their own
   names, so that a model compiles without them. What depends on a mesh is then meaningless:
   see `mesh_dependence`.
@@ -17,175 +15,31 @@ from __future__ import annotations
 
 import os
 import re
-from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, one_line
+from actspec.robot.mesh import MeshDependence, base_name, mesh_dependence, mesh_path, stem, usable_file
+from actspec.robot.splice import SplicedText, splice
 from actspec.robot.standins import stand_in
 from actspec.robot.view import ModelFile, ModelFormat
 
 if TYPE_CHECKING:
     import mujoco
 
-MOST_COPIES = 100_000
-"""Chosen: nested `replicate` counts beyond this exhaust the memory before MuJoCo can refuse them."""
-
-MOST_MESH_BYTES = 256 * 1024 * 1024
-"""Chosen: a mesh file above this is not opened for the inertia."""
+__all__ = [
+    "MeshDependence",
+    "SplicedText",
+    "compile_spec",
+    "engine_error",
+    "mesh_dependence",
+    "open_spec",
+    "quiet",
+    "splice",
+]
 
 _MESH_DECODERS = frozenset({".obj", ".stl", ".msh"})
-
-
-@dataclass(frozen=True, slots=True)
-class SplicedText:
-    """One text with every include in its place.
-
-    Attributes:
-        data: The text, UTF-8, without a byte order mark.
-        starts: First line of each piece in `data`, from 1, ascending.
-        origins: File and its line that the piece begins with.
-        opened: `file` of each element that MuJoCo opens while it parses, with its tag.
-    """
-
-    data: bytes
-    starts: tuple[int, ...]
-    origins: tuple[tuple[str, int], ...]
-    opened: tuple[tuple[str, str], ...]
-
-    def span(self, line: int) -> Span:
-        """The author's line for a line of `data`; the main file for line 0."""
-        index = bisect_right(self.starts, line) - 1
-        path, first = self.origins[max(index, 0)]
-        if line < 1:
-            return Span(self.origins[0][0])
-        return Span(path, first + line - self.starts[index])
-
-
-def splice(files: Sequence[ModelFile]) -> SplicedText:
-    """Put the text of every include in the place of its element.
-
-    Args:
-        files: The main file, then its includes in document order, as `read_model_files` gives them.
-
-    Raises: RobotError: a file is not UTF-8 or not well-formed, holds a DOCTYPE, has an include
-        without its file, or replicates beyond `MOST_COPIES`.
-    """
-    pieces: list[bytes] = []
-    starts: list[int] = []
-    origins: list[tuple[str, int]] = []
-    opened: list[tuple[str, str]] = []
-    rest = iter(files[1:])
-    line = 1
-
-    def put(piece: bytes, path: str, first: int) -> None:
-        nonlocal line
-        starts.append(line)
-        origins.append((path, first))
-        pieces.append(piece)
-        line += piece.count(b"\n")
-
-    def put_file(file: ModelFile, whole: bool, depth: int) -> None:
-        if depth > 64:
-            raise _error(file.path, 0, "includes are nested more than 64 deep")
-        data = file.data.removeprefix(b"\xef\xbb\xbf")
-        marks = _marks(file.path, data)
-        opened.extend(marks.opened)
-        begin, end = (0, len(data)) if whole else marks.inner
-        for at, to in marks.includes:
-            put(data[begin:at] + b"\n", file.path, 1 + data.count(b"\n", 0, begin))
-            included = next(rest, None)
-            if included is None:
-                raise _error(file.path, 1 + data.count(b"\n", 0, at), "an include has no file")
-            put_file(included, False, depth + 1)
-            begin = to
-        put(data[begin:end] + b"\n", file.path, 1 + data.count(b"\n", 0, begin))
-
-    put_file(files[0], True, 0)
-    return SplicedText(b"".join(pieces), tuple(starts), tuple(origins), tuple(opened))
-
-
-@dataclass(slots=True)
-class _Marks:
-    inner: tuple[int, int]
-    includes: list[tuple[int, int]]
-    opened: list[tuple[str, str]]
-
-
-def _marks(path: str, data: bytes) -> _Marks:
-    """Byte offsets of a file's root content and of its include elements."""
-    from xml.parsers import expat
-
-    parser = expat.ParserCreate("utf-8")
-    marks = _Marks((0, 0), [], [])
-    depth = 0
-    copies = [1]
-    include_at = 0
-    includes = True
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth, include_at, includes
-        at = parser.CurrentByteIndex
-        if depth == 0:
-            marks.inner = (_tag_end(data, at), 0)
-            # A URDF has no includes, whatever its tags are called.
-            includes = tag != "robot"
-        elif tag == "include" and includes:
-            include_at = at
-        elif tag == "replicate":
-            copies.append(copies[-1] * _count(attributes.get("count", "")))
-            if copies[-1] > MOST_COPIES:
-                raise _error(path, parser.CurrentLineNumber, f"more than {MOST_COPIES} copies by replicate")
-        elif attributes.get("file") and tag in ("flexcomp", "model"):
-            marks.opened.append((tag, attributes["file"]))
-        depth += 1
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        at = parser.CurrentByteIndex
-        if depth == 0:
-            # A root `<mujoco/>` ends where it starts: there is nothing inside.
-            marks.inner = (marks.inner[0], max(marks.inner[0], at))
-        elif tag == "include" and includes:
-            marks.includes.append((include_at, _tag_end(data, at)))
-        elif tag == "replicate":
-            copies.pop()
-
-    def doctype(*_: object) -> None:
-        raise _error(path, parser.CurrentLineNumber, "a DOCTYPE is refused")
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.StartDoctypeDeclHandler = doctype
-    try:
-        data.decode("utf-8")
-        parser.Parse(data, True)
-    except UnicodeDecodeError as err:
-        place = data.count(b"\n", 0, err.start) + 1
-        raise _error(path, place, "the file is not UTF-8, which is all that MuJoCo reads") from err
-    except expat.ExpatError as err:
-        raise _error(path, err.lineno, f"not well-formed XML: {err}") from err
-    return marks
-
-
-def _tag_end(data: bytes, at: int) -> int:
-    """Offset after the tag that starts at `at`; a quoted `>` does not end it."""
-    found = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""").match(data, at)
-    return found.end() if found else at
-
-
-def _count(text: str) -> int:
-    try:
-        return max(int(text), 1)
-    except ValueError:
-        return 1
-
-
-def _error(path: str, line: int, message: str, help: str | None = None) -> RobotError:
-    return RobotError([Diagnostic("ROBOT110", Severity.ERROR, message, "", Span(path, line), help)])
 
 
 @contextmanager
@@ -265,7 +119,7 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
             continue
         if os.path.splitext(mesh.file)[1].lower() not in _MESH_DECODERS and not mesh.content_type:
             # A mesh without a name is called after its file.
-            mesh.name = mesh.name or _stem(mesh.file)
+            mesh.name = mesh.name or stem(mesh.file)
             mesh.file += ".obj"
         found[_key(mesh.file)] = stand_in("mesh", mesh.file, content_type=mesh.content_type)
     for texture in spec.textures:
@@ -285,21 +139,7 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
 
 def _key(name: str) -> str:
     """MuJoCo finds an asset by its base name in any case; equal keys have equal stand-ins."""
-    return re.split(r"[/\\]", name)[-1].lower()
-
-
-def mesh_path(spec: mujoco.MjSpec, mesh: Any) -> str:
-    """Where MuJoCo looks for a mesh file of a spec that `open_spec` opened."""
-    name = re.split(r"[/\\]", mesh.file)[-1] if spec.strippath else mesh.file
-    return os.path.join(spec.modelfiledir, mesh.compiler.meshdir, name)
-
-
-def usable_file(path: str) -> bool:
-    """Whether a path is a regular file (no device, no pipe) of a size that can be read."""
-    try:
-        return os.path.isfile(path) and os.path.getsize(path) <= MOST_MESH_BYTES
-    except (OSError, ValueError):
-        return False
+    return base_name(name).lower()
 
 
 def compile_spec(
@@ -360,60 +200,3 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
             )
         ]
     )
-
-
-@dataclass(frozen=True, slots=True)
-class MeshDependence:
-    """A moving body whose mass comes from mesh files.
-
-    Attributes:
-        body: Its name.
-        missing: Mesh files that such bodies need and that are not there; empty: all are.
-    """
-
-    body: str
-    missing: tuple[str, ...]
-
-
-def mesh_dependence(spec: mujoco.MjSpec) -> MeshDependence | None:
-    """Say whether the inertia of a moving body comes from mesh files.
-
-    Args:
-        spec: From `open_spec`, not yet compiled.
-
-    Returns: The first such body in the model's order; None when meshes do not matter.
-    """
-    import mujoco
-
-    meshes = {mesh.name or _stem(mesh.file): mesh for mesh in spec.meshes if mesh.file}
-    if not meshes:
-        return None
-    body_name: str | None = None
-    missing: dict[str, None] = {}
-    stack = [(body, False) for body in reversed(list(spec.worldbody.bodies))]
-    while stack:
-        body, moving = stack.pop()
-        moving = moving or len(body.joints) > 0
-        stack.extend((child, moving) for child in reversed(list(body.bodies)))
-        if not moving:
-            continue
-        mode = int(body.compiler.inertiafromgeom)
-        if mode == int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_FALSE):
-            continue
-        if mode == int(mujoco.mjtInertiaFromGeom.mjINERTIAFROMGEOM_AUTO) and body.explicitinertial:
-            continue
-        groups = body.compiler.inertiagrouprange
-        for geom in body.geoms:
-            mesh = meshes.get(geom.meshname) if geom.meshname else None
-            # NaN mass: not given, so the density decides.
-            massless = geom.mass == 0 or (geom.mass != geom.mass and geom.density == 0)
-            if mesh is None or massless or not groups[0] <= geom.group <= groups[1]:
-                continue
-            body_name = body_name if body_name is not None else body.name
-            if not usable_file(mesh_path(spec, mesh)):
-                missing.setdefault(mesh.file)
-    return None if body_name is None else MeshDependence(body_name, tuple(missing))
-
-
-def _stem(name: str) -> str:
-    return os.path.splitext(re.split(r"[/\\]", name)[-1])[0]

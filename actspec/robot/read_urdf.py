@@ -251,14 +251,7 @@ def _compiled(
     from actspec.robot.read_mjcf import inertia_of
 
     try:
-        try:
-            spec = open_spec(files, format=ModelFormat.URDF)
-        except RobotError as err:
-            if "'material'" not in err.diagnostics[0].message:
-                raise
-            # A second colour in one visual: MuJoCo refuses it, all other importers take it.
-            files = [replace(file, data=_without_materials(file.data)) for file in files]
-            spec = open_spec(files, format=ModelFormat.URDF)
+        spec, files = open_urdf(files)
         meshes = mesh_dependence(spec)
         if meshes is not None and not meshes.missing:
             spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
@@ -269,35 +262,36 @@ def _compiled(
     return _order(model), inertia, reason
 
 
-def _without_materials(data: bytes) -> bytes:
-    """The text with its `material` elements blanked; line numbers stay."""
-    from xml.parsers import expat
+def open_urdf(files: Sequence[ModelFile]) -> tuple[mujoco.MjSpec, Sequence[ModelFile]]:
+    """Open a URDF that may give one visual several colours, which only MuJoCo refuses.
 
-    parser = expat.ParserCreate()
+    Returns: The spec, uncompiled, and the files that it was opened from; lines stay where they are.
+
+    Raises: RobotError: MuJoCo refuses the text.
+    """
+    from actspec.robot.mjspec import open_spec
+
+    try:
+        return open_spec(files, format=ModelFormat.URDF), files
+    except RobotError as err:
+        if "'material'" not in err.diagnostics[0].message:
+            raise
+    files = _first_colours(files)
+    return open_spec(files, format=ModelFormat.URDF), files
+
+
+def _first_colours(files: Sequence[ModelFile]) -> tuple[ModelFile, ...]:
+    """The text with every `material` but the first of its parent blanked."""
+    from actspec.robot.xml import parse_document
+
+    data = files[0].data
     pieces: list[bytes] = []
-    begin = depth = 0
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth
-        if depth or tag == "material":
-            depth += 1
-            if depth == 1:
-                pieces.append(data[begin : parser.CurrentByteIndex])
-                starts.append(parser.CurrentByteIndex)
-
-    def end(tag: str) -> None:
-        nonlocal begin, depth
-        if depth:
-            depth -= 1
-            if depth == 0:
-                begin = data.index(b">", parser.CurrentByteIndex) + 1
-                pieces.append(b"\n" * data.count(b"\n", starts[-1], begin))
-
-    starts: list[int] = []
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.Parse(data, True)
-    return b"".join((*pieces, data[begin:]))
+    begin = 0
+    for parent in parse_document(files).walk():
+        for extra in [child for child in parent.children if child.tag == "material"][1:]:
+            pieces += [data[begin : extra.start], b"\n" * data.count(b"\n", extra.start, extra.end)]
+            begin = extra.end
+    return (replace(files[0], data=b"".join((*pieces, data[begin:]))), *files[1:])
 
 
 def _order(model: mujoco.MjModel) -> dict[str, tuple[int, float]]:

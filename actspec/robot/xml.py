@@ -33,7 +33,7 @@ from xml.parsers import expat
 from actspec.diagnostics import Collector, Diagnostic, RobotError, Severity, Span
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_errors import Malformed, check_encoding, explain, place_of
-from actspec.robot.xml_include import Missing, Unreadable, candidates_for, read_regular, tried
+from actspec.robot.xml_include import Missing, Unreadable, candidates_for, read_file, tried
 
 MOST_BYTES = 64 * 1024 * 1024
 """Chosen: all files of a model together; the largest real one known is 0.2 MB."""
@@ -169,7 +169,7 @@ def read_model_files(path: str) -> tuple[ModelFile, ...]:
     Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
     """
     try:
-        main = ModelFile(path, "", read_regular(path, MOST_BYTES))
+        main = ModelFile(path, "", read_file(path, MOST_BYTES))
     except Unreadable as err:
         raise _error("ROBOT001", f"{err}", Span(path)) from err
     if b"<include" not in main.data:
@@ -179,7 +179,7 @@ def read_model_files(path: str) -> tuple[ModelFile, ...]:
         candidates = candidates_for(main, including, name)
         for candidate in candidates:
             try:
-                return ModelFile(candidate, name, read_regular(candidate, MOST_BYTES))
+                return ModelFile(candidate, name, read_file(candidate, MOST_BYTES))
             except Missing:
                 continue
         raise Missing(f"there is no file {name!r}", tried(name, candidates))

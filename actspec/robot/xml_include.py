@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-import stat
 from collections.abc import Sequence
 
 from actspec.diagnostics import listed, nearest
+from actspec.files import NotRegular, TooLarge, read_regular
 
 
 class Unreadable(Exception):
@@ -22,33 +22,24 @@ class Missing(Unreadable):
     """There is no such file."""
 
 
-def read_regular(path: str, most: int) -> bytes:
-    """Read a regular file; never waits on a pipe or device.
+def read_file(path: str, most: int) -> bytes:
+    """Read a file of a model.
 
     Raises:
         Missing: there is no such file.
         Unreadable: it is no regular file, larger than `most` bytes, or cannot be opened.
     """
-    flags = os.O_RDONLY
-    for name in ("O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"):
-        flags |= getattr(os, name, 0)
     try:
-        # Looked at before it is opened, because opening a device may do something; and after.
-        if not stat.S_ISREG(os.stat(path).st_mode):
-            kind = "a folder" if os.path.isdir(path) else "not a regular file"
-            raise Unreadable(f"{path!r} is {kind}")
-        with open(os.open(path, flags), "rb") as stream:
-            if not stat.S_ISREG(os.fstat(stream.fileno()).st_mode):
-                raise Unreadable(f"{path!r} is not a regular file")
-            data = stream.read(most + 1)
+        return read_regular(path, most)
+    except NotRegular as err:
+        raise Unreadable(f"{path!r} is {err}") from err
+    except TooLarge as err:
+        raise Unreadable(f"{path!r} is larger than {most >> 20} MiB") from err
     except (FileNotFoundError, NotADirectoryError) as err:
         raise Missing(f"there is no file {path!r}") from err
     except (OSError, ValueError) as err:
         reason = getattr(err, "strerror", None) or "bad path"
         raise Unreadable(f"{path!r} cannot be read: {reason}") from err
-    if len(data) > most:
-        raise Unreadable(f"{path!r} is larger than {most >> 20} MiB")
-    return data
 
 
 def candidates_for(main: str, including: str, name: str) -> tuple[str, ...]:

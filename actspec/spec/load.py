@@ -46,6 +46,10 @@ def load_spec(path: str) -> Spec:
             results[named] = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
         except SpecError as err:
             for item in err.diagnostics:
+                if item.span is None or not item.span.line:
+                    # About the file as a whole: the place to change is the line that names it.
+                    place = spec.span("actuators", name, "identified")
+                    item = replace(item, where=where, span=place)
                 collector.add(item)
     collector.raise_if_failed(SpecError)
     return replace(spec, results=results)

@@ -12,7 +12,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Fiel
 
 from actspec.spec.derive import Gain, GainField
 from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
-from actspec.spec.values import Number, Pair, SpecValue, fault
+from actspec.spec.values import Number, Pair, SpecValue, fault, short
 from actspec.units import Kind
 
 SPEC_VERSION = 1
@@ -32,7 +32,8 @@ class Strict(BaseModel):
 def _text_version(given: Any) -> Any:
     if isinstance(given, (int, float)) and not isinstance(given, bool):
         raise fault(
-            f"a version is text, got the number {given}", f'write "{given}" in quotes: 3.10 would read as 3.1'
+            f"a version is text, got the number {given}",
+            'put it in quotes, as in "3.10": without them 3.10 reads as 3.1',
         )
     return given
 
@@ -42,9 +43,18 @@ def _shape(given: Any) -> str:
     return "mapping" if isinstance(given, dict) else "word"
 
 
+def _filter_word(given: Any) -> Any:
+    if given not in FILTER_WORDS:
+        words = f"must be {{cutoff: ...}}, {' or '.join(f'`{word}`' for word in FILTER_WORDS)}"
+        raise fault(f"{words}, got {short(given)}", "write for instance `{cutoff: 30 Hz}`")
+    return given
+
+
 def _text_or_number(given: Any) -> Any:
     return str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
 
+
+FILTER_WORDS = ("from_motor", "none")
 
 Version = Annotated[str, BeforeValidator(_text_version)]
 Name = Annotated[str, Field(min_length=1, max_length=200)]
@@ -207,7 +217,8 @@ class CommandFilter(Strict):
 
 
 FilterOrWord = Annotated[
-    Annotated[CommandFilter, Tag("mapping")] | Annotated[Literal["from_motor", "none"], Tag("word")],
+    Annotated[CommandFilter, Tag("mapping")]
+    | Annotated[Literal["from_motor", "none"], BeforeValidator(_filter_word), Tag("word")],
     Discriminator(_shape),
 ]
 
@@ -300,12 +311,12 @@ class Tunable(Strict):
 class Actuators(Tunable):
     """A group of joints with the same kind of actuator."""
 
-    joints: Annotated[tuple[Name, ...], Field(min_length=1)]
+    joints: Annotated[tuple[str, ...], Field(min_length=1)]
     """Patterns (full match) or names of the group's joints."""
     level: Literal["ideal_pd", "dc_motor", "actuator_net"]
-    """Model level."""
+    """Model level: `ideal_pd`, `dc_motor` or `actuator_net`."""
     command: Literal["position", "velocity", "effort"] = "position"
-    """What the command means."""
+    """What the command is: `position` (default), `velocity` (kd only) or `effort` (a torque)."""
     network: NetworkFile | None = None
     """Network of level actuator_net."""
     identified: str | None = None

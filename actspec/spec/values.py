@@ -119,7 +119,7 @@ def parse_value(
         source, note, std_given = given.get("source"), given.get("note"), given.get("std")
         for key, text in (("unit", unit_text), ("source", source), ("note", note)):
             if text is not None and not isinstance(text, str):
-                raise fault(f"must be text, got {short(text)}", f'write "{short(text)}" in quotes', (key,))
+                raise fault(f"must be text, got {short(text)}", _in_quotes(text), (key,))
     if isinstance(number, str) and number.strip() in (UNKNOWN, IDENTIFIED):
         word = number.strip()
         if word not in words:
@@ -231,7 +231,7 @@ class Pair:
             choices = "".join(f", or `{word}`" for word in self.words)
             raise fault(
                 f"must be [low, high], each {_a(self.kind.noun)}{choices}, got {short(given)}",
-                f"write for instance `[{EXAMPLES[self.kind]}, {EXAMPLES[self.kind]}]`",
+                f"write for instance `[0, {EXAMPLES[self.kind]}]`",
             )
         ends = []
         for index, item in enumerate(given):
@@ -363,6 +363,10 @@ def short(given: Any) -> str:
         return "null" if given is None else str(given).lower()
     text = given if isinstance(given, str) else repr(given)
     return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _in_quotes(given: Any) -> str | None:
+    return None if isinstance(given, (list, dict)) else f'write "{short(given)}" in quotes'
 
 
 def _example(kind: Kind) -> str:

@@ -45,6 +45,11 @@ class MujocoDialect:
         """`3.12`."""
         return f"{self.version[0]}.{self.version[1]}"
 
+    @property
+    def general_input(self) -> bool:
+        """Whether `<general>` says what its control is (`input`, 3.16), and would inherit it from a class."""
+        return self.version >= (3, 16)
+
 
 MUJOCO_RELEASES: tuple[tuple[int, int], ...] = (*((3, minor) for minor in range(2, 18)), (4, 0))
 """Releases that can be compiled for."""

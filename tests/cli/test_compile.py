@@ -65,7 +65,10 @@ def test_output_folder_and_two_targets(spec: Path) -> None:
     text = SPEC.replace("targets:\n", "targets:\n  old: {target: mujoco, version: '3.3'}\n")
     spec.write_text(text)
     assert main(["compile", "arm.yaml", "-o", "out"]) == 0
-    assert sorted(p.as_posix() for p in Path("out").rglob("*.xml")) == ["out/mujoco/arm.xml", "out/old/arm.xml"]
+    assert sorted(p.as_posix() for p in Path("out").rglob("*.xml")) == [
+        "out/mujoco/arm.xml",
+        "out/old/arm.xml",
+    ]
     assert 'delay="0.006"' in Path("out/mujoco/arm.xml").read_text()  # 5 ms is 2.5 steps of 2 ms: 3 steps
     assert "delay=" not in Path("out/old/arm.xml").read_text()
 
@@ -159,7 +162,9 @@ def test_wrong_targets(target: str, said: str, spec: Path, capsys: Any) -> None:
 
 def test_all_errors_of_both_targets_at_once(spec: Path, capsys: Any) -> None:
     """Two targets that fail are both reported in one run."""
-    spec.write_text(SPEC.replace('version: "4.0"', 'version: "9.9"') + '  two: {target: mujoco, version: "8.8"}\n')
+    spec.write_text(
+        SPEC.replace('version: "4.0"', 'version: "9.9"') + '  two: {target: mujoco, version: "8.8"}\n'
+    )
     assert main(["compile", "arm.yaml"]) == 2
     err = capsys.readouterr().err
     assert "targets.mujoco.version" in err and "targets.two.version" in err

@@ -17,7 +17,9 @@ A1 = str(ROOT / "robots" / "a1.yaml")
 
 
 def _schema(name: str) -> dict[str, Any]:
-    schema: dict[str, Any] = json.loads(data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8"))
+    schema: dict[str, Any] = json.loads(
+        data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8")
+    )
     jsonschema.Draft202012Validator.check_schema(schema)
     return schema
 
@@ -44,11 +46,15 @@ def test_output_validates(
 
 
 @pytest.mark.parametrize("command", ["compile", "validate"])
-def test_failure_is_json_too(command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+def test_failure_is_json_too(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
     """A spec that is wrong gives the diagnostics in JSON on stdout, exit code 2, and no traceback."""
     monkeypatch.chdir(tmp_path)
     bad = tmp_path / "bad.yaml"
-    bad.write_text("actspec: 1\nrobot: {name: r, model: none, joints: [a]}\nactuators: {g: {joints: [a], level: x}}\n")
+    bad.write_text(
+        "actspec: 1\nrobot: {name: r, model: none, joints: [a]}\nactuators: {g: {joints: [a], level: x}}\n"
+    )
     assert main([command, str(bad), "--output-format", "json"]) == 2
     out = capsys.readouterr()
     record = json.loads(out.out)

@@ -22,7 +22,8 @@ def model_damping_beside_kd(actuators: ActuatorSet) -> Iterator[Diagnostic]:
 
     def suspect(actuator: JointActuator) -> bool:
         kd, viscous = actuator.kd, actuator.friction_viscous
-        if kd is None or kd.value is None or viscous.value is None:
+        # With kd 0 the drive has none, and the file's is counted once.
+        if kd is None or not kd.value or viscous.value is None:
             return False
         return (
             kd.origin in (Origin.AUTHORED, Origin.DERIVED, Origin.IDENTIFIED)

@@ -37,11 +37,8 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                     coulomb.span,
                     f"is it in mN*m ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless coefficient?",
                 )
-        speed = (
-            actuator.no_load_speed.value
-            if actuator.no_load_speed is not None
-            else actuator.velocity_limit.value
-        )
+        line = actuator.curve.no_load_speed if actuator.curve is not None else actuator.no_load_speed
+        speed = (line if line is not None else actuator.velocity_limit).value
         if viscous.value is None or speed is None or viscous.value * speed / 2.0 < limit:
             continue
         key = ("FRC002", actuator.group, viscous.value)
@@ -51,8 +48,9 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                 "FRC002",
                 Severity.WARNING,
                 f"{actuator.joint}: viscous friction {format_quantity(viscous.value, viscous.unit)} takes "
-                f"{format_quantity(viscous.value * speed / 2.0, unit)} at {speed / 2.0:g} "
-                f"{actuator.velocity_limit.unit}, half the joint's speed; the effort limit is {format_quantity(limit, unit)}",
+                f"{format_quantity(viscous.value * speed / 2.0, unit)} at "
+                f"{format_quantity(speed / 2.0, actuator.velocity_limit.unit)}, half the joint's speed; the effort "
+                f"limit is {format_quantity(limit, unit)}",
                 f"actuators.{actuator.group}.friction.viscous",
                 viscous.span,
                 f"is it in mN*m*s/rad ({format_quantity(viscous.value / MILLI, viscous.unit)})? The slope of the "

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command
-from actspec.targets.mujoco.dialect import controller, general_form, needs_general
+from actspec.targets.mujoco.dialect import GENERAL_INPUTS, controller, general_form, needs_general
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 from actspec.targets.mujoco.plan import JointEdit, Plan
 from actspec.targets.versions import DcMotorDialect, MujocoDialect
@@ -45,7 +45,9 @@ SCALARS = (
 """Fields of an actuator that a class may have set; some are missing in older bindings."""
 
 
-def apply_to_spec(spec: mujoco.MjSpec, plan: Plan, dialect: MujocoDialect, note: str) -> None:
+def apply_to_spec(
+    spec: mujoco.MjSpec, plan: Plan, dialect: MujocoDialect, note: str, *, explicit: bool = False
+) -> None:
     """Edit a spec in place.
 
     Args:
@@ -53,6 +55,8 @@ def apply_to_spec(spec: mujoco.MjSpec, plan: Plan, dialect: MujocoDialect, note:
         plan: The edits.
         dialect: That of the installed MuJoCo.
         note: Put on each element that is edited, so that the engine's errors name it.
+        explicit: Write `<general>`, as `actuator_xml` does, because the main default class holds an
+            actuator whose numbers a shortcut would inherit.
     """
     import mujoco
 
@@ -65,7 +69,7 @@ def apply_to_spec(spec: mujoco.MjSpec, plan: Plan, dialect: MujocoDialect, note:
     for entry in plan.replaced:
         element = actuators[entry.index]
         _forget_class(element, spec.default.actuator)
-        _write(element, entry.drive, dialect, note)
+        _write(element, entry.drive, dialect, note, explicit)
     for sensor in spec.sensors:
         if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR and sensor.objname in plan.renamed:
             sensor.objname = plan.renamed[sensor.objname]
@@ -76,7 +80,7 @@ def apply_to_spec(spec: mujoco.MjSpec, plan: Plan, dialect: MujocoDialect, note:
         element = spec.add_actuator()
         element.name = drive.name
         _forget_class(element, spec.default.actuator)
-        _write(element, drive, dialect, note)
+        _write(element, drive, dialect, note, explicit)
     keys = list(spec.keys)
     for key in plan.keys:
         if key.ctrl is not None:
@@ -115,7 +119,7 @@ def _forget_class(element: Any, default: Any) -> None:
     element.userdata = list(default.userdata)
 
 
-def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str) -> None:
+def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str, explicit: bool) -> None:
     """Write every number of a drive."""
     import mujoco
 
@@ -124,13 +128,18 @@ def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str) -> Non
     element.target = drive.joint
     element.refsite = element.slidersite = ""
     limit = drive.effort_limit
+    # First: a dcmotor corrects its constant for a damping of its own.
+    element.damping[:] = 0.0
+    element.armature = 0.0
     if drive.form is Form.DCMOTOR:
         _write_dcmotor(element, drive, dialect)
     else:
-        if needs_general(drive):
-            if hasattr(element, "type"):
+        if explicit or needs_general(drive):
+            if dialect.general_input:
                 element.type = mujoco.mjtActuator.mjACTUATOR_GENERAL
-                element.ctrlspec = 0
+                keyword = GENERAL_INPUTS.get(drive.form) if explicit else None
+                if keyword is not None:
+                    element.ctrlspec = int(getattr(mujoco.mjtCtrlInput, f"mjINPUT_{keyword.upper()}"))
         elif drive.form is Form.POSITION:
             element.set_to_position(kp=drive.kp, kv=drive.kd)
         elif drive.form is Form.VELOCITY:
@@ -143,6 +152,7 @@ def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str) -> Non
         element.biastype = getattr(mujoco.mjtBias, f"mjBIAS_{form.biastype.upper()}")
         for name, numbers in (("dynprm", form.dynprm), ("gainprm", form.gainprm), ("biasprm", form.biasprm)):
             getattr(element, name)[:] = [*numbers, *([0.0] * (10 - len(numbers)))]
+        element.actlimited = element.actearly = 0
         element.forcelimited = 0 if limit is None else 1
         if limit is not None:
             element.forcerange = [-limit, limit]
@@ -151,8 +161,6 @@ def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str) -> Non
     element.ctrllimited = 1 if drive.control_limited else 0
     if drive.control_range is not None:
         element.ctrlrange = list(drive.control_range)
-    element.damping[:] = 0.0
-    element.armature = 0.0
     if drive.delay_steps:
         element.delay = drive.delay
         element.nsample = drive.delay_steps

@@ -192,7 +192,6 @@ def _main_default_has_actuator(document: XmlDocument) -> bool:
     return any(
         child.tag in ACTUATOR_TAGS
         for default in document.sections("default")
-        if default.get("class", "main") == "main"
         for child in default.children
     )
 

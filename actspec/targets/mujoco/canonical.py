@@ -19,8 +19,13 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     """
     from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet
     from actspec.robot.read_mjcf import read_mjcf
+    from actspec.robot.read_urdf import open_urdf
 
-    spec = open_spec(robot.files, format=robot.format)
+    files = robot.files
+    if robot.format is ModelFormat.URDF:
+        spec, files = open_urdf(files)
+    else:
+        spec = open_spec(files, format=robot.format)
     exact = hasattr(spec.compiler, "savecanonical")
     if exact:
         spec.compiler.savecompiled = False
@@ -34,8 +39,8 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         )
         meshes = mesh_dependence(spec)
         if meshes is not None:
-            spec = open_spec(robot.files, format=robot.format, real_assets=True)
-    compile_spec(spec, robot.files)
+            spec = open_spec(files, format=robot.format, real_assets=True)
+    compile_spec(spec, files)
     with quiet():
         text = spec.to_xml()
     path = f"{os.path.splitext(robot.path)[0]}.xml"

@@ -49,6 +49,8 @@ NAME_TABLES = ("name_", "names")
 DOF_ROWS = ("dof_damping", "dof_dampingpoly", "dof_armature", "dof_frictionloss")
 JOINT_ROWS = ("jnt_stiffness", "jnt_stiffnesspoly", "jnt_actfrclimited", "jnt_actfrcrange")
 KEY_ROWS = ("key_ctrl", "key_act")
+ACTUATOR_IDS = ("jnt_actuatorid", "tendon_actuatorid")
+"""By joint and tendon: the actuator whose own armature or damping acts there (4.0); -1: none."""
 REFERENCES = ("sensor_objid", "tuple_objid", "exclude_signature")
 """Fields that hold indices of actuators."""
 
@@ -93,6 +95,8 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
             continue
         if name in REFERENCES and (plan.removed or plan.renamed):
             continue
+        if name in ACTUATOR_IDS:
+            value = _moved(value, dict(kept))
         if name.startswith("actuator_"):
             found += _kept_rows(name, value, other, kept, original, robot)
             continue
@@ -118,6 +122,13 @@ def _kept_actuators(plan: Plan, robot: RobotView) -> list[tuple[int, int]]:
             pairs.append((old, new))
         new += 1
     return pairs
+
+
+def _moved(ids: Any, moved: dict[int, int]) -> Any:
+    """Indices of actuators as they are after the edit; a replaced one has no armature of its own any more."""
+    import numpy as np
+
+    return np.array([moved.get(int(old), -1) for old in ids], dtype=ids.dtype)
 
 
 def _kept_rows(

@@ -10,6 +10,10 @@ from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 
+GENERAL_INPUTS = {Form.POSITION: "pos", Form.VELOCITY: "vel"}
+"""`input` of a `<general>`; MuJoCo has no word for a torque."""
+
+
 @dataclass(frozen=True, slots=True)
 class Controller:
     """Numbers of a `<dcmotor>` in one dialect.
@@ -59,7 +63,7 @@ def actuator_xml(drive: Drive, dialect: MujocoDialect, *, explicit: bool = False
     attributes: list[tuple[str, str]] = [("name", drive.name), ("joint", drive.joint)]
     if general or needs_general(drive):
         tag = "general"
-        attributes += _general(drive)
+        attributes += _general(drive, dialect, explicit)
     elif drive.form is Form.DCMOTOR:
         tag = "dcmotor"
         attributes += _dcmotor(drive, controller(drive, dialect))
@@ -133,16 +137,19 @@ def general_form(drive: Drive) -> GeneralForm:
     )
 
 
-def _general(drive: Drive) -> list[tuple[str, str]]:
+def _general(drive: Drive, dialect: MujocoDialect, explicit: bool) -> list[tuple[str, str]]:
     form = general_form(drive)
-    return [
-        ("dyntype", form.dyntype),
-        ("gaintype", form.gaintype),
-        ("biastype", form.biastype),
-        ("dynprm", _numbers(*form.dynprm)),
-        ("gainprm", _numbers(*form.gainprm)),
-        ("biasprm", _numbers(*form.biasprm)),
-    ]
+    # A class fills what is not written: all ten numbers of each array then, and the flags of the filter.
+    width = 10 if explicit else 3
+    arrays = (("dynprm", form.dynprm), ("gainprm", form.gainprm), ("biasprm", form.biasprm))
+    attributes = [("dyntype", form.dyntype), ("gaintype", form.gaintype), ("biastype", form.biastype)]
+    attributes += [(name, _numbers(*values, *([0.0] * (width - 3)))) for name, values in arrays]
+    if explicit:
+        attributes += [("actlimited", "false"), ("actearly", "false")]
+        keyword = GENERAL_INPUTS.get(drive.form)
+        if dialect.general_input and keyword is not None:
+            attributes.append(("input", keyword))
+    return attributes
 
 
 def _dcmotor(drive: Drive, numbers: Controller) -> list[tuple[str, str]]:

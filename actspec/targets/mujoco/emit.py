@@ -83,7 +83,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     plan = users_of(anchors, plan)
 
     installed = installed_dialect()
-    edited = _edited(robot.files, plan, installed, f"actspec {actuators.robot}")
+    edited = _edited(robot.files, plan, installed, f"actspec {actuators.robot}", anchors.explicit)
     strayed = outside_plan(original, edited, plan, robot)
     if strayed:
         collector.error(
@@ -101,7 +101,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     # Another dialect's words cannot be compiled here: the same plan in the installed one is checked.
     checked = (
         files
-        if _same_words(dialect, installed, plan)
+        if _same_words(dialect, installed)
         else _write(document, plan, anchors, installed, options.folder, main_name, comment, collector)
     )
     _check_text(checked, edited, collector)
@@ -154,10 +154,14 @@ def installed_dialect() -> MujocoDialect:
     return mujoco_dialect(text)
 
 
-def _same_words(target: MujocoDialect, installed: MujocoDialect, plan: Plan) -> bool:
-    """Whether both versions write the plan in the same words."""
-    same_delay = target.native_delay == installed.native_delay
-    return target.dcmotor is installed.dcmotor and same_delay and target.polynomials == installed.polynomials
+def _same_words(target: MujocoDialect, installed: MujocoDialect) -> bool:
+    """Whether both versions write a plan in the same words."""
+    return (
+        target.dcmotor is installed.dcmotor
+        and target.native_delay == installed.native_delay
+        and target.polynomials == installed.polynomials
+        and target.general_input == installed.general_input
+    )
 
 
 def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:
@@ -166,11 +170,13 @@ def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:
     return compile_spec(open_spec(files, format=ModelFormat.MJCF), files)
 
 
-def _edited(files: Sequence[ModelFile], plan: Plan, dialect: MujocoDialect, note: str) -> mujoco.MjModel:
+def _edited(
+    files: Sequence[ModelFile], plan: Plan, dialect: MujocoDialect, note: str, explicit: bool
+) -> mujoco.MjModel:
     from actspec.robot.mjspec import compile_spec, open_spec
 
     spec = open_spec(files, format=ModelFormat.MJCF)
-    apply_to_spec(spec, plan, dialect, note)
+    apply_to_spec(spec, plan, dialect, note, explicit=explicit)
     try:
         return compile_spec(spec, files)
     except RobotError as err:

@@ -1,0 +1,346 @@
+"""Strict YAML to a tree of values, each with its place.
+
+YAML 1.2 core meaning, which PyYAML's own loaders do not give (`on` is a word, `010` is ten,
+`1e-3` is a number). Built from parser events, so that a hostile file is stopped at its first
+excess: nothing is constructed that was not counted before.
+"""
+
+from __future__ import annotations
+
+import re
+import sys
+from typing import Any
+
+from actspec.diagnostics import Collector, Span, nearest
+from actspec.spec.yaml_errors import plain_problem
+from actspec.spec.yaml_text import Stop, cut, got, place, text_of
+
+MAX_DEPTH = 40
+"""Deepest nesting of collections. Chosen: the language needs 7."""
+MAX_NODES = 100_000
+"""Most values and keys of a file, aliases expanded. Chosen: a spec of 100 joints has about 5000."""
+MAX_ALIASES = 100
+"""Most aliases in a file. Chosen: far above any spec written by hand."""
+MAX_ERRORS = 50
+"""Errors told about one file before reading stops."""
+
+Scalar = str | int | float | bool | None
+
+_INT = re.compile(r"[-+]?[0-9]+")
+_OCTAL = re.compile(r"0o[0-7]+")
+_HEX = re.compile(r"0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(?:\.[0-9]+|[0-9]+(?:\.[0-9]*)?)(?:[eE][-+]?[0-9]+)?")
+_NOT_FINITE = re.compile(r"[-+]?\.(?:inf|Inf|INF)|\.nan|\.NaN|\.NAN")
+_WORDS: dict[str, bool | None] = {
+    **dict.fromkeys(("", "~", "null", "Null", "NULL")),
+    **dict.fromkeys(("true", "True", "TRUE"), True),
+    **dict.fromkeys(("false", "False", "FALSE"), False),
+}
+_NOT_IN_VALUE = re.compile("[\0\ud800-\udfff]")
+_TAG_PREFIX = "tag:yaml.org,2002:"
+
+
+class Node:
+    """One value: where it is, what it holds, and how large it is with its aliases expanded."""
+
+    __slots__ = ("height", "size", "span", "value")
+
+    def __init__(self, span: Span, value: Scalar | dict[str, tuple[Span, Node]] | list[Node]) -> None:
+        self.span = span
+        self.value = value
+        self.size = 1
+        self.height = 0
+
+
+def parse(data: bytes, path: str, collector: Collector, *, included: bool = False) -> Node | None:
+    """The tree of one file; None where it has none, with the reason in the collector."""
+    try:
+        root = _Builder(path, collector).build(text_of(data, path, collector))
+    except Stop:
+        return None
+    if root is None or (root.value is None and root.height == 0 and root.size == 0):
+        help = "write `motors:` or `sources:`" if included else "`actspec init` writes a first one"
+        collector.error("SPEC005", "the file is empty", span=Span(path), help=help)
+        return None
+    if not isinstance(root.value, dict):
+        kind = "a list" if isinstance(root.value, list) else f"the value {got(root.value)}"
+        help = "begin with `motors:` or `sources:`" if included else "begin with `actspec: 1`"
+        collector.error("SPEC005", f"must be a mapping of keys, got {kind}", span=root.span, help=help)
+        return None
+    return root
+
+
+class _Open:
+    """A collection whose end has not come yet."""
+
+    __slots__ = ("anchor", "key", "node", "waiting")
+
+    def __init__(self, node: Node, anchor: str | None) -> None:
+        self.node = node
+        self.anchor = anchor
+        self.key: tuple[str, Span] | None = None
+        """The key whose value comes next; None for one that was refused."""
+        self.waiting = False
+        """Whether a value comes next, not a key."""
+
+
+class _Builder:
+    """Builds the tree of one file from parser events, within the limits."""
+
+    def __init__(self, path: str, collector: Collector) -> None:
+        self.path = path
+        self.collector = collector
+        self.errors = 0
+        self.nodes = 0
+        self.aliases = 0
+        self.anchors: dict[str, Node | None] = {}
+        self.stack: list[_Open] = []
+        self.root: Node | None = None
+        self.end = Span(path)
+
+    def build(self, text: str) -> Node | None:
+        """The root; None for a text without a document."""
+        import yaml
+
+        self.end = place(text, self.path)
+        loader: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)(text)
+        documents = 0
+        try:
+            while loader.check_event():
+                event = loader.get_event()
+                if isinstance(event, yaml.ScalarEvent):
+                    self.scalar(event)
+                elif isinstance(event, yaml.AliasEvent):
+                    self.alias(event)
+                elif isinstance(event, yaml.MappingStartEvent):
+                    self.open(event, {}, "map")
+                elif isinstance(event, yaml.SequenceStartEvent):
+                    self.open(event, [], "seq")
+                elif isinstance(event, yaml.CollectionEndEvent):
+                    self.close()
+                elif isinstance(event, yaml.DocumentStartEvent):
+                    documents += 1
+                    if documents > 1:
+                        help = "keep one; each robot has a file of its own"
+                        self.fatal("SPEC005", "a second document begins here", self.span(event), help)
+        except yaml.YAMLError as err:
+            self.syntax(err, text)
+        except (ValueError, OverflowError):
+            # The pure parser's answer to an escape above U+10FFFF.
+            self.fatal("SPEC004", "an escape in double quotes names no character", Span(self.path))
+        finally:
+            loader.dispose()
+        return self.root
+
+    def at(self, mark: Any) -> Span:
+        # libyaml puts the end of a text without a final line break on the line after the last.
+        return min(Span(self.path, mark.line + 1, mark.column + 1), self.end)
+
+    def span(self, event: Any) -> Span:
+        return self.at(event.start_mark)
+
+    def error(self, code: str, message: str, span: Span, help: str | None = None) -> None:
+        self.errors += 1
+        if self.errors > MAX_ERRORS:
+            self.collector.error("SPEC019", f"more than {MAX_ERRORS} errors; reading stopped here", span=span)
+            raise Stop
+        self.collector.error(code, message, where=self.where(), span=span, help=help)
+
+    def fatal(self, code: str, message: str, span: Span, help: str | None = None) -> None:
+        self.error(code, message, span, help)
+        raise Stop
+
+    def where(self) -> str:
+        """Path of the value that is being read."""
+        text = ""
+        for frame in self.stack:
+            if isinstance(frame.node.value, list):
+                text += f"[{len(frame.node.value)}]"
+            elif frame.waiting and frame.key is not None:
+                text += f".{cut(frame.key[0])}"
+        return text.lstrip(".")
+
+    def count(self, nodes: int, span: Span) -> None:
+        self.nodes += nodes
+        if self.nodes > MAX_NODES:
+            message = f"the file has more than {MAX_NODES} values, aliases expanded"
+            self.fatal("SPEC011", message, span, "keep tables and logs in files that the spec names")
+
+    def open(self, event: Any, value: dict[str, tuple[Span, Node]] | list[Node], tag: str) -> None:
+        span = self.span(event)
+        self.count(1, span)
+        if len(self.stack) >= MAX_DEPTH:
+            self.fatal("SPEC011", f"nested more than {MAX_DEPTH} levels deep", span)
+        if event.tag not in (None, _TAG_PREFIX + tag):
+            self.tag(event.tag, span)
+        if event.anchor is not None:
+            self.anchors[event.anchor] = None
+        node = Node(span, value)
+        node.height = 1
+        self.stack.append(_Open(node, event.anchor))
+
+    def close(self) -> None:
+        frame = self.stack.pop()
+        if frame.anchor is not None:
+            self.anchors[frame.anchor] = frame.node
+        self.add(frame.node, plain=False)
+
+    def alias(self, event: Any) -> None:
+        span = self.span(event)
+        self.aliases += 1
+        if self.aliases > MAX_ALIASES:
+            help = "use `overrides`, or a motor by name"
+            self.fatal("SPEC010", f"more than {MAX_ALIASES} aliases", span, help)
+        name: str = event.anchor
+        if name not in self.anchors:
+            guess = nearest(name, list(self.anchors))
+            self.fatal(
+                "SPEC010",
+                f"the alias *{cut(name)} has no anchor &{cut(name)} above it",
+                span,
+                f"did you mean *{guess}?" if guess else f"a joint pattern must be quoted: '.*{cut(name)}'",
+            )
+        target = self.anchors[name]
+        if target is None:
+            message = f"the alias *{cut(name)} is recursive: it stands inside its own anchor"
+            self.fatal("SPEC010", message, span, "write out what it should hold")
+            return
+        self.count(target.size, span)
+        if len(self.stack) + target.height > MAX_DEPTH:
+            self.fatal("SPEC011", f"nested more than {MAX_DEPTH} levels deep, aliases expanded", span)
+        node = Node(span, target.value)
+        node.size, node.height = target.size, target.height
+        self.add(node, plain=False)
+
+    def scalar(self, event: Any) -> None:
+        span = self.span(event)
+        self.count(1, span)
+        text: str = event.value
+        plain = not event.style
+        inside = self.stack[-1] if self.stack else None
+        is_key = inside is not None and isinstance(inside.node.value, dict) and not inside.waiting
+        if _NOT_IN_VALUE.search(text):
+            self.error("SPEC003", "a text may not hold NUL or half of a surrogate pair", span)
+        value: Scalar = text
+        if event.tag is not None:
+            value = self.tagged(event.tag, text, span)
+        elif plain:
+            value = self.finite(_core(text), text, span, is_key)
+        node = Node(span, value)
+        if not self.stack and plain and text == "" and event.tag is None:
+            node.size = 0
+        if event.anchor is not None:
+            self.anchors[event.anchor] = node
+        self.add(node, plain=plain and event.tag is None)
+
+    def tagged(self, tag: str, text: str, span: Span) -> Scalar:
+        """The value of a scalar with a tag: the core ones are checked, all others refused."""
+        kind = tag.removeprefix(_TAG_PREFIX) if tag.startswith(_TAG_PREFIX) else None
+        if kind == "str":
+            return text
+        if kind not in ("int", "float", "bool", "null"):
+            self.tag(tag, span)
+            return text
+        value = self.finite(_core(text), text, span, False)
+        fits = {
+            "int": type(value) is int,
+            "float": type(value) in (int, float),
+            "bool": type(value) is bool,
+            "null": value is None,
+        }
+        if not fits[kind]:
+            self.error("SPEC008", f"!!{kind} does not fit the text {got(text)}", span, "remove the tag")
+            return text
+        return float(value) if kind == "float" and value is not None else value
+
+    def finite(self, value: Scalar, text: str, span: Span, is_key: bool) -> Scalar:
+        number = isinstance(value, (int, float)) and not isinstance(value, bool)
+        if not is_key and number and not abs(value) <= sys.float_info.max:  # type: ignore[arg-type]
+            help = "for a figure that nobody states write `unknown`; for a word, quote it"
+            self.error("SPEC016", f"must be a finite number, got {cut(text)}", span, help)
+        return value
+
+    def tag(self, tag: str, span: Span) -> None:
+        shown = "!!" + tag.removeprefix(_TAG_PREFIX) if tag.startswith(_TAG_PREFIX) else tag
+        shown = shown if shown.startswith("!") else f"!<{shown}>"
+        help = "remove it; a text that begins with ! must be quoted"
+        self.error("SPEC008", f"the tag {cut(shown)} is not allowed", span, help)
+
+    def add(self, node: Node, *, plain: bool) -> None:
+        """Put a finished value where it belongs."""
+        if not self.stack:
+            self.root = node
+            return
+        frame = self.stack[-1]
+        held = frame.node.value
+        if isinstance(held, dict) and not frame.waiting:
+            frame.key = self.key(node, held, plain)
+            frame.waiting = True
+            frame.node.size += 1
+            return
+        frame.node.size += node.size
+        frame.node.height = max(frame.node.height, node.height + 1)
+        if isinstance(held, list):
+            held.append(node)
+        elif isinstance(held, dict):
+            if frame.key is not None:
+                held[frame.key[0]] = (frame.key[1], node)
+            frame.waiting = False
+
+    def key(self, node: Node, held: dict[str, tuple[Span, Node]], plain: bool) -> tuple[str, Span] | None:
+        """The key that a node is; None after an error."""
+        key = node.value
+        if not isinstance(key, str):
+            if isinstance(key, (dict, list)):
+                self.error("SPEC009", "a key must be a word, not a list or mapping", node.span, "quote it")
+            else:
+                kind = "nothing" if key is None else "a truth value" if isinstance(key, bool) else "a number"
+                message = f"the key {got(key)} reads as {kind}, and keys are text"
+                help = "quote it, a joint pattern that looks like a number too"
+                self.error("SPEC009", message, node.span, help)
+            return None
+        if key == "<<" and plain:
+            help = "use `overrides` for the joints that differ, or a motor by name for what is shared"
+            self.error("SPEC007", "the merge key << is not allowed", node.span, help)
+            return None
+        if key in held:
+            message = f"the key '{cut(key)}' is repeated, first at {held[key][0]}"
+            self.error("SPEC006", message, node.span, "keep one of the two")
+            return None
+        return key, node.span
+
+    def syntax(self, err: Any, text: str) -> None:
+        """Say in plain words what PyYAML found."""
+        problem = str(getattr(err, "problem", None) or "")
+        context = str(getattr(err, "context", None) or "")
+        mark = getattr(err, "problem_mark", None) or getattr(err, "context_mark", None)
+        message, help = plain_problem(problem, context, text, mark)
+        start = getattr(err, "context_mark", None)
+        if start is not None and "end of stream" in problem:
+            mark = start
+        elif start is not None and "flow" in context:
+            help = f"it begins at {self.at(start)}"
+        span = Span(self.path) if mark is None else self.at(mark)
+        self.stack.clear()
+        self.fatal("SPEC004", message, span, help)
+
+
+def _core(text: str) -> Scalar:
+    """A plain scalar by the core schema of YAML 1.2; numbers out of range are infinite."""
+    if text in _WORDS:
+        return _WORDS[text]
+    if text[0] not in "+-.0123456789":
+        return text
+    # int() of a long text is quadratic, and refuses more than 4300 digits since Python 3.11.
+    too_long = len(text) > 400
+    if _INT.fullmatch(text):
+        return float("inf") if too_long else int(text)
+    if _OCTAL.fullmatch(text):
+        return float("inf") if too_long else int(text[2:], 8)
+    if _HEX.fullmatch(text):
+        return float("inf") if too_long else int(text[2:], 16)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    if _NOT_FINITE.fullmatch(text):
+        return float(text.replace(".", ""))
+    return text

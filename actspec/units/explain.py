@@ -1,0 +1,177 @@
+"""Why a text is not a quantity of its kind, and what its author may have meant."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterator
+
+from actspec.diagnostics import nearest, shortened
+from actspec.units.kinds import Kind, UnitError, an, in_units
+from actspec.units.reader import DIMS_OF, G0, ONE, TABLE, BadUnit, Dims, Unit, read_unit
+
+_NOUN_OF: dict[Dims, str] = {
+    **{DIMS_OF[kind][0]: kind.noun for kind in Kind},
+    DIMS_OF[Kind.TORQUE][1]: "force",
+    DIMS_OF[Kind.STIFFNESS][1]: "stiffness of a slide",
+    DIMS_OF[Kind.VELOCITY_GAIN][1]: "velocity gain of a slide",
+    DIMS_OF[Kind.INERTIA][1]: "mass",
+    DIMS_OF[Kind.SPEED][1]: "speed along a line",
+    DIMS_OF[Kind.POSITION][1]: "length",
+}
+_SPELLINGS = {
+    "sec": "s", "second": "s", "seconds": "s", "msec": "ms", "usec": "us", "minute": "min", "hr": "h",
+    "degree": "deg", "degrees": "deg", "radian": "rad", "radians": "rad", "rps": "rev/s", "hertz": "Hz",
+    "lb": "lbf", "lbs": "lbf", "inch": "in", "foot": "ft", "feet": "ft", "meter": "m", "metre": "m",
+    "amp": "A", "amps": "A", "volt": "V", "volts": "V", "kgcm": "kgf*cm", "gcm": "gf*cm", "percent": "%",
+}  # fmt: skip
+
+
+def unreadable(bad: BadUnit, text: str, shown_unit: str, shown: str, kind: Kind) -> UnitError:
+    """The error for a unit that is none.
+
+    Args:
+        bad: Why it is none.
+        text: The unit in ASCII spelling.
+        shown_unit: The unit as its author wrote it.
+        shown: The number as its author wrote it.
+        kind: What was asked for.
+    """
+    return UnitError(
+        f"{shortened(shown)} {shortened(shown_unit)} is not {an(kind.noun)}: {bad.reason}",
+        _did_you_mean(text, bad.unknown, shown, kind) or in_units(kind),
+    )
+
+
+def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str | None:
+    """The first rewriting that is of the right kind, else the first that is a unit at all."""
+    fallback = None
+    for candidate in _rewritings(text, unknown):
+        try:
+            unit = read_unit(candidate)
+        except BadUnit:
+            continue
+        if unit.dims in DIMS_OF[kind]:
+            rotary = unit.dims == DIMS_OF[kind][0]
+            si = kind.rotary_unit if rotary else kind.linear_unit
+            value = short(unit.in_si(float(shown)))
+            same = "" if candidate == si else f" That is {value} {si}"
+            return f"did you mean `{shortened(shown)} {candidate}`?{same}"
+        fallback = fallback or f"did you mean `{candidate}`? {in_units(kind)}"
+    return fallback
+
+
+def _rewritings(text: str, unknown: str | None) -> Iterator[str]:
+    if "-" in text:  # oz-in
+        yield re.sub(r"(?<=[A-Za-z0-9)])\s*-\s*(?=[A-Za-z])", "*", text)
+    if re.search(r"[A-Za-z][2-9]", text):  # kg*m2
+        text = re.sub(r"([A-Za-z])([2-9])", r"\1^\2", text)
+        yield text
+    if re.search(r"/[^()]*[A-Za-z0-9] +[A-Za-z]", text):  # N*m/rad s
+        head, _, tail = text.partition("/")
+        yield f"{head}/({re.sub(r' +', '*', tail.strip())})"
+        yield f"{head}*{'*'.join(tail.split()[1:])}/{tail.split()[0]}"
+    if unknown is None or len(unknown) > 12:
+        return
+    lower = {name.lower(): name for name in TABLE}
+    words = [_SPELLINGS.get(unknown), _SPELLINGS.get(unknown.lower()), lower.get(unknown.lower())]
+    words += [
+        f"{unknown[:i]}*{unknown[i:]}"
+        for i in range(1, len(unknown))
+        if unknown[:i] in TABLE and unknown[i:] in TABLE
+    ]
+    words += [nearest(unknown, sorted(TABLE)), nearest(unknown.lower(), sorted(TABLE))]
+    for word in words:
+        if word is not None:
+            if "/" in word and text != unknown:
+                word = f"({word})"
+            yield re.sub(rf"(?<![A-Za-z%]){re.escape(unknown)}(?![A-Za-z%])", word, text)
+
+
+def mismatch(number: float, shown: str, shown_unit: str, unit: Unit, kind: Kind) -> UnitError:
+    """The error for a unit of another kind."""
+    given = shortened(shown) if shown_unit == "1" else f"{shortened(shown)} {shortened(shown_unit)}"
+    if unit.dims == ONE:
+        message = f"{given} is dimensionless, not {an(kind.noun)}"
+    elif unit.dims in _NOUN_OF and _NOUN_OF[unit.dims] != kind.noun:
+        message = f"{given} is {an(_NOUN_OF[unit.dims])}, not {an(kind.noun)}"
+    else:
+        message = f"{given} is not {an(kind.noun)}"
+    si = unit.in_si(number)
+    return UnitError(message, _other_kind(given, si, unit.dims, kind) or in_units(kind))
+
+
+def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
+    """What a quantity of another kind would be as `kind`, where that has an answer."""
+    hertz, time, speed = (DIMS_OF[k][0] for k in (Kind.FREQUENCY, Kind.TIME, Kind.SPEED))
+    rotary, linear = DIMS_OF[kind]
+    turn = 2 * math.pi
+    if dims == ONE and kind is Kind.TORQUE:
+        return (
+            "a dimensionless friction coefficient cannot be converted to N*m without the joint load; "
+            "give the friction torque in N*m (N for a slide)"
+        )
+    if kind is Kind.SPEED and dims == hertz:
+        return f"{given} as angular speed is {short(turn * si)} rad/s"
+    if kind is Kind.FREQUENCY and dims == speed:
+        return f"{given} as frequency is {short(si / turn)} Hz"
+    if kind is Kind.FREQUENCY and dims == time and si > 0:
+        return (
+            f"a period of {given} is {short(1 / si)} Hz; a first-order lag with a time constant of {given} "
+            f"has its cutoff at {short(1 / (turn * si))} Hz"
+        )
+    if kind is Kind.TIME and dims == hertz and si > 0:
+        return (
+            f"the period of {given} is {short(1 / si)} s; a first-order low-pass with its cutoff at {given} "
+            f"has a time constant of {short(1 / (turn * si))} s"
+        )
+    if kind is Kind.FREQUENCY and dims == _shift(ONE, s=-1):
+        return f"cycles are counted apart: write `{short(si)} Hz` if they are meant"
+    if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, rad=1, m=-4, kg=-2, s=4, a=2) and si > 0:
+        return f"a speed constant of {given} is a torque constant of {short(1 / si)} N*m/A"
+    if rotary != ONE and rotary in (_shift(dims, rad=-1), _shift(dims, rad=1)):
+        return f"angle is a dimension of its own: write `{short(si)} {kind.rotary_unit}` if that is meant"
+    if rotary == _shift(dims, s=2):
+        return f"`a/b/c` is a/(b*c): write `{short(si)} {kind.rotary_unit}` if that is meant"
+    for wanted, unit in ((rotary, kind.rotary_unit), (linear, kind.linear_unit)):
+        weight = si * G0[0] / G0[1]
+        if wanted == _shift(dims, m=1, s=-2):
+            return f"kg and g are masses; as a force (kgf, gf) {given} is {short(weight)} {unit}"
+        if wanted == _shift(dims, m=-1, s=2):
+            mass = si * G0[1] / G0[0]
+            return f"oz, lbf, kgf and gf are forces; as a mass {given} is {short(mass)} {unit}"
+    return None
+
+
+def _shift(dims: Dims, *, m: int = 0, kg: int = 0, s: int = 0, a: int = 0, rad: int = 0) -> Dims:
+    return (dims[0] + m, dims[1] + kg, dims[2] + s, dims[3] + a, dims[4] + rad, dims[5])
+
+
+def too_long(text: str, kind: Kind) -> UnitError:
+    """The error for a text beyond `MAX_LENGTH`."""
+    return UnitError(f"a text of {len(text)} characters is not {an(kind.noun)}", in_units(kind))
+
+
+def not_a_number(given: str, kind: Kind) -> UnitError:
+    """The error for a text that does not begin as a finite number."""
+    if not given.strip():
+        return UnitError(f"the text is empty, {an(kind.noun)} is needed", in_units(kind))
+    if given.split()[0].lower().strip("+-.") in ("nan", "inf", "infinity"):
+        return UnitError(f"{shortened(given.strip())} is not a finite number, {an(kind.noun)} is needed")
+    return UnitError(
+        f"`{shortened(given.strip())}` does not start with a number, {an(kind.noun)} is needed",
+        f"write a number and its unit, e.g. `1 {kind.rotary_unit}`" if kind.rotary_unit != "1" else None,
+    )
+
+
+def decimal_comma(given: str, kind: Kind) -> UnitError:
+    """The error for a number such as `0,5`."""
+    return UnitError(
+        f"{shortened(given.strip())} is not {an(kind.noun)}: a comma inside a number",
+        f"decimals have a point (`{shortened(given.strip().replace(',', '.', 1))}`), thousands no mark",
+    )
+
+
+def short(number: float) -> str:
+    """A number for a message."""
+    return f"{number:.6g}"

@@ -1,0 +1,210 @@
+"""Every robot file that we have: drafted, compiled as drafted and as servos, and compared line by line.
+
+The files are those below ACTSPEC_CORPUS (default: `shared/corpus` beside the repository) and the
+MJCFs of the mjlab distribution, where there is one.
+"""
+
+from __future__ import annotations
+
+import difflib
+import os
+import re
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from actspec import api
+from actspec.diagnostics import ActspecError, Severity
+from actspec.draft import Draft, draft_spec
+from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.robot.load import load_robot
+from actspec.robot.view import JointKind, ModelFormat, RobotView
+
+ROOT = Path(__file__).resolve().parents[2]
+CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", ROOT.parent / "shared" / "corpus"))
+
+TOLERANCE = 1e-9
+"""Relative; computed numbers are written with 12 digits."""
+
+UNREADABLE = {
+    "a closing tag whose element is closed already": "not XML",
+    "it has no hinge or slide joint with a name: there is nothing to draft": "no robot",
+    "the root element is <": "no robot",
+}
+"""Why a file may give no draft."""
+
+NO_GAINS = "kp is unknown, and MuJoCo needs a number"
+"""Why a draft of a model without servos does not compile as it is."""
+
+REFUSED = (
+    "MuJoCo refuses the model: URDF joint parent or child missing",
+    "MuJoCo refuses the model: error 'inertia must have positive eigenvalues' in fullinertia",
+)
+"""Why a URDF cannot become an MJCF at all: the file is wrong."""
+
+EDITED = re.compile(
+    r"<(/?(actuator|compiler|include|option|key|joint)|motor|position|velocity|general|dcmotor)\b|^\s*$"
+)
+"""Lines that a plan may change, add or remove."""
+
+COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+
+
+def _files() -> list[Path]:
+    found = [path for path in sorted(CORPUS.rglob("*")) if path.suffix in (".xml", ".urdf")]
+    try:
+        wheel = metadata.distribution("mjlab")
+    except metadata.PackageNotFoundError:
+        return found
+    listed = [file for file in wheel.files or () if file.suffix == ".xml"]
+    return found + sorted(Path(str(wheel.locate_file(file))) for file in listed)
+
+
+FILES = _files()
+
+
+def _label(path: Path) -> str:
+    return "/".join(path.parts[-4:])
+
+
+def draft_of(path: Path, folder: Path) -> tuple[RobotView, Draft]:
+    """A file and its draft; skips what gives none for a reason that we know."""
+    try:
+        robot = load_robot(str(path))
+        return robot, draft_spec(robot, os.path.relpath(path, folder))
+    except ActspecError as err:
+        known = [why for text, why in UNREADABLE.items() if text in str(err)]
+        assert known, str(err)
+        pytest.skip(known[0])
+
+
+def compiled(text: str, folder: Path, canonical: bool) -> api.Compilation:
+    """Compile a spec's text from a folder of its own."""
+    spec = folder / "spec.yaml"
+    spec.write_text(text, encoding="utf-8")
+    return api.compile(spec, output=str(folder / "out"), canonical=canonical)
+
+
+def written(compilation: api.Compilation, folder: Path) -> RobotView:
+    """The compiled model, written and read again."""
+    target = folder / "out" / "mujoco"
+    target.mkdir(parents=True, exist_ok=True)
+    (emission,) = compilation.emissions
+    for file in emission.files:
+        (target / file.path).write_bytes(file.data)
+    return load_robot(str(target / emission.files[0].path))
+
+
+def reasons(err: ActspecError) -> set[str]:
+    """What the errors say, the joints left out."""
+    return {
+        re.sub(r"^[^:]*: (?=kp is unknown)", "", item.message)
+        for item in err.diagnostics
+        if item.severity is Severity.ERROR
+    }
+
+
+def servos(text: str, robot: RobotView) -> str:
+    """The draft with kp 20 and kd 0.5 for every joint, so that the editor has something to write."""
+    slides = any(joint.kind is JointKind.SLIDE for joint in robot.joints)
+    kp, kd = ("20", "0.5") if slides else ("20 N*m/rad", "0.5 N*m*s/rad")
+    text = re.sub(r"(?m)^    kp: unknown.*$", f"    kp: {kp}", text)
+    text = re.sub(r"(?m)^    kd: unknown.*$", f"    kd: {kd}", text)
+    return text.replace("    command: effort\n", f"    command: position\n    kp: {kp}\n    kd: {kd}\n")
+
+
+def effective(robot: RobotView, joint: str) -> dict[str, float | None]:
+    """What acts on a joint."""
+    view = robot.joint(joint)
+    assert view is not None
+    own = actuators_of(robot, joint)
+    return {
+        "kp": sum(a.kp for a in own),
+        "kd": sum(a.kd for a in own),
+        "viscous": view.damping + sum(a.gear**2 * a.damping[0] for a in own),
+        "coulomb": view.frictionloss,
+        "armature": view.armature + sum(a.gear**2 * a.armature for a in own),
+        "limit": effort_bound(view, own),
+    }
+
+
+def check_text(robot: RobotView, compilation: api.Compilation) -> None:
+    """Comments are all there, in order; lines without an edited element are there byte for byte."""
+    (emission,) = compilation.emissions
+    by_name = {file.path: file.data for file in emission.files}
+    assert emission.files[0].path == f"{Path(robot.path).stem}.xml"
+    for index, file in enumerate(robot.files):
+        name = emission.files[0].path if index == 0 else os.path.basename(file.path)
+        if name not in by_name:
+            assert index > 0
+            continue
+        new = by_name[name]
+        comments = COMMENT.findall(new)
+        # The first comment of the main file is actspec's own.
+        assert (comments[1:] if index == 0 else comments) == COMMENT.findall(file.data)
+        for line in changed_lines(file.data, COMMENT.sub(b"", new, count=1) if index == 0 else new):
+            assert EDITED.search(line), f"{name}: {line!r} is not the plan's to change"
+
+
+def changed_lines(old: bytes, new: bytes) -> list[str]:
+    """Lines that are in only one of two texts."""
+    before = old.decode("utf-8").splitlines(keepends=True)
+    after = new.decode("utf-8").splitlines(keepends=True)
+    matcher = difflib.SequenceMatcher(None, before, after, autojunk=False)
+    found: list[str] = []
+    for tag, i, j, k, m in matcher.get_opcodes():
+        if tag != "equal":
+            found += before[i:j] + after[k:m]
+    return found
+
+
+pytestmark = pytest.mark.skipif(not FILES, reason="no corpus")
+
+
+@pytest.mark.parametrize("path", FILES, ids=_label)
+def test_draft_changes_nothing(path: Path, tmp_path: Path) -> None:
+    """Compiled as it is, a draft leaves what acts on every joint as it was; else its gains are unknown."""
+    robot, draft = draft_of(path, tmp_path)
+    for canonical in (False, True):
+        try:
+            compilation = compiled(draft.text, tmp_path, canonical)
+        except ActspecError as err:
+            unknown = reasons(err)
+            assert not robot.actuators
+            assert len(unknown) == 1
+            assert unknown <= set(REFUSED) or next(iter(unknown)).startswith(NO_GAINS)
+            continue
+        assert robot.actuators and "kp" not in draft.unknown
+        after = written(compilation, tmp_path)
+        assert [joint.name for joint in after.joints] == [joint.name for joint in robot.joints]
+        assert [a.name for a in after.actuators] == [a.name for a in robot.actuators]
+        for joint in robot.joints:
+            assert effective(after, joint.name) == pytest.approx(effective(robot, joint.name), rel=TOLERANCE)
+        assert after.timestep == robot.timestep
+        if not canonical:
+            check_text(robot, compilation)
+
+
+@pytest.mark.parametrize("path", FILES, ids=_label)
+def test_draft_as_servos(path: Path, tmp_path: Path) -> None:
+    """With gains, every file compiles to servos with these gains; passive values and limits stay."""
+    robot, draft = draft_of(path, tmp_path)
+    text = servos(draft.text, robot)
+    for canonical in (False, True):
+        try:
+            compilation = compiled(text, tmp_path, canonical)
+        except ActspecError as err:
+            assert robot.format is ModelFormat.URDF
+            assert reasons(err) <= set(REFUSED)
+            continue
+        after = written(compilation, tmp_path)
+        managed = {actuator.joint for actuator in compilation.actuators.joints}
+        assert len(managed) == sum(draft.groups.values())
+        for joint in robot.joints:
+            expected = effective(robot, joint.name)
+            if joint.name in managed:
+                expected.update(kp=20.0, kd=0.5)
+            assert effective(after, joint.name) == pytest.approx(expected, rel=TOLERANCE), joint.name
+        if not canonical and robot.format is ModelFormat.MJCF:
+            check_text(robot, compilation)
