@@ -2,8 +2,43 @@
 
 from __future__ import annotations
 
+import os
+import sys
+from collections.abc import Iterator
+from importlib import metadata
+from pathlib import Path
+
 import pytest
+
+MJLAB = "1.6.0"
+"""The release whose models robots/go1.yaml and g1.yaml are made for."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regen", action="store_true", help="write golden files and error texts anew")
+
+
+@pytest.fixture(scope="session")
+def mjlab_installed() -> Iterator[Path]:
+    """Folder that holds the mjlab distribution: this environment's, else its wheel, unpacked, on sys.path.
+
+    Nothing of it is imported: actspec finds its models by the distribution's list of files.
+    """
+    from tests.agree.engines import EngineUnavailableError, prepare_project
+
+    try:
+        found = metadata.distribution("mjlab")
+    except metadata.PackageNotFoundError:
+        pass
+    else:
+        if found.version == MJLAB:
+            yield Path(str(found.locate_file("")))
+            return
+    try:
+        folder = prepare_project("mjlab", MJLAB)
+    except EngineUnavailableError as err:
+        # In CI robots that silently stop being tested are a failure.
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"mjlab cannot be had: {err}")
+    sys.path.insert(0, str(folder))
+    yield folder
+    sys.path.remove(str(folder))

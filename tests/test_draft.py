@@ -440,9 +440,10 @@ def test_lines_of_the_file(tmp_path: Path) -> None:
         ('<option timestep="0.002"/>', "2 ms"),
         ('<option timestep="0.0012345"/>', "1.2345 ms"),
         ('<option timestep="0.00069999999999999999"/>', "0.7 ms"),
+        ('<option timestep="0.0012345678901234567"/>', "0.0012345678901234567 s"),
         ("<option/>", None),
     ],
-    ids=["2 ms", "digits", "0.7 ms", "none"],
+    ids=["2 ms", "digits", "0.7 ms", "more digits", "none"],
 )
 def test_timestep(tmp_path: Path, option: str, expected: str | None) -> None:
     """The file's step is written where the file states one, and comes back as the same number."""
@@ -553,13 +554,14 @@ HUMANOID = [
         ([n for n in HUMANOID if "shoulder" in n], HUMANOID, (".*_shoulder_.*",)),
         ([n for n in HUMANOID if "hip" in n or "waist" in n], HUMANOID, (".*_hip_.*", "waist_yaw_joint")),
         (["LeftHipYaw", "RightHipYaw"], ["LeftHipYaw", "RightHipYaw", "LeftKnee"], (".*Yaw",)),
+        (["LeftYaw", "RightYaw"], ["LeftYaw", "RightYaw", "spare-Yaw"], ("LeftYaw", "RightYaw")),
         (["a.b", "a+b"], ["a.b", "a+b", "axb", "aab"], (r"a\.b", r"a\+b")),
         (["hip"], ["hip", "hips"], ("hip",)),
         (["a\n_x", "b\n_x"], ["a\n_x", "b\n_x"], ("a\n_x", "b\n_x")),
     ],
     ids=[
         "all", "suffix", "two suffixes", "prefixes", "class of letters", "class of digits", "gap in the class",
-        "middle", "middle and a name", "camel case", "metacharacters", "one", "newline",
+        "middle", "middle and a name", "camel case", "camel case that matches more", "metacharacters", "one", "newline",
     ],
 )  # fmt: skip
 def test_patterns(wanted: list[str], names: list[str], expected: tuple[str, ...]) -> None:
@@ -623,6 +625,7 @@ NASTY = [
     'quote"s',
     "it's",
     "back\\slash\\",
+    "back\\slash's",
     "a: b",
     "a #b",
     "# hash",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
+from dataclasses import fields
 
 from actspec.diagnostics import Collector, ResolveError
-from actspec.ir import ActuatorSet, DeltaAction, Origin, Quantity, Source
+from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
 from actspec.resolve.binding import bind
 from actspec.resolve.joint import JointResolver
 from actspec.resolve.model_values import model_values
@@ -74,6 +76,8 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         for resolver, armature in zip(resolvers, armatures, strict=True)
     )
     reports.tell(collector)
+    for actuator in joints:
+        _check_finite(actuator, collector)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action
@@ -99,6 +103,20 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         spec_sha256=spec.document.text_sha256,
         diagnostics=collector.sorted(),
     )
+
+
+def _check_finite(actuator: JointActuator, collector: Collector) -> None:
+    """Refuse numbers that left the range of floats on their way to the joint."""
+    for field in fields(actuator):
+        value = getattr(actuator, field.name)
+        if isinstance(value, Quantity) and value.value is not None and not math.isfinite(value.value):
+            collector.error(
+                "RES011",
+                f"{actuator.joint}: {field.name} is out of the range of numbers: {value.formula}",
+                where=f"actuators.{actuator.group}",
+                span=value.span or actuator.span,
+                help="look for a figure with a wrong exponent or unit",
+            )
 
 
 def _physics_dt(spec: Spec, robot: RobotView) -> Quantity:

@@ -259,8 +259,10 @@ class JointResolver:
                     return unknown(unit)
                 frequency = gain.numbers["frequency"].value
                 assert frequency is not None
+                # As a product: a power of floats raises where a product is infinite.
+                omega = 2.0 * math.pi * frequency
                 derived = Quantity(
-                    tidy(inertia[0] * (2.0 * math.pi * frequency) ** 2),
+                    tidy(inertia[0] * omega * omega),
                     unit,
                     Origin.DERIVED,
                     span=self.span("kp"),

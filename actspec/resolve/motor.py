@@ -70,7 +70,7 @@ def joint_motor(
     if at_rotor:
         to_torque = [(gear, "gear_ratio"), (efficiency, "efficiency"), *to_torque]
         to_speed = [(gear, "gear_ratio"), *to_speed]
-    to_inertia = [(reduction**2, "reduction^2"), (motors, "motors_per_joint")]
+    to_inertia = [(reduction * reduction, "reduction^2"), (motors, "motors_per_joint")]
 
     def figure(value: SpecValue | None, quantity: Kind, *path: str) -> Quantity | None:
         if value is None:
@@ -126,7 +126,7 @@ def joint_motor(
     if motor.rotor_inertia is not None:
         rotor = figure(motor.rotor_inertia, Kind.INERTIA, "rotor_inertia")
         assert rotor is not None
-        reflected = scaled(rotor, [(gear**2, "gear_ratio^2"), *to_inertia])
+        reflected = scaled(rotor, [(gear * gear, "gear_ratio^2"), *to_inertia])
     else:
         output = figure(motor.reflected_inertia, Kind.INERTIA, "reflected_inertia")
         reflected = unknown(unit_of(Kind.INERTIA, kind)) if output is None else scaled(output, to_inertia)

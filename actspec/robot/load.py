@@ -42,6 +42,8 @@ def find_model(reference: str, base: str) -> str:
     if os.path.isfile(path):
         return path
     folder, name = os.path.split(path)
+    # A spec in the working directory has no folder in its name.
+    folder = folder or os.curdir
     if os.path.isdir(path):
         raise _error("ROBOT101", f"the model is a folder, got {reference!r}", _near("", _names(path)))
     if not os.path.isdir(folder):

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
 
 from actspec.spec.derive import Gain, GainField
 from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
@@ -51,13 +51,14 @@ def _filter_word(given: Any) -> Any:
 
 
 def _text_or_number(given: Any) -> Any:
-    return str(given) if isinstance(given, (int, float)) and not isinstance(given, bool) else given
+    return str(given) if isinstance(given, int) and not isinstance(given, bool) else given
 
 
 FILTER_WORDS = ("from_motor", "none")
 
 Version = Annotated[str, BeforeValidator(_text_version)]
 Name = Annotated[str, Field(min_length=1, max_length=200)]
+Page = Annotated[str, BeforeValidator(_text_or_number), WithJsonSchema({"type": ["string", "integer"]})]
 
 Torque = Annotated[SpecValue, Number(Kind.TORQUE, above=0.0)]
 Speed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0)]
@@ -95,9 +96,9 @@ class Source(Strict):
     """Title of the document, repository or measurement."""
     url: str | None = None
     """Address."""
-    page: Annotated[str, BeforeValidator(_text_or_number)] | None = None
+    page: Page | None = None
     """Page, table, or path inside a repository."""
-    commit: Annotated[str, BeforeValidator(_text_or_number)] | None = None
+    commit: str | None = None
     """Commit of a repository."""
     accessed: str | None = None
     """Day on which it was read, YYYY-MM-DD."""

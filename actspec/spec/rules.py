@@ -40,11 +40,22 @@ RANDOMIZED_KINDS: Mapping[str, Kind] = {
 Path = tuple[str | int, ...]
 
 
-def check_spec(model: SpecModel, document: Document, collector: Collector) -> None:
-    """Add every breach to the collector."""
-    checker = _Checker(model, document, collector)
+def check_spec(
+    model: SpecModel, document: Document, collector: Collector, left_out: frozenset[Path] = frozenset()
+) -> None:
+    """Add every breach to the collector.
+
+    Args:
+        model: What the spec says.
+        document: Where it says it.
+        collector: Takes the breaches.
+        left_out: Sections (`("robot",)`) and named parts (`("motors", "m")`) that `model` lacks because of
+            other faults; nothing is said about them.
+    """
+    checker = _Checker(model, document, collector, left_out)
     checker.robot()
-    checker.sources()
+    if not any(path[0] == "sources" for path in left_out):
+        checker.sources()
     for name, motor in model.motors.items():
         checker.motor(name, motor)
     for name, group in model.actuators.items():
@@ -53,14 +64,19 @@ def check_spec(model: SpecModel, document: Document, collector: Collector) -> No
 
 
 class _Checker:
-    def __init__(self, model: SpecModel, document: Document, collector: Collector) -> None:
+    def __init__(
+        self, model: SpecModel, document: Document, collector: Collector, left_out: frozenset[Path]
+    ) -> None:
         self.model = model
         self.document = document
         self.collector = collector
+        self.left_out = left_out
 
     def error(
         self, code: str, message: str, path: Path, help: str | None = None, *, key: bool = False
     ) -> None:
+        if path[:1] in self.left_out or path[:2] in self.left_out:
+            return
         spans = self.document.spans
         where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in path).lstrip(".")
         self.collector.error(

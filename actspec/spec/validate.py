@@ -73,7 +73,8 @@ def validate(document: Document) -> Spec:
             help=f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    model = checked(SpecModel, document, collector)
+    faults: list[Path] = []
+    model = checked(SpecModel, document, collector, faults)
     if model is not None and version is not None and version < SPEC_VERSION:
         collector.error(
             "SPEC102",
@@ -84,15 +85,45 @@ def validate(document: Document) -> Spec:
         )
     if model is not None:
         check_spec(model, document, collector)
+    else:
+        from actspec.spec.salvage import salvaged
+
+        rest = salvaged(data, faults)
+        if rest is not None:
+            check_spec(rest[0], document, collector, rest[1])
     collector.raise_if_failed(SpecError)
     assert model is not None
     return Spec(model, document, diagnostics=collector.sorted())
 
 
-def checked(root: type[M], document: Document, collector: Collector) -> M | None:
-    """The document as a model; None when it is none, with every reason in the collector."""
+def checked(
+    root: type[M], document: Document, collector: Collector, faults: list[Path] | None = None
+) -> M | None:
+    """The document as a model; None when it is none, with every reason in the collector.
+
+    Args:
+        root: The model.
+        document: What was read.
+        collector: Takes the reasons.
+        faults: Takes their places.
+    """
     data = document.data
-    empty = list(_nulls(data))
+    empty = dict.fromkeys(_nulls(data))
+    model: M | None = None
+    try:
+        model = root.model_validate(data)
+    except ValidationError as err:
+        for item in err.errors(include_url=False):
+            path = written_path(tuple(item["loc"]), data)
+            if faults is not None:
+                faults.append(path)
+            below = (*path, *item.get("ctx", {}).get("at", ()))
+            if item["type"] == "extra_forbidden":
+                # Under an unknown key it does not matter that nothing is written.
+                empty.pop(path, None)
+            elif below in empty:
+                continue
+            report(collector, document, item, path, root)
     for path in empty:
         collector.error(
             "SPEC103",
@@ -101,14 +132,9 @@ def checked(root: type[M], document: Document, collector: Collector) -> M | None
             span=document.spans.key(path),
             help="write a value, `unknown`, or remove the line",
         )
-    try:
-        return root.model_validate(data)
-    except ValidationError as err:
-        for item in err.errors(include_url=False):
-            path = written_path(tuple(item["loc"]), data)
-            if (*path, *item.get("ctx", {}).get("at", ())) not in empty:
-                report(collector, document, item, path, root)
-    return None
+        if faults is not None:
+            faults.append(path)
+    return None if empty else model
 
 
 def report(collector: Collector, document: Document, item: Any, path: Path, root: type[BaseModel]) -> None:

@@ -46,6 +46,11 @@ class MujocoDialect:
         return f"{self.version[0]}.{self.version[1]}"
 
     @property
+    def keyframe_act(self) -> bool:
+        """Whether a keyframe can hold activations beside a dcmotor; before 3.16 such a file does not load."""
+        return self.version >= (3, 16)
+
+    @property
     def general_input(self) -> bool:
         """Whether `<general>` says what its control is (`input`, 3.16), and would inherit it from a class."""
         return self.version >= (3, 16)

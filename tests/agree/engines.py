@@ -65,16 +65,21 @@ def prepare(version: str, folder: Path | None = None) -> Path:
     Returns: The folder to put on PYTHONPATH.
     Raises: EngineUnavailableError: no wheel for this Python and platform, or no registry.
     """
-    got = _attempt(version, folder or cache_folder())
+    return prepare_project("mujoco", version, folder)
+
+
+def prepare_project(project: str, version: str, folder: Path | None = None) -> Path:
+    """Fetch and unpack a project's wheel, without what it depends on; see `prepare`."""
+    got = _attempt(project, version, folder or cache_folder())
     if isinstance(got, str):
         raise EngineUnavailableError(got)
     return got
 
 
 @cache
-def _attempt(version: str, folder: Path) -> Path | str:
+def _attempt(project: str, version: str, folder: Path) -> Path | str:
     """The unpacked release, or why there is none: a registry that said no is not asked again."""
-    name = f"mujoco-{version}-{sysconfig.get_platform()}-{sys.implementation.cache_tag}"
+    name = f"{project}-{version}-{sysconfig.get_platform()}-{sys.implementation.cache_tag}"
     if (folder / name).is_dir():
         return folder / name
     folder.mkdir(parents=True, exist_ok=True)
@@ -82,7 +87,7 @@ def _attempt(version: str, folder: Path) -> Path | str:
         if not (folder / name).is_dir():
             work = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=folder))
             try:
-                _unpack("mujoco", version, work)
+                _unpack(project, version, work)
                 # The rename is the sign that it is whole: a killed run leaves only the work folder.
                 (work / "unpacked").rename(folder / name)
             except EngineUnavailableError as err:

@@ -210,8 +210,7 @@ def answers(engine: Engine) -> dict[str, Answered]:
     asked = dict(questions(".".join(engine.version.split(".")[:2])))
     said = engine.run([question.job for question in asked.values()])
     return {
-        name: Answered(question, answer)
-        for (name, question), answer in zip(asked.items(), said, strict=True)
+        name: Answered(question, answer) for (name, question), answer in zip(asked.items(), said, strict=True)
     }
 
 
@@ -419,6 +418,69 @@ def test_numbers_are_at_the_joint(engine: Engine) -> None:
     # 10 deg = 0.1745… rad, 30 deg = 0.5235… rad
     expected = [[-math.pi / 18, math.pi / 6], [-0.01, 0.05]]
     np.testing.assert_allclose(clamped.fields["actuator_ctrlrange"], expected, rtol=1e-15)
+
+
+MAIN_DEFAULTS = {
+    "position": '<position kp="7" kv="3" timeconst=".2" forcerange="-1 1" ctrlrange="-.1 .1" gear="4"/>',
+    "velocity": '<velocity kv="3" gear="4" forcerange="-1 1"/>',
+    "motor": '<motor gear="4" ctrlrange="-1 1" ctrllimited="true" forcerange="-1 1"/>',
+    "general": '<general gainprm="1 2 3 4" biastype="affine" biasprm="1 2 3 4" dyntype="filter" dynprm="3 4" '
+    'actlimited="true" actrange="-1 1" actearly="true" forcelimited="true" forcerange="-1 1" group="2"/>',
+    "dampratio": '<position kp="7" dampratio="1"/>',
+    "intvelocity": '<intvelocity kp="3" actrange="-1 1"/>',
+    "damper": '<damper kv="2" ctrlrange="0 1"/>',
+    "muscle": '<muscle force="3"/>',
+}
+"""An actuator in the file's main default class, which every actuator of the file inherits from."""
+
+UNDER_DEFAULTS = {
+    "pd": lines(IDEAL, "kp: 80", "kd: 2", "effort_limit: 24"),
+    "filter": lines(IDEAL, "kp: 80", "kd: 2", "effort_limit: 24", "command_filter: {cutoff: 10 Hz}"),
+    "velocity": lines(IDEAL, VELOCITY, "kd: 2", "effort_limit: 24"),
+    "effort": lines(IDEAL, EFFORT, "effort_limit: 24"),
+    "dc": lines(DC, "motor: line", "kp: 80", "kd: 2"),
+}
+
+
+def test_main_default_does_not_leak(engine: Engine) -> None:
+    """Whatever the main default class holds, the drives are the law; in time, the filter too."""
+    version = ".".join(engine.version.split(".")[:2])
+    jobs, laws = [], []
+    for default in MAIN_DEFAULTS.values():
+        text = ROBOT.replace("  <default>", f"  <default>{default}", 1).replace('class="served" gear', "gear")
+        for hinge in UNDER_DEFAULTS.values():
+            compiled = compile_text(groups(hinge), text, version, robot="unmanaged: [slide]")
+            law = law_of(compiled.actuators.joints[0])
+            if compiled.emission.approximations:
+                law = replace(law, stall_torque=None, no_load_speed=None)
+            q, qd, ctrl = (column[::7, None] for column in states(law))
+            drive = {"actuators": ["hinge_drive"], "joints": [HINGE]}
+            jobs.append(grid(compiled.text, q=q, qd=qd, ctrl=ctrl, **drive))
+            commands = step_commands(law)
+            start = [commands[0]]
+            jobs.append(time(compiled.text, ctrl=commands[:, None], q=[HELD], start=start, **drive))
+            laws.append(law)
+    said = engine.run(jobs)
+    for index, law in enumerate(laws):
+        states_, steps = jobs[2 * index].inputs, jobs[2 * index + 1].inputs
+        expected = law.torque(states_["ctrl"], states_["q"], states_["qd"])
+        np.testing.assert_allclose(said[2 * index].torque, expected, rtol=0, atol=EXACT)
+        expected = law.torque(effective(law, steps["ctrl"][:, 0], 0.005), HELD, 0.0)
+        np.testing.assert_allclose(said[2 * index + 1].torque[:, 0], expected, rtol=0, atol=EXACT)
+
+
+def test_keyframe_with_filter_and_line_loads(engine: Engine) -> None:
+    """A keyframe of a filtered drive beside a dcmotor: 3.7 to 3.15 refuse its `act`, so they get none."""
+    text = ROBOT.replace("</mujoco>", '<keyframe><key qpos=".3 .2"/></keyframe></mujoco>')
+    filtered = lines(IDEAL, "kp: 80", "kd: 2", "effort_limit: 24", "command_filter: {cutoff: 10 Hz}")
+    slide = lines(DC, "motor: line_s", "kp: 900", "kd: 40")
+    version = ".".join(engine.version.split(".")[:2])
+    compiled = compile_text(groups(filtered, slide), text, version)
+    answer = engine.load(compiled.text, fields=["key_ctrl", "key_act"])
+    assert answer.ok, answer.error
+    assert answer.fields["key_ctrl"].tolist() == [[0.3, 0.2]]
+    lost = (3, 7) <= engine.number < (3, 16)
+    assert answer.fields["key_act"].tolist() == [[0.0 if lost else 0.3]]
 
 
 # -- in time -----------------------------------------------------------------------------------

@@ -17,9 +17,11 @@ import pytest
 from actspec import api
 from actspec.diagnostics import ActspecError, Severity
 from actspec.draft import Draft, draft_spec
+from actspec.ir import JointKind
 from actspec.resolve.model_values import actuators_of, effort_bound
 from actspec.robot.load import load_robot
-from actspec.robot.view import JointKind, ModelFormat, RobotView
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.robot.xml import Element, parse_document
 
 ROOT = Path(__file__).resolve().parents[2]
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", ROOT.parent / "shared" / "corpus"))
@@ -43,10 +45,8 @@ REFUSED = (
 )
 """Why a URDF cannot become an MJCF at all: the file is wrong."""
 
-EDITED = re.compile(
-    r"<(/?(actuator|compiler|include|option|key|joint)|motor|position|velocity|general|dcmotor)\b|^\s*$"
-)
-"""Lines that a plan may change, add or remove."""
+EDITED = frozenset({"joint", "option", "key", "compiler", "include"})
+"""Elements that a plan may edit, beside those in `actuator`."""
 
 COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
@@ -114,7 +114,7 @@ def servos(text: str, robot: RobotView) -> str:
     return text.replace("    command: effort\n", f"    command: position\n    kp: {kp}\n    kd: {kd}\n")
 
 
-def effective(robot: RobotView, joint: str) -> dict[str, float | None]:
+def effective(robot: RobotView, joint: str) -> dict[str, float]:
     """What acts on a joint."""
     view = robot.joint(joint)
     assert view is not None
@@ -125,38 +125,57 @@ def effective(robot: RobotView, joint: str) -> dict[str, float | None]:
         "viscous": view.damping + sum(a.gear**2 * a.damping[0] for a in own),
         "coulomb": view.frictionloss,
         "armature": view.armature + sum(a.gear**2 * a.armature for a in own),
-        "limit": effort_bound(view, own),
+        "limit": effort_bound(view, own) or 0.0,
     }
 
 
-def check_text(robot: RobotView, compilation: api.Compilation) -> None:
-    """Comments are all there, in order; lines without an edited element are there byte for byte."""
-    (emission,) = compilation.emissions
-    by_name = {file.path: file.data for file in emission.files}
-    assert emission.files[0].path == f"{Path(robot.path).stem}.xml"
-    for index, file in enumerate(robot.files):
-        name = emission.files[0].path if index == 0 else os.path.basename(file.path)
-        if name not in by_name:
-            assert index > 0
-            continue
-        new = by_name[name]
-        comments = COMMENT.findall(new)
+def check_text(before: RobotView, after: RobotView) -> None:
+    """Comments are all there, in order; lines that no edited element is on are there byte for byte."""
+    old_lines, new_lines = editable(before), editable(after)
+    for index, (old, new) in enumerate(zip(before.files, after.files, strict=True)):
+        comments = COMMENT.findall(new.data)
         # The first comment of the main file is actspec's own.
-        assert (comments[1:] if index == 0 else comments) == COMMENT.findall(file.data)
-        for line in changed_lines(file.data, COMMENT.sub(b"", new, count=1) if index == 0 else new):
-            assert EDITED.search(line), f"{name}: {line!r} is not the plan's to change"
+        added = len(comments[0].splitlines()) if index == 0 else 0
+        assert (comments[1:] if index == 0 else comments) == COMMENT.findall(old.data)
+        first, second = old.data.splitlines(keepends=True), new.data.splitlines(keepends=True)
+        if index == 0:
+            start = new.data.count(b"\n", 0, new.data.index(comments[0]))
+            del second[start : start + added]
+        matcher = difflib.SequenceMatcher(None, first, second, autojunk=False)
+        for tag, i, j, k, m in matcher.get_opcodes():
+            if tag == "equal":
+                continue
+            for line in range(i, j):
+                assert line + 1 in old_lines[index], f"{old.path}: {first[line]!r} is gone"
+            for line in range(k, m):
+                original = line + 1 + (added if index == 0 and line >= start else 0)
+                assert original in new_lines[index], f"{new.path}: {second[line]!r} is new"
 
 
-def changed_lines(old: bytes, new: bytes) -> list[str]:
-    """Lines that are in only one of two texts."""
-    before = old.decode("utf-8").splitlines(keepends=True)
-    after = new.decode("utf-8").splitlines(keepends=True)
-    matcher = difflib.SequenceMatcher(None, before, after, autojunk=False)
-    found: list[str] = []
-    for tag, i, j, k, m in matcher.get_opcodes():
-        if tag != "equal":
-            found += before[i:j] + after[k:m]
-    return found
+def editable(robot: RobotView) -> list[set[int]]:
+    """Lines of each file that hold an element which a plan may edit."""
+    document = parse_document(robot.files)
+    lines: list[set[int]] = [set() for _ in robot.files]
+
+    def add(element: Element, whole: bool) -> None:
+        data = robot.files[element.file].data
+        end = element.end if whole else element.open_end
+        lines[element.file].update(
+            range(element.line, element.line + data.count(b"\n", element.start, end) + 1)
+        )
+
+    for element in document.walk():
+        if element.tag in EDITED:
+            add(element, element.tag != "option")
+        elif element.tag == "actuator":
+            add(element, False)
+            last = robot.files[element.file].data.count(b"\n", 0, element.end) + 1
+            lines[element.file].add(last)
+            for child in element.children:
+                add(child, True)
+    for include in document.includes:
+        add(include.element, True)
+    return lines
 
 
 pytestmark = pytest.mark.skipif(not FILES, reason="no corpus")
@@ -183,7 +202,7 @@ def test_draft_changes_nothing(path: Path, tmp_path: Path) -> None:
             assert effective(after, joint.name) == pytest.approx(effective(robot, joint.name), rel=TOLERANCE)
         assert after.timestep == robot.timestep
         if not canonical:
-            check_text(robot, compilation)
+            check_text(robot, after)
 
 
 @pytest.mark.parametrize("path", FILES, ids=_label)
@@ -207,4 +226,4 @@ def test_draft_as_servos(path: Path, tmp_path: Path) -> None:
                 expected.update(kp=20.0, kd=0.5)
             assert effective(after, joint.name) == pytest.approx(expected, rel=TOLERANCE), joint.name
         if not canonical and robot.format is ModelFormat.MJCF:
-            check_text(robot, compilation)
+            check_text(robot, after)

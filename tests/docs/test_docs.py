@@ -191,10 +191,16 @@ def test_python_prints_what_stands_behind_it(block: Block, folder: Path) -> None
     """Python of the pages runs, and each print line's comment is its output."""
     _prepare(block, folder)
     done = subprocess.run(
-        [sys.executable, "-W", "error", "-c", block.text], env=_environment(), capture_output=True, text=True, check=False
+        [sys.executable, "-W", "error", "-c", block.text],
+        env=_environment(),
+        capture_output=True,
+        text=True,
+        check=False,
     )
     assert done.stderr == ""
-    asked = [line.partition("  # ")[2] for line in block.text.splitlines() if line.startswith("print(")]
+    asked = [
+        line.partition("  # ")[2] for line in block.text.splitlines() if line.lstrip().startswith("print(")
+    ]
     assert done.stdout.splitlines() == asked
 
 
@@ -208,7 +214,7 @@ def _commands(text: str) -> list[str]:
     """Lines that call actspec, without prompt, continuation and what follows the command."""
     joined = text.replace("\\\n", " ")
     lines = [line.strip().removeprefix("$ ") for line in joined.splitlines()]
-    parts = [part.strip() for line in lines for part in re.split(r"&&|;|\|", line)]
+    parts = [part.strip() for line in lines for part in re.split(r"&&|[;|>]", line)]
     return [p for p in (part.removeprefix(".venv/bin/") for part in parts) if p.startswith("actspec ")]
 
 
@@ -229,7 +235,9 @@ def test_commands_are_understood(command: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("page", [p for p in PAGES if any(b.page == p for b in _of("console"))], ids=lambda p: p.name)
+@pytest.mark.parametrize(
+    "page", [p for p in PAGES if any(b.page == p for b in _of("console"))], ids=lambda p: p.name
+)
 def test_consoles_show_real_output(page: Path, folder: Path) -> None:
     """The console blocks of a page, run in their order in a shell, print what the page shows."""
     bin_ = folder / "bin"

@@ -61,7 +61,7 @@ SYMMETRIC = st.sampled_from(["-1 1", "-2.5 2.5", "-.1 40", "-100 100"])
 @st.composite
 def joint_attributes(draw: st.DrawFn) -> str:
     """Passive values of a joint, or of a class; each is stated or not."""
-    text = attribute("damping", draw(maybe(st.sampled_from(["0", ".4", "2", ".5 .1", ".5 0 .02"]))))
+    text = attribute("damping", draw(maybe(st.sampled_from(["0", ".4", "2", ".5 .1", ".5 0 .02", ".3 0"]))))
     text += attribute("armature", draw(maybe(NUMBERS)))
     text += attribute("frictionloss", draw(maybe(NUMBERS)))
     text += attribute("stiffness", draw(maybe(st.sampled_from(["0", "3"]))))
@@ -76,8 +76,13 @@ def actuator_attributes(draw: st.DrawFn, tag: str, *, main: bool = False) -> str
     if tag == "position":
         text += attribute("kp", draw(POSITIVE)) + attribute("kv", draw(maybe(NUMBERS)))
         text += attribute("timeconst", draw(maybe(st.sampled_from([".01", ".1"]))))
-    elif tag == "velocity":
+    elif tag in ("velocity", "intvelocity", "damper"):
         text += attribute("kv", draw(POSITIVE))
+        text += attribute("kp", draw(POSITIVE)) if tag == "intvelocity" else ""
+        text += ' actrange="-1 1"' if tag == "intvelocity" else ""
+    elif tag == "pid":
+        text += attribute("kp", draw(POSITIVE)) + attribute("ki", draw(POSITIVE))
+        text += attribute("input", draw(maybe(st.sampled_from(["pos", "pos vel"]))))
     elif tag == "dcmotor":
         text += ' nominal="24 30 20"'
     elif tag == "general":
@@ -88,11 +93,12 @@ def actuator_attributes(draw: st.DrawFn, tag: str, *, main: bool = False) -> str
     text += attribute("gear", draw(maybe(GEARS)))
     if tag != "dcmotor":
         text += attribute("forcerange", draw(maybe(SYMMETRIC)))
-    text += attribute("ctrlrange", draw(maybe(SYMMETRIC)))
+    control = "0 3" if tag == "damper" else draw(maybe(SYMMETRIC))
+    text += attribute("ctrlrange", control if tag != "pid" else None)
     text += attribute("group", draw(maybe(st.integers(0, 3))))
     if not main:
         text += attribute("user", draw(maybe(st.sampled_from(["1", "1 2.5"]))))
-        if draw(st.booleans()):
+        if tag != "pid" and draw(st.booleans()):
             text += ' delay=".004" nsample="2"'
     # A dcmotor corrects its constant for a damping of its own, which is another thing.
     if tag != "dcmotor":
@@ -101,7 +107,8 @@ def actuator_attributes(draw: st.DrawFn, tag: str, *, main: bool = False) -> str
     return text
 
 
-TAGS = st.sampled_from(["position", "position", "motor", "velocity", "general", "dcmotor"])
+TAGS = ["position", "position", "motor", "velocity", "general", "dcmotor", "intvelocity", "damper"]
+TAGS += ["pid"] if INSTALLED >= (3, 12) else []
 
 
 @st.composite
@@ -145,7 +152,7 @@ def robots(draw: st.DrawFn) -> Robot:
     named: list[str] = []
     for name in names:
         for copy in range(draw(st.sampled_from([0, 1, 1, 1, 2]))):
-            tag = draw(TAGS)
+            tag = draw(st.sampled_from(TAGS))
             label = draw(st.sampled_from([f"{name}_drive{copy}", f"{name}_drive{copy}", None]))
             if label:
                 named.append(label)
@@ -158,7 +165,10 @@ def robots(draw: st.DrawFn) -> Robot:
     tendon = ""
     if draw(st.booleans()):
         tendon = f'<tendon><fixed name="t"><joint joint="{names[0]}" coef="2"/></fixed></tendon>'
-        spare = ['<motor name="pull" tendon="t" gear="2"/>', '<motor name="push" site="site0"/>']
+        spare = [
+            '<motor name="pull" tendon="t" gear="2"/>',
+            '<motor name="push" site="site0" armature="0" damping="0 0 0"/>',
+        ]
         for text in spare:
             actuators.insert(draw(st.integers(0, len(actuators))), text)
         named += ["pull", "push"]
@@ -170,10 +180,14 @@ def robots(draw: st.DrawFn) -> Robot:
         for label in named
         if draw(st.booleans())
     )
-    keys = "".join(
-        "<key" + attribute("qpos", " ".join(draw(POSITIVE) for _ in names)) + "/>"
-        for _ in range(draw(st.integers(0, 2)))
-    )
+    # With a pid among them the number of controls is MuJoCo's business.
+    single = not any(text.startswith("<pid") for text in order)
+    keys = ""
+    for _ in range(draw(st.integers(0, 2))):
+        keys += "<key" + attribute("qpos", " ".join(draw(POSITIVE) for _ in names))
+        if single and order and draw(st.booleans()):
+            keys += attribute("ctrl", " ".join(draw(POSITIVE) for _ in order))
+        keys += "/>"
     included = bool(order) and draw(st.booleans())
     option = draw(st.sampled_from(["", '<option timestep=".002"/>', '<option integrator="implicitfast"/>']))
     text = f"""<mujoco model="random">
@@ -350,7 +364,7 @@ def check_kept(compiled: Compiled, before: Any, after: Any, unmanaged: set[str])
             if not joint.springdamper:
                 np.testing.assert_array_equal(getattr(before, field)[at], getattr(after, field)[at])
     managed = {actuator.joint for actuator in compiled.actuators.joints}
-    names = []
+    names: list[str] = []
     seen: set[str] = set()
     for view in compiled.robot.actuators:
         on_managed = view.transmission in ("joint", "jointinparent") and view.target in managed
@@ -358,7 +372,10 @@ def check_kept(compiled: Compiled, before: Any, after: Any, unmanaged: set[str])
             continue
         if on_managed:
             seen.add(view.target)
-        names.append(view.name)
+            own = actuators_of(compiled.robot, view.target)
+            names.append(next((a.name for a in own if a.name), ""))
+        else:
+            names.append(view.name)
     names += [joint for joint in managed_in_order(compiled) if joint not in seen]
     found = [
         mujoco.mj_id2name(after, mujoco.mjtObj.mjOBJ_ACTUATOR, i) or ""

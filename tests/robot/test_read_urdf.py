@@ -13,7 +13,8 @@ import pytest
 from actspec.diagnostics import RobotError
 from actspec.ir import JointKind
 from actspec.robot.load import load_robot
-from actspec.robot.view import JointView, RobotView
+from actspec.robot.read_urdf import open_urdf
+from actspec.robot.view import JointView, ModelFile, RobotView
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 REAL = sorted(CORPUS.rglob("*.urdf")) if CORPUS.is_dir() else []
@@ -236,6 +237,21 @@ def test_meshes_are_not_needed() -> None:
     assert view.inertia.matrices[0, 0, 0] == pytest.approx(0.3)
     # The author's bytes are what the view carries.
     assert b"material" in view.files[0].data
+
+
+def test_first_colour_stays() -> None:
+    """Of several colours in one visual MuJoCo gets the first; lines stay, and other visuals keep theirs."""
+    colour = '<material name="{0}"><color rgba="{0} 0 0 1"/></material>'
+    shape = "<geometry><sphere radius='1'/></geometry>"
+    link = (
+        f'<link name="c">{INERTIAL.format(x=0, m=1, i=0.3)}<visual>{shape}{colour.format(0.25)}\n'
+        f"{colour.format(0.5)}\n{colour.format(0.75)}</visual><visual>{shape}{colour.format(0.125)}</visual></link>"
+    )
+    keep = '<mujoco><compiler discardvisual="false"/></mujoco>'
+    text = robot(joint("", "continuous", child="c"), link + keep)
+    spec, files = open_urdf((ModelFile("r.urdf", "", text.encode()),))
+    assert sorted(float(row[0]) for row in spec.compile().geom_rgba) == [0.125, 0.25]
+    assert files[0].data.count(b"\n") == text.count("\n")
 
 
 def test_mass_from_absent_mesh_is_unknown() -> None:

@@ -73,9 +73,18 @@ def apply_to_spec(
     for sensor in spec.sensors:
         if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR and sensor.objname in plan.renamed:
             sensor.objname = plan.renamed[sensor.objname]
+    for group in spec.tuples:
+        # A tuple whose actuator is deleted would go with it.
+        for index, (kind, name) in enumerate(zip(group.objtype, list(group.objname), strict=True)):
+            if int(kind) == int(mujoco.mjtObj.mjOBJ_ACTUATOR) and name in plan.renamed:
+                group.objname[index] = plan.renamed[name]
     gone = [actuators[index] for index in plan.removed]
     for element in gone:
         spec.delete(element)
+    for entry in plan.replaced:
+        # After the deletion: an unnamed one takes the name of one that goes.
+        if actuators[entry.index].name != entry.drive.name:
+            actuators[entry.index].name = entry.drive.name
     for drive in plan.added:
         element = spec.add_actuator()
         element.name = drive.name
@@ -87,6 +96,9 @@ def apply_to_spec(
             keys[key.index].ctrl = list(key.ctrl)
         if key.act is not None:
             keys[key.index].act = list(key.act)
+    if not plan.holds_act(dialect):
+        for element in keys:
+            element.act = []
 
 
 def _edit_joint(joint: Any, edit: JointEdit, note: str) -> None:
@@ -154,16 +166,15 @@ def _write(element: Any, drive: Drive, dialect: MujocoDialect, note: str, explic
             getattr(element, name)[:] = [*numbers, *([0.0] * (10 - len(numbers)))]
         element.actlimited = element.actearly = 0
         element.forcelimited = 0 if limit is None else 1
-        if limit is not None:
-            element.forcerange = [-limit, limit]
-    element.inheritrange = 0.0
+        element.forcerange = [0.0, 0.0] if limit is None else [-limit, limit]
+    if not explicit or drive.form is Form.DCMOTOR:
+        # A `<general>` has no word for it and takes that of the main default, for a viewer's slider.
+        element.inheritrange = 0.0
     element.gear[0] = 1.0
     element.ctrllimited = 1 if drive.control_limited else 0
-    if drive.control_range is not None:
-        element.ctrlrange = list(drive.control_range)
-    if drive.delay_steps:
-        element.delay = drive.delay
-        element.nsample = drive.delay_steps
+    element.ctrlrange = list(drive.control_range or (0.0, 0.0))
+    element.delay = drive.delay
+    element.nsample = drive.delay_steps
     element.group = drive.group
     if drive.user:
         element.userdata = list(drive.user)

@@ -49,6 +49,7 @@ class Anchors:
         keys: Elements of the keyframes, in order.
         sensors: Sensors and other elements that name an actuator: (element, attribute).
         explicit: Whether the main default class holds numbers of an actuator.
+        inherits_range: Whether one of these is `inheritrange`, which overrides a control range.
     """
 
     joints: dict[str, Element]
@@ -56,6 +57,7 @@ class Anchors:
     keys: tuple[Element, ...]
     sensors: tuple[tuple[Element, str], ...]
     explicit: bool
+    inherits_range: bool
 
 
 def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector: Collector) -> Anchors:
@@ -109,14 +111,16 @@ def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector:
                 sensors.append((element, "actuator"))
             if element.get("objtype") == "actuator" and element.get("objname") in plan.renamed:
                 sensors.append((element, "objname"))
-    return Anchors(joints, actuators, keys, tuple(sensors), _main_default_has_actuator(document))
+    defaults = _main_default_actuators(document)
+    inherits_range = any(element.get("inheritrange") for element in defaults)
+    return Anchors(joints, actuators, keys, tuple(sensors), bool(defaults), inherits_range)
 
 
 def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: MujocoDialect) -> list[Edit]:
     """The plan as edits of the text, in the words of a dialect."""
     edits: list[Edit] = []
     for joint in plan.joints:
-        edits += _joint_edits(anchors.joints[joint.joint], joint)
+        edits += _joint_edits(anchors.joints[joint.joint], joint, dialect)
     for entry in plan.replaced:
         element = anchors.actuators[entry.index]
         edits.append(ReplaceElement(element, actuator_xml(entry.drive, dialect, explicit=anchors.explicit)))
@@ -133,22 +137,27 @@ def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: Muj
         edits.append(SetAttribute(element, attribute, plan.renamed[element.get(attribute) or ""]))
     if plan.timestep is not None:
         edits.append(_timestep(document, plan.timestep))
+    holds_act = plan.holds_act(dialect)
+    if not holds_act:
+        edits += [SetAttribute(key, "act", None) for key in anchors.keys if key.get("act") is not None]
     for key in plan.keys:
         element = anchors.keys[key.index]
-        for name, values in (("ctrl", key.ctrl), ("act", key.act)):
+        for name, values in (("ctrl", key.ctrl), ("act", key.act if holds_act else None)):
             if values is not None:
                 text = " ".join(format_number(value) for value in values)
                 edits.append(SetAttribute(element, name, text if values else None))
     return edits
 
 
-def _joint_edits(element: Element, edit: JointEdit) -> Iterator[Edit]:
+def _joint_edits(element: Element, edit: JointEdit, dialect: MujocoDialect) -> Iterator[Edit]:
     if edit.springdamper_off:
         yield SetAttribute(element, "springdamper", "0 0")
     if edit.stiffness is not None:
         yield SetAttribute(element, "stiffness", format_number(edit.stiffness))
     if edit.damping is not None:
-        values = edit.damping if any(edit.damping[1:]) else edit.damping[:1]
+        # Numbers that are not written come from the class: an author's `0.5 0` keeps its zero.
+        stated = len((element.get("damping") or "").split()) > 1 and dialect.polynomials
+        values = edit.damping if stated or any(edit.damping[1:]) else edit.damping[:1]
         yield SetAttribute(element, "damping", " ".join(format_number(value) for value in values))
     if edit.armature is not None:
         yield SetAttribute(element, "armature", format_number(edit.armature))
@@ -188,11 +197,13 @@ def _below(element: Element) -> Iterator[Element]:
         yield from _below(child)
 
 
-def _main_default_has_actuator(document: XmlDocument) -> bool:
-    return any(
-        child.tag in ACTUATOR_TAGS
+def _main_default_actuators(document: XmlDocument) -> tuple[Element, ...]:
+    """Actuators of the main default class; every top-level section adds to it, whatever it is called."""
+    return tuple(
+        child
         for default in document.sections("default")
         for child in default.children
+        if child.tag in ACTUATOR_TAGS
     )
 
 

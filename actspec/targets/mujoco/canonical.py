@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 
 from actspec.diagnostics import Collector, Span
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
@@ -21,7 +22,7 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     from actspec.robot.read_mjcf import read_mjcf
     from actspec.robot.read_urdf import open_urdf
 
-    files = robot.files
+    files: Sequence[ModelFile] = robot.files
     if robot.format is ModelFormat.URDF:
         spec, files = open_urdf(files)
     else:

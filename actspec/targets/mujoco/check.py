@@ -50,7 +50,7 @@ DOF_ROWS = ("dof_damping", "dof_dampingpoly", "dof_armature", "dof_frictionloss"
 JOINT_ROWS = ("jnt_stiffness", "jnt_stiffnesspoly", "jnt_actfrclimited", "jnt_actfrcrange")
 KEY_ROWS = ("key_ctrl", "key_act")
 ACTUATOR_IDS = ("jnt_actuatorid", "tendon_actuatorid")
-"""By joint and tendon: the actuator whose own armature or damping acts there (4.0); -1: none."""
+"""By joint and tendon: the actuator whose own armature or damping acts there (4.0); -1: none, -2: several."""
 REFERENCES = ("sensor_objid", "tuple_objid", "exclude_signature")
 """Fields that hold indices of actuators."""
 
@@ -87,6 +87,8 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
     free_joints = [i for i in free_joints if joint_names[i] not in followers]
     free_dofs = [d for d in free_dofs if joint_names[int(original.dof_jntid[d])] not in followers]
     kept = _kept_actuators(plan, robot)
+    driven = {drive.joint for drive in plan.drives}
+    undriven = [index for index, name in enumerate(joint_names) if name not in driven]
     for name, value in _fields(original):
         other = theirs.get(name)
         if name in DERIVED or name in COUNTS or name in KEY_ROWS or name.startswith(NAME_TABLES):
@@ -95,8 +97,10 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
             continue
         if name in REFERENCES and (plan.removed or plan.renamed):
             continue
-        if name in ACTUATOR_IDS:
+        if name in ACTUATOR_IDS and other is not None:
             value = _moved(value, dict(kept))
+            if name == "jnt_actuatorid":
+                value, other = value[undriven], other[undriven]
         if name.startswith("actuator_"):
             found += _kept_rows(name, value, other, kept, original, robot)
             continue
@@ -125,10 +129,10 @@ def _kept_actuators(plan: Plan, robot: RobotView) -> list[tuple[int, int]]:
 
 
 def _moved(ids: Any, moved: dict[int, int]) -> Any:
-    """Indices of actuators as they are after the edit; a replaced one has no armature of its own any more."""
+    """Indices of actuators as they are after the edit."""
     import numpy as np
 
-    return np.array([moved.get(int(old), -1) for old in ids], dtype=ids.dtype)
+    return np.array([moved.get(int(old), int(old)) for old in ids], dtype=ids.dtype)
 
 
 def _kept_rows(

@@ -60,7 +60,8 @@ def actuator_xml(drive: Drive, dialect: MujocoDialect, *, explicit: bool = False
             an actuator whose numbers a shortcut would inherit.
     """
     general = explicit and drive.form is not Form.DCMOTOR
-    attributes: list[tuple[str, str]] = [("name", drive.name), ("joint", drive.joint)]
+    attributes: list[tuple[str, str]] = [("name", drive.name)] if drive.name else []
+    attributes.append(("joint", drive.joint))
     if general or needs_general(drive):
         tag = "general"
         attributes += _general(drive, dialect, explicit)

@@ -79,8 +79,23 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             f"{listed(unlimited)}",
             help="state effort_limit, or give the class a name",
         )
+    clamped = [d.joint for d in plan.drives if d.control_limited and d.form is not Form.DCMOTOR]
+    if anchors.inherits_range and clamped:
+        collector.error(
+            "MJC022",
+            "inheritrange in the file's main default class would override command_range: "
+            f"{listed(clamped)}",
+            help="give the class a name",
+        )
     collector.raise_if_failed(EmitError)
     plan = users_of(anchors, plan)
+    if not plan.holds_act(dialect) and any(key.act for key in plan.keys):
+        collector.warning(
+            "MJC021",
+            f"keyframes of MuJoCo {dialect.text} cannot hold a filter's state beside a dcmotor: it starts at 0",
+            span=Span(robot.path),
+            help="reset with actspec.runtime.reset, or compile for MuJoCo 3.16 or later",
+        )
 
     installed = installed_dialect()
     edited = _edited(robot.files, plan, installed, f"actspec {actuators.robot}", anchors.explicit)
@@ -161,6 +176,7 @@ def _same_words(target: MujocoDialect, installed: MujocoDialect) -> bool:
         and target.native_delay == installed.native_delay
         and target.polynomials == installed.polynomials
         and target.general_input == installed.general_input
+        and target.keyframe_act == installed.keyframe_act
     )
 
 

@@ -75,6 +75,7 @@ class Plan:
         renamed: Removed actuator's name to that of its joint's drive, for sensors.
         timestep: New `option/timestep` [s]; None leaves the file's.
         keys: Edits of keyframes.
+        dcmotors: Whether the edited model has a dcmotor.
     """
 
     joints: tuple[JointEdit, ...] = ()
@@ -84,6 +85,11 @@ class Plan:
     renamed: dict[str, str] = field(default_factory=dict)
     timestep: float | None = None
     keys: tuple[KeyEdit, ...] = ()
+    dcmotors: bool = False
+
+    def holds_act(self, dialect: MujocoDialect) -> bool:
+        """Whether the edited model's keyframes can hold activations in a version."""
+        return dialect.keyframe_act or not self.dcmotors
 
     @property
     def drives(self) -> tuple[Drive, ...]:
@@ -121,12 +127,14 @@ def plan_model(
         lost += result.approximations
         drive = result.drive
         if own:
-            drive = replace(drive, name=own[0].name, group=own[0].group)
+            # The first's name; without one the next, so that sensors have something to point to.
+            name = next((a.name for a in own if a.name), "")
+            drive = replace(drive, name=name, group=own[0].group)
             replaced.append(Replaced(own[0].index, drive))
             _note_replaced(own, drive, collector)
             for other in own[1:]:
                 removed.append(other.index)
-                if other.name:
+                if other.name and other.name != drive.name:
                     renamed[other.name] = drive.name
         else:
             if drive.name in names:
@@ -171,6 +179,8 @@ def plan_model(
                 None,
             )
         )
+    gone = {entry.index for entry in replaced} | set(removed)
+    dcmotors = any(a.control == "dcmotor" and a.index not in gone for a in robot.actuators)
     plan = Plan(
         joints=tuple(edit for edit in joint_edits if not edit.empty),
         replaced=tuple(sorted(replaced, key=lambda r: r.index)),
@@ -178,6 +188,7 @@ def plan_model(
         added=tuple(added),
         renamed=renamed,
         timestep=timestep,
+        dcmotors=dcmotors or any(d.form is Form.DCMOTOR for d in (*(r.drive for r in replaced), *added)),
     )
     return Planned(plan, tuple(lost))
 

@@ -1,0 +1,251 @@
+"""Rules that run inside `compile`, at figures calculated by hand, just above and just below."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+
+from actspec.audit.rules import check_actuators
+from actspec.audit.rules.stability import LIMIT, explicit_margin
+from actspec.diagnostics import Severity
+from actspec.ir import ActuatorSet, InertiaRange
+from tests.fitting import NONE, fit, joint, spec_of
+
+HIP = "name: leg, model: robot.xml"
+MODEL = """<mujoco><worldbody><body><joint name="hip" axis="0 1 0" damping="%s"/><geom size="0.1" mass="1"/></body>
+</worldbody></mujoco>"""
+
+
+def codes(actuators: ActuatorSet, integrator: str = "", explicit: tuple[str, ...] = ()) -> list[str]:
+    """What the rules say, by code."""
+    return [item.code for item in check_actuators(actuators, integrator, explicit)]
+
+
+def one(fields: str, damping: str = "0", motors: str = "{}") -> ActuatorSet:
+    """A hip with the file's joint damping."""
+    text = spec_of(f"legs: {{joints: [hip], level: ideal_pd, {fields}}}", robot=HIP, motors=motors)
+    return fit(text, MODEL % damping)
+
+
+# --- DMP001 --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("fields", "damping", "warned"),
+    [
+        pytest.param("kp: 25, kd: 0.5", "0.06", True, id="12 %"),
+        pytest.param("kp: 25, kd: 0.5", "0.05", False, id="10 %"),
+        pytest.param("kp: 25, kd: 0.5", "0.04", False, id="8 %"),
+        pytest.param("kp: 25, kd: 0.5, friction: {viscous: 0.06}", "0.06", False, id="stated"),
+        pytest.param("kp: 25, kd: 0.5, friction: {viscous: unknown}", "0.06", False, id="said to be unknown"),
+        pytest.param("kp: 25, kd: 0", "0.06", False, id="no kd to count twice"),
+        pytest.param("kp: 25, kd: unknown", "0.06", False, id="kd unknown"),
+        pytest.param("command: effort", "0.06", False, id="no drive"),
+        pytest.param("command: velocity, kd: 0.5", "0.06", True, id="velocity"),
+        pytest.param(
+            "kp: 25, kd: {derive: damping_ratio, ratio: 0.1, inertia: 0.25}",
+            "0.06",
+            True,
+            id="derived kd, 0.5",
+        ),
+    ],
+)
+def test_damping_counted_twice(fields: str, damping: str, warned: bool) -> None:
+    """The file's joint damping above 10 % of a stated kd is reported, unless the spec speaks of it."""
+    assert ("DMP001" in codes(one(fields, damping))) is warned
+
+
+def test_damping_names_both_and_their_sum() -> None:
+    """One warning a group, with kd, the file's part, and the sum: 0.5 + 0.75."""
+    (found,) = check_actuators(one("kp: 25, kd: 0.5", "0.75"), "", ())
+    assert (found.code, found.severity, found.where) == ("DMP001", Severity.WARNING, "actuators.legs")
+    assert found.message == (
+        "damping may be counted twice: the drive has kd 0.5 N*m*s/rad, and the robot's file adds 0.75 N*m*s/rad of "
+        "joint damping that the spec does not mention; together 1.25 N*m*s/rad (hip)"
+    )
+    assert found.help is not None and "`0.75 N*m*s/rad`" in found.help
+
+
+# --- FRC001, FRC002 ------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("fields", "said"),
+    [
+        pytest.param("effort_limit: 20, friction: {coulomb: 20}", ["FRC001"], id="coulomb at the limit"),
+        pytest.param("effort_limit: 20, friction: {coulomb: 19.9}", [], id="coulomb below"),
+        pytest.param("friction: {coulomb: 200}", [], id="no limit known"),
+        # 2 x 20 / 2 = 20.
+        pytest.param(
+            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {viscous: 2}",
+            ["FRC002"],
+            id="viscous at the limit",
+        ),
+        pytest.param(
+            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {viscous: 1.9}", [], id="viscous below"
+        ),
+        pytest.param("effort_limit: 20, friction: {viscous: 200}", [], id="no speed known"),
+        pytest.param(
+            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {coulomb: 30, viscous: 3}",
+            ["FRC001", "FRC002"],
+            id="both",
+        ),
+    ],
+)
+def test_implausible_friction(fields: str, said: list[str]) -> None:
+    """Friction that the drive cannot overcome is a wrong unit."""
+    text = spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: 1, {fields}}}, {REST}", robot=NONE)
+    assert codes(fit(text)) == said
+
+
+REST = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+LINES = {
+    "line": "stall_torque: 20 N*m, no_load_speed: 10 rad/s",
+    "curve": "curve: {drive_torque: 20, brake_torque: 25, knee_speed: 5 rad/s, no_load_speed: 10 rad/s}",
+}
+
+
+@pytest.mark.parametrize("line", LINES)
+@pytest.mark.parametrize(("viscous", "said"), [("4", ["FRC002"]), ("3.9", [])])
+def test_viscous_friction_against_the_motors_speed(line: str, viscous: str, said: list[str]) -> None:
+    """With a motor, half the no-load speed counts (4 x 5 = 20), not the joint's larger speed limit."""
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: dc_motor, kp: 1, kd: 1, effort_limit: 20, velocity_limit: 100 rad/s, "
+        f"friction: {{viscous: {viscous}}}}}, {REST}",
+        motors=f"{{m: {{side: joint, {LINES[line]}}}}}",
+    )
+    assert codes(fit(text)) == said
+
+
+def test_friction_message_has_the_milli_reading() -> None:
+    """30 N*m may be 30 mN*m: the help says 0.03 N*m."""
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: 1, effort_limit: 20, friction: {{coulomb: 30}}}}, {REST}"
+    )
+    (found,) = check_actuators(fit(text), "", ())
+    assert (
+        found.message
+        == "hip: dry friction 30 N*m is not below the effort limit 20 N*m: the joint could never move"
+    )
+    assert found.help == "is it in mN*m (0.03 N*m), or a dimensionless coefficient?"
+
+
+# --- STB001 --------------------------------------------------------------------------------------
+
+
+def of_inertia(kp: float, kd: float, inertia: float, step: str = "5 ms") -> ActuatorSet:
+    """A hip whose least free inertia is known, its largest and the held one far from it."""
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: {kp}, kd: {kd}}}, {REST}",
+        more=f"timing: {{physics_dt: {step}}}",
+    )
+    found = fit(text)
+    hip = replace(
+        found.joints[0],
+        inertia_free=InertiaRange(2 * inertia, inertia, 50 * inertia),
+        inertia_held=InertiaRange(9.0, 9.0, 9.0),
+    )
+    return replace(found, joints=(hip, *found.joints[1:]))
+
+
+@pytest.mark.parametrize(
+    ("kp", "kd", "figure"),
+    [
+        pytest.param(0, 4, 2.0, id="kd alone: 0.005 x 4 / 0.01"),
+        pytest.param(400, 0, 0.5, id="kp alone: 2.5e-5 x 400 / 0.02"),
+        pytest.param(400, 4, 2.5, id="their sum"),
+    ],
+)
+def test_margin(kp: float, kd: float, figure: float) -> None:
+    """h kd / I + h^2 kp / (2 I), at the least free inertia 0.01 kg*m^2 and 5 ms."""
+    margin = explicit_margin(of_inertia(kp, kd, 0.01).joints[0], 0.005)
+    assert margin is not None
+    assert margin.figure == pytest.approx(figure)
+    assert margin.inertia == 0.01
+
+
+def diverges(kp: float, kd: float, inertia: float, step: float) -> bool:
+    """Whether semi-implicit Euler of a joint under an explicit PD grows without bound, by stepping it."""
+    position, speed = 0.0, 1.0
+    for _ in range(20_000):
+        speed -= step * (kp * position + kd * speed) / inertia
+        position += step * speed
+        if max(abs(position), abs(speed)) > 1e6:
+            return True
+    return False
+
+
+@pytest.mark.parametrize("share", [0.0, 0.25, 0.5, 0.75, 1.0])
+@pytest.mark.parametrize("side", [0.995, 1.005])
+def test_the_limit_is_where_the_simulation_diverges(share: float, side: float) -> None:
+    """b + a/2 = 2 with a = h^2 kp/I, b = h kd/I: just below it the iteration stays, just above it leaves."""
+    inertia, step = 0.03, 0.004
+    # The limit split between kp and kd; with kd = 0 the joint is undamped, and stays bounded too.
+    kp = side * LIMIT * 2.0 * share * inertia / step**2
+    kd = side * LIMIT * (1.0 - share) * inertia / step
+    assert diverges(kp, kd, inertia, step) is (side > 1.0)
+
+
+@pytest.mark.parametrize(
+    ("kd", "said"),
+    [
+        pytest.param(1.9, None, id="0.95"),
+        pytest.param(2.1, "near its stability limit", id="1.05"),
+        pytest.param(3.9, "near its stability limit", id="1.95"),
+        pytest.param(4.1, "unstable", id="2.05"),
+    ],
+)
+def test_stability_levels(kd: float, said: str | None) -> None:
+    """Reported from 1, called unstable from 2."""
+    found = [d for d in check_actuators(of_inertia(0, kd, 0.01), "Euler", ()) if d.code == "STB001"]
+    assert [said in d.message for d in found if said] == [True] * (said is not None)
+    assert len(found) == (said is not None)
+
+
+@pytest.mark.parametrize(
+    ("integrator", "targets", "concerned"),
+    [
+        pytest.param("Euler", (), "MuJoCo with the Euler integrator", id="Euler"),
+        pytest.param("implicitfast", (), None, id="implicitfast"),
+        pytest.param("implicitfast", ("isaaclab", "mjlab"), "isaaclab, mjlab", id="explicit classes"),
+        pytest.param("Euler", ("mjlab",), "MuJoCo with the Euler integrator, mjlab", id="all"),
+    ],
+)
+def test_each_explicit_class_is_named(
+    integrator: str, targets: tuple[str, ...], concerned: str | None
+) -> None:
+    """An implicit drive has no such limit; each explicit one is named."""
+    found = [d for d in check_actuators(of_inertia(0, 5, 0.01), integrator, targets) if d.code == "STB001"]
+    assert [d.message.partition("; concerns ")[2] for d in found] == ([concerned] if concerned else [])
+
+
+def test_the_worst_joint_of_a_group_speaks_for_it() -> None:
+    """One warning a group, at its worst joint, with every figure."""
+    text = spec_of(
+        'legs: {joints: ["h.*", calf], level: ideal_pd, kp: 0, kd: 5}, rest: {joints: [slide], level: ideal_pd, '
+        "kp: 1, kd: 1}",
+        more="timing: {physics_dt: 5 ms}",
+    )
+    found = fit(text)
+    low, high = InertiaRange(1.0, 0.02, 1.0), InertiaRange(1.0, 0.01, 1.0)
+    joints = (
+        replace(found.joints[0], inertia_free=low),
+        replace(found.joints[1], inertia_free=high),
+        found.joints[2],
+    )
+    (said,) = check_actuators(replace(found, joints=joints), "Euler", ())
+    assert said.message == (
+        "calf: an explicit drive is unstable: h*kd/I + h^2*kp/(2I) = 2.5 (limit 2) with h 5 ms, kd 5 N*m*s/rad, "
+        "free inertia 0.01 kg*m^2; concerns MuJoCo with the Euler integrator"
+    )
+
+
+def test_margin_needs_inertia_and_kd() -> None:
+    """What is not known is not judged."""
+    assert (
+        explicit_margin(
+            joint(spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: 1}}, {REST}")), 0.005
+        )
+        is None
+    )

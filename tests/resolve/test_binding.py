@@ -1,0 +1,107 @@
+"""Which joint belongs to which group."""
+
+from __future__ import annotations
+
+from actspec.diagnostics import Severity
+from tests.fitting import NONE, fit, joint, refused, spec_of
+
+PD = "level: ideal_pd, kp: 25, kd: 0.5"
+TREE = """<mujoco model="tree"><worldbody><body><joint name="a" axis="0 1 0"/><geom size="0.1" mass="1"/><body>
+<joint name="b" axis="0 1 0"/><geom size="0.1" mass="1"/><body><joint name="c" axis="0 1 0"/>
+<geom size="0.1" mass="1"/></body></body></body></worldbody>
+<tendon><fixed name="t"><joint joint="c" coef="1"/></fixed></tendon><actuator>%s</actuator></mujoco>"""
+
+
+def robot(groups: str, more: str = "") -> str:
+    """A spec for TREE."""
+    return spec_of(groups, robot=f"name: r, model: robot.xml{more}")
+
+
+def test_full_match() -> None:
+    """A pattern matches whole names: `hip` is not `hip_left`."""
+    text = spec_of(
+        f"a: {{joints: [hip], {PD}}}, b: {{joints: [hip_left], {PD}}}",
+        robot="name: r, model: none, joints: [hip_left, hip]",
+    )
+    found = fit(text)
+    assert [(j.joint, j.group, j.pattern) for j in found.joints] == [
+        ("hip_left", "b", "hip_left"),
+        ("hip", "a", "hip"),
+    ]
+
+
+def test_one_group_may_match_a_joint_twice() -> None:
+    """Two patterns of one group on one joint are no conflict; the first is kept as its pattern."""
+    text = spec_of(f'a: {{joints: ["h.*", ".*p", calf, slide], {PD}}}')
+    assert joint(text, "hip").pattern == "h.*"
+
+
+def test_two_groups_for_one_joint() -> None:
+    """A joint in two groups is an error that names both patterns and the other's place."""
+    assert refused(spec_of(f'a: {{joints: ["h.*"], {PD}}}, b: {{joints: [".*"], {PD}}}')) == [
+        "BIND002 actuators.b.joints[0]: the joint 'hip' is in two groups: 'b' by '.*' and 'a' by 'h.*' "
+        "(s.yaml:4:26)"
+    ]
+
+
+def test_joints_left_out() -> None:
+    """A robot without a file has no passive joints: each is in a group or unmanaged."""
+    assert refused(spec_of(f"a: {{joints: [hip], {PD}}}")) == [
+        "BIND005 actuators: 2 joints of 'leg' in no group: calf, slide"
+    ]
+    found = fit(spec_of(f"a: {{joints: [hip], {PD}}}", robot=NONE + ', unmanaged: ["c.*", slide]'))
+    assert found.unmanaged == ("calf", "slide")
+
+
+def test_a_joint_without_actuator_may_be_left_out() -> None:
+    """A joint that the file does not drive is left as it is, and that is said once."""
+    found = fit(robot(f"g: {{joints: [b], {PD}}}"), TREE % '<motor joint="b"/><motor tendon="t"/>')
+    assert found.unmanaged == ("a", "c")
+    notes = [d for d in found.diagnostics if d.code == "BIND007"]
+    assert [(d.severity, d.message) for d in notes] == [
+        (
+            Severity.INFO,
+            "2 joints of 'tree' in no group and without an actuator in the model: left as they are: a, c",
+        )
+    ]
+
+
+def test_a_driven_joint_may_not_be_left_out() -> None:
+    """Of two joints in no group, the one with an actuator is the error."""
+    said = refused(robot(f"g: {{joints: [b], {PD}}}"), TREE % '<motor joint="b"/><motor joint="a"/>')
+    assert [line.split(":")[0] for line in said] == ["BIND005 actuators", "BIND007 actuators"]
+    assert said[0].endswith("in no group: a")
+    assert said[1].endswith("left as they are: c")
+
+
+def test_a_file_without_actuators_cannot_tell() -> None:
+    """Where the file drives nothing, every joint must be spoken of."""
+    said = refused(robot(f"g: {{joints: [b], {PD}}}"), TREE % "")
+    assert [line.split(":")[0] for line in said] == ["BIND005 actuators"]
+    assert said[0].endswith("in no group: a, c")
+
+
+def test_override_outside_its_group() -> None:
+    """An override matches joints of its own group only, and the help would name the others."""
+    text = spec_of(
+        f"a: {{joints: [hip], {PD}, overrides: {{calf: {{kp: 1}}}}}}, b: {{joints: [calf, slide], {PD}}}"
+    )
+    assert refused(text) == [
+        "BIND001 actuators.a.overrides.calf: the pattern 'calf' matches no joint of the group 'a'"
+    ]
+
+
+def test_default_pose() -> None:
+    """Patterns give positions; joints that match none are at 0, and say that nobody chose it."""
+    text = spec_of(
+        f'a: {{joints: [".*"], {PD}}}', robot=NONE + ', default_pose: {"h.*": 30 deg, slide: 5 cm}'
+    )
+    found = fit(text)
+    assert [j.default_position.value for j in found.joints] == [0.5235987755982988, 0.0, 0.05]
+    assert [j.default_position.origin.value for j in found.joints] == ["authored", "default", "authored"]
+
+
+def test_order_is_the_robots() -> None:
+    """The IR has the robot's joint order, whatever the spec's."""
+    text = spec_of(f"z: {{joints: [slide], {PD}}}, a: {{joints: [calf, hip], {PD}}}")
+    assert [j.joint for j in fit(text).joints] == ["hip", "calf", "slide"]

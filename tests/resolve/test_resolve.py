@@ -1,0 +1,349 @@
+"""The rest of the language: overrides, commands, delay, filter, slides, randomisation, timing."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from actspec.ir import Command, Level, Origin
+from tests.fitting import fit, joint, model_of, refused, spec_of
+
+HIP = "name: leg, model: none, joints: [{name: hip, range: [-1 rad, 2 rad]}]"
+MOTORS = "{m: {side: joint, peak_torque: 40 N*m, bandwidth: 30 Hz}, n: {side: joint, peak_torque: 20 N*m}}"
+MODEL = """<mujoco><option timestep="0.001"/><worldbody><body><joint name="hip" axis="0 1 0" frictionloss="0.3"/>
+<geom size="0.1" mass="1"/></body></worldbody></mujoco>"""
+
+
+def hip(fields: str, gains: str = "kp: 25, kd: 0.5") -> str:
+    """A spec of one joint."""
+    return spec_of(f"legs: {{joints: [hip], level: ideal_pd, {gains}{fields}}}", robot=HIP, motors=MOTORS)
+
+
+def test_overrides_lay_over_the_group_field_by_field() -> None:
+    """An override changes what it states and nothing else, inside `friction` too."""
+    text = spec_of(
+        "legs: {joints: [hip, calf], level: ideal_pd, kp: 25, kd: 0.5, motor: m, "
+        "friction: {coulomb: 0.2, viscous: 0.01}, "
+        "overrides: {hip: {kp: 30, friction: {coulomb: 0.4}}, calf: {motor: n}}}",
+        robot="name: leg, model: none, joints: [hip, calf]",
+        motors=MOTORS,
+    )
+    first, second = fit(text).joints
+    assert first.kp is not None and second.kp is not None and first.kd is not None
+    assert (first.kp.value, first.kd.value, second.kp.value) == (30.0, 0.5, 25.0)
+    assert (first.friction_coulomb.value, first.friction_viscous.value) == (0.4, 0.01)
+    assert (second.friction_coulomb.value, second.friction_viscous.value) == (0.2, 0.01)
+    assert (first.effort_limit.value, second.effort_limit.value) == (40.0, 20.0)
+
+
+def test_overrides_of_different_fields_may_meet() -> None:
+    """Two overrides match one joint as long as no field is stated twice."""
+    found = joint(hip(', overrides: {"h.*": {kp: 30}, ".*p": {kd: 1, friction: {viscous: 0.1}}}'))
+    assert found.kp is not None and found.kd is not None
+    assert (found.kp.value, found.kd.value, found.friction_viscous.value) == (30.0, 1.0, 0.1)
+
+
+def test_two_overrides_of_one_field() -> None:
+    """At most one override states a field of a joint; friction counts part by part."""
+    overrides = (
+        ', overrides: {"h.*": {friction: {coulomb: 0.1}}, ".*p": {friction: {coulomb: 0.2, viscous: 1}}}'
+    )
+    assert [line.split(": ")[0] for line in refused(hip(overrides))] == [
+        "BIND006 actuators.legs.overrides..*p.friction.coulomb"
+    ]
+
+
+def test_static_friction_against_the_files_coulomb() -> None:
+    """What is authored must fit what is kept from the file."""
+    text = spec_of(
+        "legs: {joints: [hip], level: ideal_pd, kp: 1, kd: 1, friction: {static: 0.2}}",
+        robot="name: leg, model: robot.xml",
+    )
+    assert refused(text, MODEL) == [
+        "RES009 actuators.legs.friction.static: hip: static friction 0.2 N*m (authored) is below coulomb friction "
+        "0.3 N*m (model)"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("fields", "command", "kp", "kd"),
+    [
+        pytest.param("kp: 25, kd: 0.5", Command.POSITION, 25.0, 0.5, id="position"),
+        pytest.param("command: velocity, kd: 0.5", Command.VELOCITY, None, 0.5, id="velocity"),
+        pytest.param("command: effort", Command.EFFORT, None, None, id="effort"),
+    ],
+)
+def test_commands(fields: str, command: Command, kp: float | None, kd: float | None) -> None:
+    """velocity has kd only, effort has no gain at all."""
+    found = joint(hip("", fields))
+    assert (found.command, found.level) == (command, Level.IDEAL_PD)
+    assert (found.kp.value if found.kp else None, found.kd.value if found.kd else None) == (kp, kd)
+
+
+@pytest.mark.parametrize(
+    ("command", "limits", "ends", "unit"),
+    [
+        pytest.param("position", "[-90 deg, 1 rad]", (-math.pi / 2, 1.0), "rad", id="position"),
+        pytest.param("velocity", "[-60 rpm, 60 rpm]", (-2 * math.pi, 2 * math.pi), "rad/s", id="velocity"),
+        pytest.param("effort", "[-5, 7 N*m]", (-5.0, 7.0), "N*m", id="effort"),
+        pytest.param("effort", "[0, 0]", (0.0, 0.0), "N*m", id="zeros fit every command"),
+        pytest.param("position", "joint", (-1.0, 2.0), "rad", id="the joint's own"),
+    ],
+)
+def test_command_range(command: str, limits: str, ends: tuple[float, float], unit: str) -> None:
+    """A range is in the unit of the command."""
+    gains = {"position": ", kp: 1, kd: 1", "velocity": ", kd: 1", "effort": ""}[command]
+    found = joint(hip("", f"command: {command}, command_range: {limits}{gains}")).command_range
+    assert found is not None
+    assert tuple(end.value for end in found) == pytest.approx(ends)
+    assert {end.unit for end in found} == {unit}
+
+
+def test_no_command_range_is_the_default() -> None:
+    """A clamp of the command is never silent."""
+    assert joint(hip("")).command_range is None
+    assert joint(hip(", command_range: none")).command_range is None
+
+
+@pytest.mark.parametrize(
+    ("written", "nominal", "low", "high", "sampling"),
+    [
+        pytest.param("5 ms", 0.005, 0.005, 0.005, "episode", id="plain"),
+        pytest.param("{value: 5 ms, std: 1 ms}", 0.005, 0.005, 0.005, "episode", id="value"),
+        pytest.param("{nominal: 5 ms}", 0.005, 0.005, 0.005, "episode", id="no range"),
+        pytest.param(
+            "{nominal: 5 ms, range: [0, 20 ms], sampling: step}", 0.005, 0.0, 0.02, "step", id="full"
+        ),
+        pytest.param("0", 0.0, 0.0, 0.0, "episode", id="zero needs no unit"),
+        pytest.param("{nominal: unknown, range: [1 ms, 2 ms]}", None, 0.001, 0.002, "episode", id="unknown"),
+    ],
+)
+def test_delay(written: str, nominal: float | None, low: float, high: float, sampling: str) -> None:
+    """A plain time is nominal without a range."""
+    found = joint(hip(f", delay: {written}")).delay
+    assert found is not None
+    assert (found.nominal.value, found.low, found.high, found.sampling) == (nominal, low, high, sampling)
+
+
+def test_no_delay_is_no_delay() -> None:
+    """What nobody states is not there."""
+    assert joint(hip("")).delay is None
+
+
+def test_filter() -> None:
+    """A cutoff stays in Hz (188.5 would be rad/s); `from_motor` takes the motor's bandwidth."""
+    stated = joint(hip(", command_filter: {cutoff: 20 Hz}")).filter_cutoff
+    taken = joint(hip(", motor: m, command_filter: from_motor")).filter_cutoff
+    assert stated is not None and taken is not None
+    assert (stated.value, stated.origin) == (20.0, Origin.AUTHORED)
+    assert (taken.value, taken.origin) == (30.0, Origin.DERIVED)
+    # A bandwidth is information until somebody asks for it.
+    assert joint(hip(", motor: m")).filter_cutoff is None
+
+
+def test_encoder_bias_and_action_scale() -> None:
+    """Bias defaults to 0, and says so; a scale is there only when stated."""
+    found = joint(hip(", encoder_bias: 1 deg, action_scale: 25 %"))
+    assert found.encoder_bias.value == pytest.approx(math.pi / 180)
+    assert found.action_scale is not None and found.action_scale.value == 0.25
+    plain = joint(hip(""))
+    assert (plain.encoder_bias.value, plain.encoder_bias.origin, plain.action_scale) == (
+        0.0,
+        Origin.DEFAULT,
+        None,
+    )
+
+
+def test_slide() -> None:
+    """A slide's quantities are in N, m and kg."""
+    text = spec_of(
+        "legs: {joints: [s], level: ideal_pd, kp: 1 kN/m, kd: 10 N*s/m, effort_limit: 200 N, velocity_limit: 50 cm/s, "
+        "armature: 500 g, friction: {coulomb: 3 N, viscous: 2}, encoder_bias: 1 mm}",
+        robot="name: leg, model: none, joints: [{name: s, kind: slide, range: [0 m, 10 cm]}], "
+        "default_pose: {s: 5 cm}",
+    )
+    found = joint(text, "s")
+    assert found.kp is not None and found.kd is not None
+    figures = (
+        found.kp,
+        found.kd,
+        found.effort_limit,
+        found.velocity_limit,
+        found.armature,
+        found.friction_coulomb,
+        found.friction_viscous,
+        found.encoder_bias,
+        found.default_position,
+    )
+    assert [(q.value, q.unit) for q in figures] == [
+        (1000.0, "N/m"),
+        (10.0, "N*s/m"),
+        (200.0, "N"),
+        (0.5, "m/s"),
+        (0.5, "kg"),
+        (3.0, "N"),
+        (2.0, "N*s/m"),
+        (0.001, "m"),
+        (0.05, "m"),
+    ]
+    assert found.position_range == (0.0, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("field", "entry", "expected"),
+    [
+        pytest.param(
+            "kp", "{scale: [0.75, 1.5]}", ("scale", 0.75, 1.5, "uniform", "reset", None, "joint"), id="scale"
+        ),
+        pytest.param(
+            "encoder_bias",
+            "{add: [-1 deg, 1 deg], when: startup, per: env}",
+            ("add", -math.pi / 180, math.pi / 180, "uniform", "startup", None, "env"),
+            id="add",
+        ),
+        pytest.param(
+            "delay",
+            "{abs: [0, 10 ms], when: interval, every: [1 s, 2 s]}",
+            ("abs", 0.0, 0.01, "uniform", "interval", (1.0, 2.0), "joint"),
+            id="abs",
+        ),
+        pytest.param(
+            "strength",
+            "{scale: [1.0, 0.1], distribution: gaussian}",
+            ("scale", 1.0, 0.1, "gaussian", "reset", None, "joint"),
+            id="gaussian is mean and std",
+        ),
+        pytest.param(
+            "kp",
+            "{from: identified, sigma: 2}",
+            ("abs", 26.0, 34.0, "uniform", "reset", None, "joint"),
+            id="2 sigma",
+        ),
+        pytest.param(
+            "kp",
+            "{from: identified, sigma: 2, distribution: gaussian}",
+            ("abs", 30.0, 4.0, "gaussian", "reset", None, "joint"),
+            id="gaussian of the fit",
+        ),
+        pytest.param(
+            "kd",
+            "{from: identified}",
+            ("abs", 0.0, 0.5, "uniform", "reset", None, "joint"),
+            id="never below 0",
+        ),
+        pytest.param(
+            "encoder_bias",
+            "{from: identified}",
+            ("abs", -0.02, 0.04, "uniform", "reset", None, "joint"),
+            id="a bias may be",
+        ),
+    ],
+)
+def test_randomize(field: str, entry: str, expected: tuple[object, ...]) -> None:
+    """Ranges in SI, a gaussian's pair as (mean, std), from the fit as fitted -+ sigma std."""
+    text = hip(f", identified: r.yaml, randomize: {{{field}: {entry}}}")
+    results = "{hip: {kp: {value: 30, std: 2}, kd: {value: 0.2, std: 0.3}, encoder_bias: {value: 0.01 rad, "
+    results += "std: 0.03 rad}}}"
+    (found,) = joint(text, results=results).randomize
+    drawn = (found.operation, found.low, found.high, found.distribution, found.when, found.every, found.per)
+    assert found.field == field
+    assert drawn[0] == expected[0]
+    assert drawn[1:3] == pytest.approx(expected[1:3])
+    assert drawn[3:] == expected[3:]
+
+
+def test_randomized_in_the_other_joints_unit() -> None:
+    """An offset in N/m at a hinge is refused."""
+    assert refused(hip(", randomize: {kp: {add: [-1 N/m, 1 N/m]}}"))[0].startswith(
+        "RES001 actuators.legs.randomize.kp.add: 'hip' is a hinge joint"
+    )
+
+
+def test_network_and_delta_action() -> None:
+    """Files are relative to the spec's folder; the delta action concerns the whole robot."""
+    text = spec_of(
+        "legs: {joints: [hip], level: actuator_net, network: {file: nets/a.pt, manifest: nets/a.json}}",
+        robot=HIP,
+        more="delta_action: {network: nets/d.pt, max_delta: 0.1 rad, state: [q, qd]}",
+    )
+    found = fit(text)
+    network = found.joints[0].network
+    assert network is not None and found.delta_action is not None
+    assert (network.file, network.manifest) == ("nets/a.pt", "nets/a.json")
+    assert (found.delta_action.max_delta.value, found.delta_action.state) == (0.1, ("q", "qd"))
+
+
+@pytest.mark.parametrize(
+    ("timing", "value", "origin", "lost"),
+    [
+        pytest.param(
+            "timing: {physics_dt: 5 ms, decimation: 4}", 0.005, Origin.AUTHORED, [0.001], id="authored"
+        ),
+        pytest.param("", 0.001, Origin.MODEL, [], id="the file's"),
+        pytest.param("timing: {physics_dt: unknown}", 0.001, Origin.MODEL, [], id="unknown keeps the file's"),
+    ],
+)
+def test_physics_dt(timing: str, value: float, origin: Origin, lost: list[float]) -> None:
+    """The step is authored, else the file's."""
+    text = spec_of(
+        "legs: {joints: [hip], level: ideal_pd, kp: 1, kd: 1}",
+        robot="name: leg, model: robot.xml",
+        more=timing,
+    )
+    found = fit(text, MODEL).physics_dt
+    assert (found.value, found.origin, [loser.value for loser in found.lost]) == (value, origin, lost)
+
+
+def test_physics_dt_without_a_file() -> None:
+    """Without spec or file it is MuJoCo's 2 ms, of origin default."""
+    found = fit(hip("")).physics_dt
+    assert (found.value, found.origin) == (0.002, Origin.DEFAULT)
+
+
+def test_values_keep_source_std_and_place() -> None:
+    """Provenance travels with each number."""
+    found = joint(
+        hip("", "kp: {value: 25, source: s, std: 2, note: measured}, kd: 0") + "sources: {s: {title: T}}"
+    ).kp
+    assert found is not None and found.span is not None
+    assert (found.source, found.std, found.note) == ("s", 2.0, "measured")
+    assert (found.span.path, found.span.line) == ("s.yaml", 4)
+
+
+def test_sources_and_accept_reach_the_ir() -> None:
+    """What numbers and approximations refer to is in the IR."""
+    text = hip("") + "sources: {s: {title: T, page: 3}}\naccept: {mujoco.delay: short enough}"
+    found = fit(text)
+    assert [(s.key, s.title, s.page) for s in found.sources] == [("s", "T", "3")]
+    assert found.accept == (("mujoco.delay", "short enough"),)
+    assert model_of(text).accept == {"mujoco.delay": "short enough"}
+
+
+@pytest.mark.parametrize(
+    ("fields", "motor", "where"),
+    [
+        pytest.param(
+            "kp: {derive: natural_frequency, frequency: 1e200 Hz, inertia: 1}, kd: 1",
+            "{}",
+            "kp",
+            id="frequency",
+        ),
+        pytest.param("kp: 1, kd: 1", "{rotor_inertia: 1, gear_ratio: 1e200}", "armature", id="gear"),
+        pytest.param("kp: 1, kd: 1, reduction: 1e200", "{reflected_inertia: 1}", "armature", id="reduction"),
+        pytest.param(
+            "kp: {derive: torque_at_error, fraction: 1e300, error: 1e-300 rad}, kd: 1, effort_limit: 1",
+            "{}",
+            "kp",
+            id="error",
+        ),
+    ],
+)
+def test_numbers_beyond_floats(fields: str, motor: str, where: str) -> None:
+    """A product that no float holds is an error with its formula, not a traceback and not infinity."""
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: ideal_pd, {fields}}}", robot=HIP, motors=f"{{m: {motor}}}"
+    )
+    assert any(
+        line.startswith(f"RES011 actuators.legs: hip: {where} is out of the range") for line in refused(text)
+    )

@@ -1,0 +1,228 @@
+"""The language as a whole: the design's example, defaults, unions, and the models' own rules."""
+
+from __future__ import annotations
+
+import copy
+from dataclasses import replace
+from typing import Any
+
+import pytest
+from pydantic import BaseModel, ValidationError
+
+from actspec.diagnostics import SpecError
+from actspec.spec.derive import DerivedGain
+from actspec.spec.descriptions import descriptions
+from actspec.spec.document import document_from_text
+from actspec.spec.models import CommandFilter, ListedJoint, SpecModel, Strict
+from actspec.spec.validate import validate
+from actspec.spec.values import SpecValue
+from tests.fitting import faults_of, model_of, spec_of
+
+EVERYTHING = """
+actspec: 1
+robot:
+  name: unitree_a1
+  model: a1/a1.xml
+  unmanaged: ["gripper_.*"]
+  default_pose: {".*_calf_joint": -1.8 rad}
+timing: {physics_dt: 5 ms, decimation: 4}
+sources: {a1_manual: {title: A1 manual, url: https://example.org, page: 3, commit: "0012", accessed: 2026-11-21}}
+motors:
+  a1_joint:
+    side: motor
+    stall_torque: {value: 33.5 N*m, source: a1_manual}
+    no_load_speed: 21 rad/s
+    peak_torque: 33.5 N*m
+    continuous_torque: unknown
+    gear_ratio: 9.1
+    efficiency: 90 %
+    torque_constant: 0.1 N*m/A
+    nominal_voltage: 24 V
+    nominal_current: 10 A
+    peak_current: 40 A
+    rotor_inertia: 100 g*cm^2
+    bandwidth: 30 Hz
+  curved:
+    side: joint
+    curve: {drive_torque: 20 N*m, brake_torque: 25 N*m, knee_speed: 10 rad/s, no_load_speed: 20 rad/s}
+    reflected_inertia: 0.01 kg*m^2
+actuators:
+  legs:
+    joints: [".*_hip_joint", ".*_thigh_joint", ".*_calf_joint"]
+    motor: a1_joint
+    reduction: 1
+    motors_per_joint: 1
+    level: dc_motor
+    command: position
+    kp: identified
+    kd: {derive: damping_ratio, ratio: 2, inertia: reflected}
+    effort_limit: continuous
+    velocity_limit: 200 rpm
+    armature: 0.01 kg*m^2
+    friction: {coulomb: 0.2 N*m, viscous: 0.01 N*m*s/rad, static: 0.25 N*m, stribeck_velocity: 0.1 rad/s}
+    command_filter: from_motor
+    command_range: joint
+    delay: {nominal: 5 ms, range: [0 ms, 10 ms], sampling: episode}
+    encoder_bias: 0 rad
+    action_scale: 0.25
+    identified: results/a1_legs.yaml
+    overrides: {".*_calf_joint": {effort_limit: 35.55 N*m}}
+    randomize:
+      kp: {scale: [0.75, 1.5]}
+      gains: {scale: [0.9, 1.1]}
+      strength: {scale: [1.0, 0.05], distribution: gaussian}
+      kd: {from: identified, sigma: 2}
+      friction.stribeck_velocity: {abs: [0.1 rad/s, 0.2 rad/s]}
+      delay: {add: [0, 5 ms], when: interval, every: [5 s, 10 s], per: env}
+  arms:
+    joints: [".*_arm"]
+    level: actuator_net
+    network: {file: nets/a1.pt, manifest: nets/a1.json}
+delta_action: {network: nets/a1_delta.pt, max_delta: 0.1 rad, state: [q, qd]}
+targets:
+  mujoco: {version: "3.12"}
+  old: {target: mujoco, version: "3.3"}
+  isaaclab: {version: "2.3", isaac_sim: "5.1", class: auto}
+  mjlab: {version: "1.6"}
+  randomization: {for: [isaaclab, mjlab, json]}
+accept: {isaaclab.command_filter: "the policy runs far below it"}
+"""
+
+
+def continuous_known(text: str) -> str:
+    """The example asks for `continuous`, so the motor must state it."""
+    return text.replace("continuous_torque: unknown", "continuous_torque: 12 N*m")
+
+
+def test_the_whole_language() -> None:
+    """Every key of the design's example is read, to SI."""
+    model = model_of(continuous_known(EVERYTHING))
+    legs = model.actuators["legs"]
+    assert model.timing.physics_dt is not None and model.timing.physics_dt.value == 0.005
+    assert model.motors["a1_joint"].rotor_inertia is not None
+    assert model.motors["a1_joint"].rotor_inertia.value == 1e-5
+    assert (model.sources["a1_manual"].page, model.sources["a1_manual"].commit) == ("3", "0012")
+    assert isinstance(legs.kp, SpecValue) and legs.kp.identified
+    assert isinstance(legs.kd, DerivedGain)
+    assert legs.effort_limit == "continuous"
+    assert legs.randomize["kd"].from_ == "identified"
+    assert model.targets["isaaclab"].class_ == "auto"
+    assert model.targets["randomization"].for_ == ("isaaclab", "mjlab", "json")
+
+
+def test_every_key_was_in_the_example() -> None:
+    """No model has a key that the example leaves out, but these."""
+    text = set(EVERYTHING.replace("{", " ").replace("}", " ").replace(",", " ").split())
+    left_out = {
+        alias
+        for model in Strict.__subclasses__()
+        if model.__module__ == SpecModel.__module__
+        for name, field in model.model_fields.items()
+        if f"{(alias := field.alias or name)}:" not in text
+    }
+    assert left_out == {"note", "include", "kind", "backend", "joint_order", "cutoff"}
+
+
+def test_filter_forms() -> None:
+    """A filter is a mapping or one of two words."""
+    for written, kind in (("{cutoff: 30 Hz}", CommandFilter), ("none", str)):
+        model = model_of(spec_of(f"a: {{joints: [x], level: ideal_pd, command_filter: {written}}}"))
+        assert isinstance(model.actuators["a"].command_filter, kind)
+
+
+def test_listed_joints() -> None:
+    """A robot without a model lists joints by name or with kind and range."""
+    robot = "name: r, model: none, joints: [a, {name: b, kind: slide, range: [0, 1 m]}]"
+    first, second = model_of(spec_of("g: {joints: [x], level: ideal_pd}", robot=robot)).robot.joints
+    assert first == "a"
+    assert isinstance(second, ListedJoint) and (second.name, second.kind) == ("b", "slide")
+
+
+def test_models_are_frozen_and_strict() -> None:
+    """A spec does not change after it was read, and takes no unknown key."""
+    model = model_of(continuous_known(EVERYTHING))
+    with pytest.raises(ValidationError):
+        model.robot.name = "other"
+    for part in Strict.__subclasses__():
+        assert part.model_config["extra"] == "forbid"
+        assert part.model_config["frozen"]
+
+
+def _fields() -> list[Any]:
+    return [
+        pytest.param(model, name, id=f"{model.__name__}.{name}")
+        for model in Strict.__subclasses__()
+        for name in model.__annotations__
+        if name in model.model_fields
+    ]
+
+
+@pytest.mark.parametrize(("model", "field"), _fields())
+def test_every_field_is_described(model: type[BaseModel], field: str) -> None:
+    """A field's docstring ends in a full stop and is no repetition of its name."""
+    text = descriptions(model)[field]
+    assert text.endswith(".")
+    assert text.rstrip(".").lower() != field.replace("_", " ")
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        pytest.param(
+            "actspec: 2", "SPEC102 actspec: the spec is written for version 2 of the language, this actspec reads "
+            "version 1", id="newer",
+        ),
+        pytest.param("actspec: 0", "SPEC102 actspec: there is no version 0 of the language", id="older"),
+        pytest.param('actspec: "1"', "SPEC106 actspec: must be a whole number, got '1'", id="text"),
+        pytest.param("actspec: true", "SPEC106 actspec: must be a whole number, got true", id="truth value"),
+        pytest.param("actspec: 1.0", "SPEC106 actspec: must be a whole number, got 1.0", id="fraction"),
+    ],
+)  # fmt: skip
+def test_version(text: str, said: str) -> None:
+    """The language's version is a whole number that this tool knows."""
+    spec = spec_of("a: {joints: [x], level: ideal_pd, kp: 1}").replace("actspec: 1", text)
+    assert faults_of(spec) == [said]
+
+
+def test_a_newer_version_is_the_only_error() -> None:
+    """Keys of a later language are not judged by this one."""
+    assert len(faults_of("actspec: 7\nunheard_of: {}\n")) == 1
+
+
+JUNK = (
+    None,
+    True,
+    -1,
+    1e400,
+    "",
+    "x\n",
+    [],
+    [[]],
+    {},
+    {"value": []},
+    {"value": None},
+    {"derive": {}},
+    {"": 0},
+)
+"""What no key takes, or only some."""
+
+
+def _paths(node: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int, ...]]:
+    below = node.items() if isinstance(node, dict) else enumerate(node) if isinstance(node, list) else ()
+    return [path, *(found for key, value in below for found in _paths(value, (*path, key)))]
+
+
+@pytest.mark.parametrize("junk", JUNK, ids=repr)
+def test_junk_anywhere_is_no_crash(junk: Any) -> None:
+    """Whatever stands in place of any value, validation accepts it or gives diagnostics with places."""
+    document = document_from_text(continuous_known(EVERYTHING), "s.yaml")
+    for path in _paths(document.data)[1:]:
+        data = copy.deepcopy(document.data)
+        node: Any = data
+        for part in path[:-1]:
+            node = node[part]
+        node[path[-1]] = copy.deepcopy(junk)
+        try:
+            validate(replace(document, data=data))
+        except SpecError as err:
+            assert all(item.span is not None and item.message for item in err.diagnostics)
