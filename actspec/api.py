@@ -14,9 +14,6 @@ from actspec.diagnostics import (
     ResolveError,
     RobotError,
     Severity,
-    SpecError,
-    nearest,
-    one_line,
 )
 
 if TYPE_CHECKING:
@@ -24,9 +21,6 @@ if TYPE_CHECKING:
     from actspec.robot.view import RobotView
     from actspec.spec.validate import Spec
     from actspec.targets.base import Approximation, Emission, TargetOptions
-
-BUILD = "build"
-"""Folder below the working directory that compiled files go to."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +122,7 @@ def compile(
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
     """
     from actspec.audit.rules import check_actuators
+    from actspec.targets.choose import choose_targets, emitter
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
     collector = Collector()
@@ -138,10 +133,8 @@ def compile(
         collector.add(item)
     emissions = []
     for options in chosen:
-        from actspec.targets.mujoco.emit import emit
-
         try:
-            emission = emit(actuators, robot, options)
+            emission = emitter(options.kind)(actuators, robot, options)
         except EmitError as err:
             for item in err.diagnostics:
                 collector.add(item)
@@ -158,85 +151,6 @@ def compile(
         collector.add(item)
     collector.raise_if_failed(EmitError)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
-
-
-def choose_targets(
-    spec: Spec, asked: Sequence[str], output: str | None, canonical: bool, collector: Collector
-) -> tuple[TargetOptions, ...]:
-    """Which targets to compile: those of the spec, or those asked for.
-
-    Raises:
-        SpecError: a target that is asked for is unknown, or nothing is left to compile.
-    """
-    from actspec.spec.rules import TARGETS
-    from actspec.targets.base import TargetOptions
-    from actspec.targets.versions import DEFAULT_MUJOCO
-
-    folder = output if output is not None else os.path.join(BUILD, spec.model.robot.name)
-    named = {
-        name: TargetOptions(
-            name=name,
-            kind=entry.target or name,
-            version=entry.version or DEFAULT_MUJOCO,
-            version_span=spec.span("targets", name, "version"),
-            folder=os.path.join(folder, name),
-            canonical=canonical,
-        )
-        for name, entry in spec.model.targets.items()
-    }
-    if not named:
-        named["mujoco"] = TargetOptions(
-            "mujoco", "mujoco", DEFAULT_MUJOCO, None, os.path.join(folder, "mujoco"), canonical
-        )
-    chosen: list[TargetOptions] = []
-    for text in asked or tuple(named):
-        name, equals, version = text.partition("==")
-        if name in named:
-            options = named[name]
-        elif name in TARGETS:
-            options = replace(
-                named.get("mujoco") or next(iter(named.values())),
-                name=name,
-                kind=name,
-                version=version,
-                folder=os.path.join(folder, name),
-            )
-        else:
-            known = [*named, *(kind for kind in TARGETS if kind not in named)]
-            guess = nearest(name, known)
-            collector.error(
-                "CLI001",
-                f"no target is named '{one_line(name)}'",
-                where="--target",
-                help=f"did you mean '{guess}'?" if guess else f"targets of the spec: {', '.join(named)}",
-            )
-            continue
-        if equals:
-            options = replace(options, version=version, version_span=None)
-        if options.kind != "mujoco":
-            message = (
-                f"the target '{options.name}' ({options.kind}) cannot be compiled by this version of actspec"
-            )
-            if asked:
-                collector.error("CLI002", message, where="--target", help="it compiles: mujoco")
-            else:
-                collector.warning(
-                    "CLI002",
-                    message,
-                    where=f"targets.{name}",
-                    span=spec.document.spans.key(("targets", name)),
-                    help="it is left out; the others are compiled",
-                )
-            continue
-        if options not in chosen:
-            chosen.append(options)
-    collector.raise_if_failed(SpecError)
-    if not chosen:
-        collector.error(
-            "CLI003", "none of the spec's targets can be compiled", where="targets", help="add `mujoco`"
-        )
-        raise SpecError(collector.sorted())
-    return tuple(chosen)
 
 
 def failed(diagnostics: Sequence[Diagnostic]) -> bool:

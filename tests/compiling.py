@@ -98,6 +98,13 @@ def view_of(model: str | bytes, *, includes: dict[str, str] | None = None, folde
     return read_mjcf(tuple(files))
 
 
+def installed() -> str:
+    """Version of the installed MuJoCo, e.g. `3.12`."""
+    import mujoco
+
+    return ".".join(mujoco.__version__.split(".")[:2])
+
+
 def options(version: str, *, folder: str | None = None, canonical: bool = False) -> TargetOptions:
     """The MuJoCo target at a version, beside the model unless a folder is named."""
     return TargetOptions("mujoco", "mujoco", version, None, folder or os.path.join(FOLDER, "out"), canonical)
@@ -106,7 +113,7 @@ def options(version: str, *, folder: str | None = None, canonical: bool = False)
 def compile_text(
     actuators: str,
     model: str | bytes,
-    version: str = "4.0",
+    version: str | None = None,
     *,
     robot: str = "",
     motors: str = MOTORS,
@@ -114,11 +121,13 @@ def compile_text(
     includes: dict[str, str] | None = None,
     canonical: bool = False,
 ) -> Compiled:
-    """Compile the `actuators` of a spec against a model.
+    """Compile the `actuators` of a spec against a model, for the installed MuJoCo unless a version is named.
 
     Raises: ActspecError: the stage that fails, with its diagnostics.
     """
     spec = validate(document_from_text(spec_text(actuators, robot=robot, motors=motors, timing=timing)))
     view = view_of(model, includes=includes)
     resolved = resolve(spec, view)
-    return Compiled(view, resolved, emit(resolved, view, options(version, canonical=canonical)))
+    return Compiled(
+        view, resolved, emit(resolved, view, options(version or installed(), canonical=canonical))
+    )

@@ -19,6 +19,11 @@ class TargetOptions:
         version_span: Where the version is written; None when it was chosen on the command line.
         folder: Folder that the files will be written to, for relative paths inside them.
         canonical: Write the simulator's own form of the model instead of the author's text (MuJoCo).
+        isaac_sim: Isaac Sim version as text, for Isaac Lab; None: that which the Isaac Lab version goes with.
+        backend: `physx`, `newton` or `ovphysx`, for Isaac Lab 3; None: the version's default.
+        actuator_class: `auto`, `implicit` or `custom`, for Isaac Lab.
+        stacks: What to write randomisation for: `isaaclab`, `mjlab`, `playground`, `json`; empty: the target's default.
+        joint_order: Joint order of the robot's SDK, for deploy; empty: none is stated.
     """
 
     name: str
@@ -27,6 +32,11 @@ class TargetOptions:
     version_span: Span | None
     folder: str
     canonical: bool = False
+    isaac_sim: str | None = None
+    backend: str | None = None
+    actuator_class: str = "auto"
+    stacks: tuple[str, ...] = ()
+    joint_order: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

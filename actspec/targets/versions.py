@@ -63,6 +63,10 @@ DEFAULT_MUJOCO = "3.12"
 """Version when a spec names none. Chosen: the first with torque-space dcmotor gains."""
 
 
+DEFAULT_VERSIONS = {"mujoco": DEFAULT_MUJOCO, "isaaclab": "2.3", "mjlab": "1.6"}
+"""Version of each kind of target when a spec names none; kinds without versions are not in it."""
+
+
 class UnknownVersion(ValueError):
     """A version that is not known; `help` names the nearest."""
 

@@ -267,6 +267,15 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
             assert re.fullmatch(pattern, done.stdout, re.DOTALL), f"{block.id}: $ {command}\n{done.stdout}"
 
 
+@pytest.mark.parametrize("family", ["CLI", "DMP", "FRC", "MJC", "OUT", "RTP", "STB"])
+def test_every_check_has_its_line(family: str) -> None:
+    """docs/checks.md names exactly the codes of the checks that the source gives."""
+    sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
+    given = set(re.findall(rf'"({family}\d{{3}})"', sources))
+    page = (ROOT / "docs" / "checks.md").read_text(encoding="utf-8")
+    assert set(re.findall(rf"\b{family}\d{{3}}\b", page)) == given
+
+
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))
 def test_links_lead_somewhere(page: Path) -> None:
     """Every relative link and picture of a page is a file of the repository, every anchor a heading."""

@@ -9,7 +9,6 @@ from actspec.robot.xml_edit import escape_attribute, format_number
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
-
 GENERAL_INPUTS = {Form.POSITION: "pos", Form.VELOCITY: "vel"}
 """`input` of a `<general>`; MuJoCo has no word for a torque."""
 

@@ -83,8 +83,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if anchors.inherits_range and clamped:
         collector.error(
             "MJC022",
-            "inheritrange in the file's main default class would override command_range: "
-            f"{listed(clamped)}",
+            f"inheritrange in the file's main default class would override command_range: {listed(clamped)}",
             help="give the class a name",
         )
     collector.raise_if_failed(EmitError)

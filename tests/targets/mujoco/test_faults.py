@@ -13,8 +13,7 @@ import pytest
 from actspec.diagnostics import Diagnostic
 from actspec.ir import ActuatorSet
 from actspec.robot.mjspec import compile_spec, open_spec
-from actspec.robot.view import ModelFile, ModelFormat, RobotView
-from actspec.robot.xml import parse_document
+from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.check import differences, outside_plan
 from actspec.targets.mujoco.emit import installed_dialect
@@ -143,7 +142,7 @@ def test_mjc090_stops_the_compile(monkeypatch: pytest.MonkeyPatch) -> None:
         apply_to_spec(spec, more, *rest, **named)  # type: ignore[arg-type]
 
     monkeypatch.setattr(module, "apply_to_spec", careless)
-    with pytest.raises(EmitError, match="MJC090: .*dof_frictionloss"):
+    with pytest.raises(EmitError, match=r"MJC090: .*dof_frictionloss"):
         compile_text(GROUP, ROBOT, robot="unmanaged: [knee]")
 
 

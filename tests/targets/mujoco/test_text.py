@@ -222,7 +222,7 @@ REPLICATED = """<mujoco><worldbody><replicate count="2" euler="0 0 90" sep="_">
 
 def test_replicated_joint_is_declined() -> None:
     """Its two copies share one text: an error with the reason, and --canonical as the way out."""
-    with pytest.raises(EmitError, match="MJC004 hip_0: .*<replicate>") as caught:
+    with pytest.raises(EmitError, match=r"MJC004 hip_0: .*<replicate>") as caught:
         compile_text(GROUP.format("hip_.*") + FRICTION, REPLICATED)
     assert all("--canonical" in (item.help or "") for item in caught.value.diagnostics)
 
@@ -248,7 +248,7 @@ def test_attached_joint_is_declined(tmp_path: Path) -> None:
     """The text of an attached model is not part of the document: an error with the reason."""
     (tmp_path / "arm.xml").write_text(ARM)
     both = GROUP.format("hip, arm_elbow") + FRICTION
-    with pytest.raises(EmitError, match="MJC004 arm_elbow: "):
+    with pytest.raises(EmitError, match=r"MJC004 arm_elbow: "):
         build(tmp_path, {"robot.xml": ATTACHING}, both)
 
 

@@ -1,0 +1,114 @@
+"""Which targets a compile makes: those of the spec, or those named on the command line."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, SpecError, nearest, one_line
+from actspec.spec.rules import TARGETS
+from actspec.targets.base import Emission, TargetOptions
+from actspec.targets.versions import DEFAULT_VERSIONS
+
+if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
+    from actspec.robot.view import RobotView
+    from actspec.spec.validate import Spec
+
+BUILD = "build"
+"""Folder below the working directory that compiled files go to."""
+
+EMITTERS = {
+    "mujoco": "actspec.targets.mujoco.emit",
+}
+"""Kind of target to the module whose `emit` makes it; imported when it is used."""
+
+Emit = Callable[["ActuatorSet", "RobotView", TargetOptions], Emission]
+
+
+def emitter(kind: str) -> Emit:
+    """The function that makes a kind of target."""
+    emit: Emit = import_module(EMITTERS[kind]).emit
+    return emit
+
+
+def choose_targets(
+    spec: Spec, asked: Sequence[str], output: str | None, canonical: bool, collector: Collector
+) -> tuple[TargetOptions, ...]:
+    """Which targets to compile: those of the spec, or those asked for.
+
+    Raises:
+        SpecError: a target that is asked for is unknown, or nothing is left to compile.
+    """
+    folder = output if output is not None else os.path.join(BUILD, spec.model.robot.name)
+
+    def bare(kind: str) -> TargetOptions:
+        version = DEFAULT_VERSIONS.get(kind, "")
+        return TargetOptions(kind, kind, version, None, os.path.join(folder, kind), canonical)
+
+    named = {}
+    for name, entry in spec.model.targets.items():
+        kind = entry.target or name
+        named[name] = TargetOptions(
+            name=name,
+            kind=kind,
+            version=entry.version or DEFAULT_VERSIONS.get(kind, ""),
+            version_span=spec.span("targets", name, "version"),
+            folder=os.path.join(folder, name),
+            canonical=canonical,
+            isaac_sim=entry.isaac_sim,
+            backend=entry.backend,
+            actuator_class=entry.class_ or "auto",
+            stacks=entry.for_ or (),
+            joint_order=entry.joint_order or (),
+        )
+    if not named:
+        named["mujoco"] = bare("mujoco")
+    chosen: list[TargetOptions] = []
+    for text in asked or tuple(named):
+        name, equals, version = text.partition("==")
+        if name in named:
+            options = named[name]
+        elif name in TARGETS:
+            options = bare(name)
+        else:
+            known = [*named, *(kind for kind in TARGETS if kind not in named)]
+            guess = nearest(name, known)
+            collector.error(
+                "CLI001",
+                f"no target is named '{one_line(name)}'",
+                where="--target",
+                help=f"did you mean '{guess}'?" if guess else f"targets of the spec: {', '.join(named)}",
+            )
+            continue
+        if equals:
+            options = replace(options, version=version, version_span=None)
+        if options.kind not in EMITTERS:
+            message = (
+                f"the target '{options.name}' ({options.kind}) cannot be compiled by this version of actspec"
+            )
+            if asked:
+                collector.error(
+                    "CLI002", message, where="--target", help=f"it compiles: {', '.join(EMITTERS)}"
+                )
+            else:
+                collector.warning(
+                    "CLI002",
+                    message,
+                    where=f"targets.{name}",
+                    span=spec.document.spans.key(("targets", name)),
+                    help="it is left out; the others are compiled",
+                )
+            continue
+        if options not in chosen:
+            chosen.append(options)
+    collector.raise_if_failed(SpecError)
+    if not chosen:
+        collector.error(
+            "CLI003", "none of the spec's targets can be compiled", where="targets", help="add `mujoco`"
+        )
+        raise SpecError(collector.sorted())
+    return tuple(chosen)
