@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from actspec.api import Compilation, compile, load, resolve
+    from actspec.api import Compilation, compile, load, resolve, sample
 
 __version__ = "0.1.0"
 
-__all__ = ["Compilation", "__version__", "compile", "load", "resolve"]
+__all__ = ["Compilation", "__version__", "compile", "load", "resolve", "sample"]
 
 
 def __getattr__(name: str) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import (
     Collector,
@@ -153,9 +153,33 @@ def compile(
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 
 
+def sample(
+    actuators: ActuatorSet | Spec | str | os.PathLike[str], n: int, *, seed: int, xp: Any = None
+) -> dict[str, Any]:
+    """Draw the effective actuator values of n randomised robots; see `actspec.sampling.sample`.
+
+    Args:
+        actuators: A resolved spec, a spec, or the path of one.
+        n: Number of environments, >= 1.
+        seed: >= 0.
+        xp: `numpy` (default) or `torch`, the module.
+
+    Returns: Field to array of shape (n, joints), in the order of `resolve(...).joints`.
+
+    Raises:
+        ValueError: n or seed is out of range.
+        SpecError, RobotError, ResolveError: with every error of the stage.
+    """
+    from actspec.ir import ActuatorSet
+    from actspec.sampling import sample as draw
+
+    found = actuators if isinstance(actuators, ActuatorSet) else resolve(actuators)
+    return draw(found, n, seed=seed, xp=xp)
+
+
 def failed(diagnostics: Sequence[Diagnostic]) -> bool:
     """Whether an error is among them."""
     return any(item.severity is Severity.ERROR for item in diagnostics)
 
 
-__all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve"]
+__all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve", "sample"]

@@ -12,7 +12,8 @@ parallel motors are already in it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, replace
 from enum import Enum
 
 from actspec.diagnostics import Diagnostic, Span
@@ -276,6 +277,21 @@ class JointActuator:
     inertia_held: InertiaRange | None
     inertia_free: InertiaRange | None
     span: Span | None
+
+    def quantities(self) -> Iterator[tuple[str, Quantity]]:
+        """Every number that there is, by name: the fields, then the parts of curve, delay and range."""
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if isinstance(value, Quantity):
+                yield field.name, value
+        if self.curve is not None:
+            for part in fields(self.curve):
+                yield f"curve.{part.name}", getattr(self.curve, part.name)
+        if self.delay is not None:
+            yield "delay", self.delay.nominal
+        if self.command_range is not None:
+            yield "command_range.low", self.command_range[0]
+            yield "command_range.high", self.command_range[1]
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,9 @@ from importlib import import_module
 import actspec
 from actspec.diagnostics import EXIT_FAILED
 
+WRITTEN = ("compile", "actuators", "validate", "manifest", "randomization")
+"""Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
+
 
 def parser() -> argparse.ArgumentParser:
     """The command line's grammar."""
@@ -61,9 +64,14 @@ def parser() -> argparse.ArgumentParser:
     )
     _format(show)
 
-    schema = commands.add_parser("schema", help="print a JSON Schema, for editors")
+    schema = commands.add_parser("schema", help="print a JSON Schema, for editors and for machine output")
     schema.add_argument(
-        "name", nargs="?", default="spec", choices=("spec", "results", "network"), help="which one"
+        "name",
+        nargs="?",
+        default="spec",
+        choices=("spec", "results", "network", *WRITTEN),
+        help="of a file that people write (spec, results, network), or that actspec does: the JSON of compile, show "
+        "(actuators) and validate, and files beside compiled ones",
     )
 
     init = commands.add_parser("init", help="write a starting spec")

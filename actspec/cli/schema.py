@@ -6,11 +6,17 @@ import argparse
 import sys
 
 from actspec.diagnostics import EXIT_CLEAN
+from actspec.resources import data_path
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the schema of a spec, a results file or a network manifest."""
-    from actspec.spec.schema import schema_text
+    """Print the schema of a file that people write, or of one that actspec does."""
+    from actspec.spec.schema import FILES, schema_text
 
-    sys.stdout.write(schema_text(arguments.name))
+    name: str = arguments.name
+    if name in FILES:
+        text = schema_text(name)
+    else:
+        text = data_path("schemas", f"actspec-{name}-v1.schema.json").read_text(encoding="utf-8")
+    sys.stdout.write(text)
     return EXIT_CLEAN

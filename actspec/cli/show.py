@@ -14,28 +14,6 @@ from actspec.diagnostics import EXIT_CLEAN, Diagnostic, ResolveError, Severity, 
 from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.units import format_quantity
 
-FIELDS = (
-    "kp",
-    "kd",
-    "effort_limit",
-    "velocity_limit",
-    "stall_torque",
-    "no_load_speed",
-    "peak_torque",
-    "continuous_torque",
-    "armature",
-    "reflected_inertia",
-    "friction_coulomb",
-    "friction_static",
-    "friction_viscous",
-    "stribeck_velocity",
-    "filter_cutoff",
-    "encoder_bias",
-    "action_scale",
-    "default_position",
-)
-CURVE = ("drive_torque", "brake_torque", "knee_speed", "no_load_speed")
-
 
 def run(arguments: argparse.Namespace) -> int:
     """Show one joint, those that a pattern matches, or all."""
@@ -75,28 +53,13 @@ def _chosen(actuators: ActuatorSet, pattern: str) -> tuple[JointActuator, ...]:
     return tuple(joint for joint in actuators.joints if joint.joint in found)
 
 
-def _quantities(joint: JointActuator) -> Iterator[tuple[str, Quantity]]:
-    for field in FIELDS:
-        quantity = getattr(joint, field)
-        if quantity is not None:
-            yield field, quantity
-    if joint.curve is not None:
-        for part in CURVE:
-            yield f"curve.{part}", getattr(joint.curve, part)
-    if joint.delay is not None:
-        yield "delay", joint.delay.nominal
-    if joint.command_range is not None:
-        yield "command_range.low", joint.command_range[0]
-        yield "command_range.high", joint.command_range[1]
-
-
 def _details(joint: JointActuator) -> Iterator[str]:
     yield (
         f"{joint.joint}  ({joint.kind.value}, group {joint.group} by '{joint.pattern}', level {joint.level.value}, "
         f"command {joint.command.value}" + (f", motor {joint.motor})" if joint.motor else ")")
     )
     rows: list[tuple[str, ...]] = [("field", "value", "origin", "source", "where", "formula or note")]
-    for field, quantity in _quantities(joint):
+    for field, quantity in joint.quantities():
         rows.append((field, *_cells(quantity)))
         for lost in quantity.lost:
             rows.append(("  passed over", *_cells(lost)))
@@ -169,7 +132,7 @@ def _overview(joints: tuple[JointActuator, ...]) -> Iterator[tuple[str, ...]]:
 def _record(joint: JointActuator) -> dict[str, Any]:
     record: dict[str, Any] = {"joint": joint.joint, "group": joint.group, "level": joint.level.value}
     record["command"] = joint.command.value
-    for field, quantity in _quantities(joint):
+    for field, quantity in joint.quantities():
         record[field] = _quantity_record(quantity)
     for name in ("inertia_held", "inertia_free"):
         inertia = getattr(joint, name)

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import math
 import os
-from dataclasses import fields
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
 from actspec.resolve.binding import bind
-from actspec.resolve.joint import JointResolver
+from actspec.resolve.inputs import joint_inputs
+from actspec.resolve.joint import actuator_of, armature_of
 from actspec.resolve.model_values import model_values
 from actspec.resolve.motor import linear_faults
 from actspec.resolve.quantities import written
 from actspec.resolve.reports import Reports
 from actspec.resolve.stated import stated_of
 from actspec.robot.view import RobotView
-from actspec.spec.validate import Spec, dotted
+from actspec.spec.paths import dotted
+from actspec.spec.validate import Spec
 
 DEFAULT_TIMESTEP = 0.002
 """Step where neither spec nor model states one [s]. Source: MuJoCo's default of option/timestep."""
@@ -32,7 +33,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     for item in (*spec.diagnostics, *robot.diagnostics):
         collector.add(item)
     bindings = bind(spec, robot, collector)
-    resolvers = []
+    said = []
     reports = Reports()
     seen_motors: set[tuple[str, str]] = set()
     for binding in bindings.managed:
@@ -51,29 +52,30 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
                     span=spec.span(*path),
                     help="state the figure at the joint: rad and N*m for a hinge, m and N for a slide",
                 )
-        resolvers.append(JointResolver(stated, model_values(robot, binding.joint), collector, reports))
+        said.append(joint_inputs(stated, model_values(robot, binding.joint), collector, reports))
     collector.raise_if_failed(ResolveError)
 
-    armatures = [resolver.armature() for resolver in resolvers]
+    armatures = [armature_of(inputs) for inputs in said]
     dofs = {
-        resolver.joint.dof: armature.value
+        inputs.joint.dof: armature.value
         if armature.value is not None
-        else (resolver.model.armature.value or 0.0 if resolver.model.armature is not None else 0.0)
-        for resolver, armature in zip(resolvers, armatures, strict=True)
-        if resolver.joint.dof >= 0
+        else (inputs.model.armature.value or 0.0 if inputs.model.armature is not None else 0.0)
+        for inputs, armature in zip(said, armatures, strict=True)
+        if inputs.joint.dof >= 0
     }
     held = robot.inertia.held(dofs) if robot.inertia is not None and dofs else {}
     free = robot.inertia.free(dofs) if robot.inertia is not None and dofs else {}
     folder = os.path.dirname(spec.document.path)
     joints = tuple(
-        resolver.finish(
+        actuator_of(
+            inputs,
             armature,
-            held.get(resolver.joint.dof),
-            free.get(resolver.joint.dof),
-            bindings.default_pose.get(resolver.joint.name),
+            held.get(inputs.joint.dof),
+            free.get(inputs.joint.dof),
+            bindings.default_pose.get(inputs.joint.name),
             lambda file: os.path.join(folder, file),
         )
-        for resolver, armature in zip(resolvers, armatures, strict=True)
+        for inputs, armature in zip(said, armatures, strict=True)
     )
     reports.tell(collector)
     for actuator in joints:
@@ -107,14 +109,13 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
 
 def _check_finite(actuator: JointActuator, collector: Collector) -> None:
     """Refuse numbers that left the range of floats on their way to the joint."""
-    for field in fields(actuator):
-        value = getattr(actuator, field.name)
-        if isinstance(value, Quantity) and value.value is not None and not math.isfinite(value.value):
+    for name, quantity in actuator.quantities():
+        if quantity.value is not None and not math.isfinite(quantity.value):
             collector.error(
                 "RES011",
-                f"{actuator.joint}: {field.name} is out of the range of numbers: {value.formula}",
+                f"{actuator.joint}: {name} is out of the range of numbers: {quantity.formula}",
                 where=f"actuators.{actuator.group}",
-                span=value.span or actuator.span,
+                span=quantity.span or actuator.span,
                 help="look for a figure with a wrong exponent or unit",
             )
 

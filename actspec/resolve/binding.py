@@ -9,9 +9,8 @@ from actspec.diagnostics import Collector, Diagnostic, Severity, listed
 from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names, suggest_pattern
 from actspec.robot.view import JointView, RobotView
-from actspec.spec.validate import Spec, dotted
-
-Path = tuple[str | int, ...]
+from actspec.spec.paths import Path, dotted
+from actspec.spec.validate import Spec
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,10 +11,12 @@ from actspec.diagnostics import Collector, Span, listed
 class Reports:
     """Collects errors of single joints until all joints are through."""
 
-    joints: dict[tuple[str, str, str, Span, str | None], list[str]] = field(default_factory=dict)
+    joints: dict[tuple[str, str, str, Span | None, str | None], list[str]] = field(default_factory=dict)
     """Code, message, where, span and help, to the joints concerned."""
 
-    def error(self, code: str, joint: str, message: str, where: str, span: Span, help: str | None) -> None:
+    def error(
+        self, code: str, joint: str, message: str, where: str, span: Span | None, help: str | None
+    ) -> None:
         """Note that something is wrong with a joint."""
         named = self.joints.setdefault((code, message, where, span, help), [])
         if joint not in named:

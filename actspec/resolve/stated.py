@@ -12,12 +12,11 @@ from actspec.resolve.quantities import unit_of, written
 from actspec.spec.derive import DerivedGain
 from actspec.spec.fields import CommandRange
 from actspec.spec.models import Actuators, Motor
+from actspec.spec.paths import Path, dotted
 from actspec.spec.results import JointResult
-from actspec.spec.validate import Spec, dotted
+from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind
-
-Path = tuple[str | int, ...]
 
 FIELDS = (
     "motor",
@@ -35,6 +34,9 @@ FIELDS = (
     "action_scale",
 )
 FRICTION = ("coulomb", "viscous", "static", "stribeck_velocity")
+
+UNITS_OF_JOINTS = "a hinge is in rad and N*m, a slide in m and N"
+"""What to write where a unit does not fit the joint."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,5 +148,5 @@ def _fault(stated: Stated, field: str, value: SpecValue, path: Path, collector: 
         f"'{stated.binding.joint.name}' is a {kind.value} joint, but {field} is given as {value.written}",
         where=dotted(path),
         span=stated.spec.span(*path),
-        help="a hinge is in rad and N*m, a slide in m and N",
+        help=UNITS_OF_JOINTS,
     )

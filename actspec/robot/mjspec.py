@@ -39,6 +39,12 @@ __all__ = [
     "splice",
 ]
 
+OLDEST_MUJOCO = 3_007_000
+"""mj_version() of the oldest bindings that can be read with: dcmotor and polynomial damping begin there.
+
+Before 3.7 the number had another form, 327 for 3.2.7, which is smaller too.
+"""
+
 _MESH_DECODERS = frozenset({".obj", ".stl", ".msh"})
 
 
@@ -86,6 +92,18 @@ def open_spec(files: Sequence[ModelFile], *, format: ModelFormat, real_assets: b
     """
     import mujoco
 
+    if mujoco.mj_version() < OLDEST_MUJOCO:
+        raise RobotError(
+            [
+                Diagnostic(
+                    "ROBOT116",
+                    Severity.ERROR,
+                    f"MuJoCo {mujoco.__version__} is installed, and actspec reads and checks models with 3.7 or later",
+                    span=Span(files[0].path),
+                    help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
+                )
+            ]
+        )
     text = splice(files)
     folder = os.path.dirname(os.path.abspath(files[0].path))
     opened = _opened_while_parsing(text, folder, format)
@@ -106,7 +124,9 @@ def _opened_while_parsing(text: SplicedText, folder: str, format: ModelFormat) -
         from actspec.robot.xml import read_model_files
 
         # An attached model is checked like the main one; MuJoCo finds it by its base name.
-        found[_key(name)] = splice(read_model_files(os.path.join(folder, name))).data
+        # The output folder that a written path climbs out of may not exist yet.
+        path = os.path.normpath(os.path.join(folder, name))
+        found[_key(name)] = splice(read_model_files(path)).data
     return found
 
 

@@ -160,9 +160,26 @@ def _joints(
             springdamper=springdamper,
             mimic=None,
             reference_position=float(reference[model.jnt_qposadr[index]]) if scalar else 0.0,
+            parent=_parent(model, index),
         )
         found.append(_with_stated(view, element))
     return tuple(found)
+
+
+def _parent(model: mujoco.MjModel, index: int) -> str:
+    """The nearest named joint before this one on the way to the world; "" when there is none."""
+    body = int(model.jnt_bodyid[index])
+    above = index - 1
+    while True:
+        first = int(model.body_jntadr[body])
+        for joint in range(above, first - 1, -1) if first >= 0 else ():
+            name = _object_name(model, "mjOBJ_JOINT", joint)
+            if name:
+                return name
+        if body == 0:
+            return ""
+        body = int(model.body_parentid[body])
+        above = int(model.body_jntadr[body]) + int(model.body_jntnum[body]) - 1
 
 
 def _with_stated(view: JointView, element: JointElement | None) -> JointView:

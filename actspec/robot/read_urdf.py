@@ -126,11 +126,38 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
         )
     if planar:
         out.info("ROBOT113", f"planar joints left out: {listed(planar)}", span=document.span(document.root))
+    found = _with_parents(found, document)
     for joint in found:
         if joint.mimic is not None and joint.mimic not in names:
             out.warning(
                 "ROBOT124", f"mimics {joint.mimic!r}, which is no joint", where=joint.name, span=joint.span
             )
+    return found
+
+
+def _with_parents(joints: list[JointView], document: XmlDocument) -> list[JointView]:
+    """Each joint with the one that it hangs on, over fixed joints; a circle of links ends where it closes."""
+    # Child link to the joint that moves it, and to its parent link; the first joint of a link counts.
+    links: dict[str, tuple[str, str]] = {}
+    for element in document.root.children:
+        ends = {part.tag: part.get("link") or "" for part in reversed(element.children)}
+        if element.tag == "joint" and ends.get("child"):
+            links.setdefault(ends["child"], (element.get("name") or "", ends.get("parent", "")))
+    moving = {joint.name for joint in joints}
+    # Link to the joint that it moves with, filled along each way that is walked.
+    above: dict[str, str] = {}
+    found = []
+    for joint in joints:
+        link = links[joint.body][1] if joint.body in links else ""
+        way: dict[str, None] = {}
+        while link in links and link not in above and link not in way and links[link][0] not in moving:
+            way[link] = None
+            link = links[link][1]
+        moved = above.get(link, "")
+        if not moved and link in links and links[link][0] in moving:
+            moved = links[link][0]
+        above.update(dict.fromkeys((*way, link), moved))
+        found.append(replace(joint, parent="" if moved == joint.name else moved))
     return found
 
 

@@ -129,7 +129,9 @@ def _marks(path: str, data: bytes) -> _Marks:
             # A root `<mujoco/>` ends where it starts: there is nothing inside.
             marks.inner = (marks.inner[0], max(marks.inner[0], at))
         elif tag == "include" and includes:
-            marks.includes.append((include_at, _tag_end(data, at)))
+            # At the end of `<include/>` expat stands behind it already; at that of `</include>` before it.
+            closing = data.startswith(b"</include", at)
+            marks.includes.append((include_at, _tag_end(data, at) if closing else at))
         elif tag == "replicate":
             copies.pop()
 

@@ -66,6 +66,7 @@ class JointView:
         springdamper: Whether `springdamper` is in force and overwrites stiffness and damping.
         mimic: Joint that this one follows (URDF); None.
         reference_position: Position in the reference pose (first keyframe, else qpos0) [rad or m].
+        parent: The named joint that it hangs on, over fixed bodies; "" for a joint of the base.
     """
 
     name: str
@@ -85,6 +86,7 @@ class JointView:
     springdamper: bool
     mimic: str | None
     reference_position: float
+    parent: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,7 @@
 """MJCF and URDF text as elements with byte offsets, includes in their place.
 
-Positions come from expat, so that `xml_edit` can change an attribute and leave every other byte as
-the author wrote it. What expat refuses is refused, with the place and a way out, even where MuJoCo
-reads it: MuJoCo's parser takes a bare `&`, `<` in a value and `--` in a comment.
+Positions come from expat (`xml_scan`), so that `xml_edit` can change an attribute and leave every
+other byte as the author wrote it.
 
 Includes, measured with MuJoCo 3.7.0, 3.11.0, 3.14.0, 3.17.0 and 4.0.0 on files on disk:
 
@@ -25,137 +24,27 @@ Includes, measured with MuJoCo 3.7.0, 3.11.0, 3.14.0, 3.17.0 and 4.0.0 on files 
 from __future__ import annotations
 
 import os
-import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from xml.parsers import expat
+from collections.abc import Callable, Sequence
 
 from actspec.diagnostics import Collector, Diagnostic, RobotError, Severity, Span
 from actspec.robot.view import ModelFile
-from actspec.robot.xml_errors import Malformed, check_encoding, explain, place_of
+from actspec.robot.xml_errors import Malformed
 from actspec.robot.xml_include import Missing, Unreadable, candidates_for, read_file, tried
+from actspec.robot.xml_scan import Raw, scan
+from actspec.robot.xml_tree import Attribute, Element, Include, XmlDocument
+
+__all__ = ["Attribute", "Element", "Include", "XmlDocument", "parse_document", "read_model_files"]
 
 MOST_BYTES = 64 * 1024 * 1024
 """Chosen: all files of a model together; the largest real one known is 0.2 MB."""
 MOST_ELEMENTS = 2_000_000
 """Chosen: elements of a model, repeated includes counted each time."""
-MOST_DEPTH = 200
-"""Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
 MOST_FILES = 1000
 """Chosen: includes of a model, repeated and faulty ones counted each time."""
 MOST_CHAIN = 64
 """Chosen: files on the way from the main file to an include."""
 
 _ROOTS = ("mujoco", "mujocoinclude")
-_ATTRIBUTE = re.compile(rb"""\s*([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""")
-
-
-@dataclass(frozen=True, slots=True)
-class Attribute:
-    """One attribute; offsets are bytes of the file that its element is in.
-
-    Attributes:
-        name: Name, with its prefix.
-        value: Value as XML means it: references resolved, line breaks and tabs as spaces.
-        start: First byte of the name.
-        end: Just after the closing quote.
-        value_start: Just after the opening quote.
-        value_end: The closing quote.
-    """
-
-    name: str
-    value: str
-    start: int
-    end: int
-    value_start: int
-    value_end: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Element:
-    """One element; compared by identity.
-
-    Attributes:
-        tag: Tag, with its prefix.
-        attributes: By name, in the author's order.
-        file: Index into `XmlDocument.files`.
-        start: The `<` of the start tag [byte].
-        open_end: Just after the `>` of the start tag.
-        end: Just after the whole element; `open_end` for `<a/>`.
-        self_closing: Whether it is written `<a/>`.
-        line: Line of `start`, from 1.
-        column: Column of `start` in characters, from 1.
-        children: Child elements; in the place of an include those of the included root, which are
-            in another file.
-    """
-
-    tag: str
-    attributes: Mapping[str, Attribute]
-    file: int
-    start: int
-    open_end: int
-    end: int
-    self_closing: bool
-    line: int
-    column: int
-    children: tuple[Element, ...]
-
-    def get(self, name: str, default: str | None = None) -> str | None:
-        """Value of an attribute, or `default`."""
-        found = self.attributes.get(name)
-        return default if found is None else found.value
-
-
-@dataclass(frozen=True, slots=True)
-class Include:
-    """One include.
-
-    Attributes:
-        element: The `<include>`, in the including file; it is no child of its parent.
-        name: Its `file` attribute.
-        index: The included file, in `XmlDocument.files`.
-    """
-
-    element: Element
-    name: str
-    index: int
-
-
-@dataclass(frozen=True, slots=True)
-class XmlDocument:
-    """A model's files, parsed.
-
-    Attributes:
-        files: The main file, then one entry for every include, each followed by its own includes.
-        root: Root of the main file.
-        includes: In the order of `files[1:]`.
-    """
-
-    files: tuple[ModelFile, ...]
-    root: Element
-    includes: tuple[Include, ...]
-
-    def sections(self, tag: str) -> tuple[Element, ...]:
-        """Children of the root with that tag, through includes, in document order."""
-        return tuple(child for child in self.root.children if child.tag == tag)
-
-    def walk(self, *tags: str) -> Iterator[Element]:
-        """All elements (or those with one of the tags), the root too, depth first in document order."""
-        stack = [self.root]
-        while stack:
-            element = stack.pop()
-            if not tags or element.tag in tags:
-                yield element
-            stack.extend(reversed(element.children))
-
-    def span(self, element: Element) -> Span:
-        """Where an element starts."""
-        return Span(self.files[element.file].path, element.line, element.column)
-
-    def is_repeated(self, element: Element) -> bool:
-        """Whether the element's file is included more than once: an edit would then count twice."""
-        path = self.files[element.file].path
-        return sum(file.path == path for file in self.files) > 1
 
 
 def read_model_files(path: str) -> tuple[ModelFile, ...]:
@@ -212,36 +101,6 @@ def parse_document(files: Sequence[ModelFile]) -> XmlDocument:
     return document
 
 
-@dataclass(slots=True)
-class _Raw:
-    """An element while its file is being scanned; children and file are not known yet."""
-
-    parent: int
-    depth: int
-    tag: str
-    attributes: dict[str, Attribute]
-    start: int
-    open_end: int
-    end: int
-    self_closing: bool
-    line: int
-    column: int
-
-    def finish(self, file: int, children: tuple[Element, ...]) -> Element:
-        return Element(
-            self.tag,
-            self.attributes,
-            file,
-            self.start,
-            self.open_end,
-            self.end,
-            self.self_closing,
-            self.line,
-            self.column,
-            children,
-        )
-
-
 _Find = Callable[[str, str, str], ModelFile]
 """(path of the main file, path of the including file, name) to the included file."""
 
@@ -287,7 +146,7 @@ class _Assembly:
             limit = f"the model's files are larger than {MOST_BYTES >> 20} MiB together"
             raise _error("ROBOT002", limit, site or Span(file.path))
         try:
-            raws = _scan(file, depth, MOST_ELEMENTS - self._elements)
+            raws = scan(file, depth, self._elements, MOST_ELEMENTS)
         except Malformed as err:
             if site is not None and err.diagnostic.code == "ROBOT004" and err.root not in _ROOTS:
                 self._not_mjcf(file, site)
@@ -331,7 +190,7 @@ class _Assembly:
             help="an included file is XML with the root <mujoco> or <mujocoinclude>",
         )
 
-    def _include(self, raw: _Raw, index: int, chain: tuple[str, ...]) -> tuple[Element, ...]:
+    def _include(self, raw: Raw, index: int, chain: tuple[str, ...]) -> tuple[Element, ...]:
         """Elements that take the place of an include; none after an error."""
         file = self.files[index]
         site = Span(file.path, raw.line, raw.column)
@@ -369,89 +228,6 @@ class _Assembly:
         self.includes.append(Include(raw.finish(index, ()), name, len(self.files)))
         root = self.add(included, site, chain, raw.depth - 2)
         return root.children if root is not None else ()
-
-
-def _scan(file: ModelFile, depth: int, most: int) -> list[_Raw]:
-    """Elements of one file in document order, the root first.
-
-    Args:
-        file: To be scanned.
-        depth: Elements that the root is inside of.
-        most: Elements that are left of the limit.
-    """
-    data = file.data
-    check_encoding(file.path, data)
-    # The declared encoding has been judged; MuJoCo reads UTF-8 whatever is declared, and so does this.
-    parser = expat.ParserCreate("utf-8")
-    parser.ordered_attributes = True
-    raws: list[_Raw] = []
-    open_: list[int] = []
-    match = _ATTRIBUTE.match
-
-    def refuse(code: str, message: str, help: str | None, at: int | None = None) -> Malformed:
-        place = place_of(file.path, data, parser.CurrentByteIndex if at is None else at)
-        root = raws[0].tag if raws else None
-        return Malformed(Diagnostic(code, Severity.ERROR, message, "", place, help), root)
-
-    def start(tag: str, pairs: list[str]) -> None:
-        if len(open_) + depth >= MOST_DEPTH:
-            raise refuse("ROBOT002", f"more than {MOST_DEPTH} elements inside one another", None)
-        if len(raws) >= most:
-            raise refuse("ROBOT002", f"the model has more than {MOST_ELEMENTS} elements", None)
-        at = parser.CurrentByteIndex
-        position = at + 1 + (len(tag) if tag.isascii() else len(tag.encode()))
-        attributes: dict[str, Attribute] = {}
-        for i in range(0, len(pairs), 2):
-            found = match(data, position)
-            # expat has checked the tag, so the pattern cannot fail here.
-            assert found is not None
-            position = found.end()
-            first, last = found.span(found.lastindex or 0)
-            attributes[pairs[i]] = Attribute(pairs[i], pairs[i + 1], found.start(1), position, first, last)
-        close = data.index(b">", position)
-        raws.append(
-            _Raw(
-                open_[-1] if open_ else -1,
-                len(open_) + depth + 1,
-                tag,
-                attributes,
-                at,
-                close + 1,
-                close + 1,
-                data[close - 1] == 0x2F,
-                parser.CurrentLineNumber,
-                parser.CurrentColumnNumber + 1,
-            )
-        )
-        open_.append(len(raws) - 1)
-
-    def end(tag: str) -> None:
-        raw = raws[open_.pop()]
-        if not raw.self_closing:
-            raw.end = data.index(b">", parser.CurrentByteIndex) + 1
-
-    def doctype(*_: object) -> None:
-        raise refuse(
-            "ROBOT005",
-            "the file has a DOCTYPE, which can define entities and name other files",
-            "delete it; MJCF and URDF need none",
-            # expat calls at the end of the name.
-            data.rfind(b"<!DOCTYPE", 0, parser.CurrentByteIndex + 1),
-        )
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.StartDoctypeDeclHandler = doctype
-    try:
-        parser.Parse(data, True)
-    except expat.ExpatError as err:
-        opened = raws[open_[-1]] if open_ else None
-        inside = (opened.tag, opened.line) if opened is not None else None
-        message, help = explain(err.code, data, parser.ErrorByteIndex, inside)
-        place = Span(file.path, err.lineno, err.offset + 1)
-        root = raws[0].tag if raws else None
-        raise Malformed(Diagnostic("ROBOT004", Severity.ERROR, message, "", place, help), root) from err
-    return raws
 
 
 def _error(code: str, message: str, span: Span, help: str | None = None) -> RobotError:

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, core_schema
-
 from actspec.diagnostics import nearest
 from actspec.spec.values import (
     EXAMPLES,
+    FieldParser,
     Number,
     SpecValue,
     check_keys,
@@ -75,7 +73,7 @@ Gain = SpecValue | DerivedGain
 
 
 @dataclass(frozen=True, slots=True)
-class GainField:
+class GainField(FieldParser):
     """Annotation of a gain's field: a number, `identified`, `unknown` or a derivation."""
 
     number: Number
@@ -123,12 +121,7 @@ class GainField:
                 inertia = parse_below("inertia", word, _number("inertia"))
         return DerivedGain(method, numbers, inertia)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         derivations = []
         for method in self.methods:
             properties: dict[str, Any] = {"derive": {"const": method, "description": _LAWS[method]}}

@@ -16,6 +16,7 @@ from actspec.spec.include import (
     merge,
     path_inside,
 )
+from actspec.spec.paths import Path
 from actspec.spec.read import MAX_BYTES, read_file, too_large
 from actspec.spec.yaml_text import cut
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
@@ -31,12 +32,9 @@ __all__ = [
     "Document",
     "Scalar",
     "SourceMap",
-    "YamlPath",
     "document_from_text",
     "load_document",
 ]
-
-YamlPath = tuple[str | int, ...]
 
 
 class SourceMap:
@@ -51,15 +49,15 @@ class SourceMap:
     def __init__(self, root: Node) -> None:
         self._root = root
 
-    def value(self, path: YamlPath) -> Span:
+    def value(self, path: Path) -> Span:
         """Place of the value at `path`; an alias is where it stands, what is inside it at its anchor."""
         return self._find(path)[1]
 
-    def key(self, path: YamlPath) -> Span:
+    def key(self, path: Path) -> Span:
         """Place of the key at `path`; for an item of a list, of the item."""
         return self._find(path)[0]
 
-    def _find(self, path: YamlPath) -> tuple[Span, Span]:
+    def _find(self, path: Path) -> tuple[Span, Span]:
         node, key = self._root, self._root.span
         for part in path:
             held = node.value

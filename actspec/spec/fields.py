@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import PydanticCustomError
 
 from actspec.diagnostics import nearest
 from actspec.spec.values import (
+    FieldParser,
     Number,
     Pair,
     SpecValue,
@@ -25,7 +25,7 @@ EFFORT_WORDS = ("continuous", "peak")
 SAMPLINGS = ("episode", "step")
 
 
-class EffortField:
+class EffortField(FieldParser):
     """Annotation of an effort limit: a torque, `unknown`, `continuous` or `peak`."""
 
     number = Number(Kind.TORQUE, above=0.0)
@@ -43,12 +43,7 @@ class EffortField:
                 )
         return self.number(given)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         return {"anyOf": [{"enum": list(EFFORT_WORDS)}, value_schema(self.number)]}
 
 
@@ -86,7 +81,7 @@ class CommandRange:
     kind: Kind | None
 
 
-class CommandRangeField:
+class CommandRangeField(FieldParser):
     """Annotation of `command_range`: `none`, `joint`, or [low, high] in the command's own unit."""
 
     def __call__(self, given: Any) -> CommandRange | str:
@@ -106,18 +101,13 @@ class CommandRangeField:
         kind, (low, high) = fits[0]
         return CommandRange(low, high, kind if len(fits) == 1 else None)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         numbers = [value_schema(Number(kind, unknown=False)) for kind in RANGE_KINDS]
         pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": {"anyOf": numbers}}
         return {"anyOf": [{"enum": list(RANGE_WORDS)}, pair]}
 
 
-class DelayField:
+class DelayField(FieldParser):
     """Annotation of a delay: a time, `identified`, or {nominal, range, sampling}."""
 
     number = Number(Kind.TIME, at_least=0.0, identified=True)
@@ -153,12 +143,7 @@ class DelayField:
                 )
         return SpecDelay(nominal, pair, sampling)
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         number = value_schema(self.number)
         time = value_schema(Number(Kind.TIME, at_least=0.0, unknown=False))
         full = {

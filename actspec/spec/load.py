@@ -19,6 +19,8 @@ def load_spec(path: str) -> Spec:
 
     Raises:
         SpecError: with every error of the spec, or of all of its results files.
+
+    Results of another robot are a warning in `Spec.diagnostics`.
     """
     spec = validate(load_document(path))
     folder = os.path.dirname(os.path.abspath(path))
@@ -43,7 +45,7 @@ def load_spec(path: str) -> Spec:
         from actspec.spec.results import validate_results
 
         try:
-            results[named] = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
+            found = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
         except SpecError as err:
             for item in err.diagnostics:
                 if item.span is None or not item.span.line:
@@ -51,5 +53,15 @@ def load_spec(path: str) -> Spec:
                     place = spec.span("actuators", name, "identified")
                     item = replace(item, where=where, span=place)
                 collector.add(item)
+            continue
+        results[named] = found
+        if found.robot != spec.model.robot.name:
+            collector.warning(
+                "RES012",
+                f"'{named}' has the results of the robot '{found.robot}', the spec is for '{spec.model.robot.name}'",
+                where=where,
+                span=spec.span("actuators", name, "identified"),
+                help="name this robot's results, or correct `robot` in one of the two files",
+            )
     collector.raise_if_failed(SpecError)
-    return replace(spec, results=results)
+    return replace(spec, results=results, diagnostics=(*spec.diagnostics, *collector.sorted()))

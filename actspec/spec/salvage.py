@@ -8,8 +8,7 @@ from typing import Any
 from pydantic import ValidationError
 
 from actspec.spec.models import SPEC_VERSION, SpecModel
-
-Path = tuple[str | int, ...]
+from actspec.spec.paths import Path
 
 _BY_NAME = ("actuators", "motors", "sources", "targets", "accept")
 """Sections of named parts: a fault concerns its part."""

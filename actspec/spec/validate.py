@@ -23,6 +23,7 @@ from actspec.spec.models import (
     Timing,
     Tunable,
 )
+from actspec.spec.paths import Path, dotted
 from actspec.spec.rules import check_spec
 from actspec.spec.values import short
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
     from actspec.spec.document import Document
     from actspec.spec.results import Results
 
-Path = tuple[str | int, ...]
 M = TypeVar("M", bound=BaseModel)
 
 
@@ -285,17 +285,6 @@ def written_path(loc: Path, data: Any) -> Path:
             continue
         path.append(part)
     return tuple(path)
-
-
-def dotted(path: Path) -> str:
-    """`('actuators', 'legs', 'joints', 0)` as `actuators.legs.joints[0]`."""
-    text = ""
-    for part in path:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            text += f".{part}" if text else part
-    return text
 
 
 def _nulls(node: Any, path: Path = ()) -> Iterator[Path]:

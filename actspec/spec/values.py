@@ -7,6 +7,7 @@ parses, checks and documents itself in the JSON Schema (`Number`).
 from __future__ import annotations
 
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, TypeVar
@@ -177,8 +178,33 @@ def parse_value(
     return SpecValue(parsed.value, unit, parsed.linear, written, source, std, note)
 
 
+class FieldParser(ABC):
+    """Annotation of a field that parses what the YAML holds, and tells an editor what that may be."""
+
+    __slots__ = ()
+
+    @abstractmethod
+    def __call__(self, given: Any) -> Any:
+        """Parse what the YAML holds.
+
+        Raises: PydanticCustomError: see `fault`.
+        """
+
+    @abstractmethod
+    def json_schema(self) -> dict[str, Any]:
+        """What the field takes, as a JSON Schema."""
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        return core_schema.no_info_plain_validator_function(self)
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> dict[str, Any]:
+        return self.json_schema()
+
+
 @dataclass(frozen=True, slots=True)
-class Number:
+class Number(FieldParser):
     """Annotation of a field that holds one number: `Annotated[SpecValue, Number(Kind.TORQUE, above=0)]`.
 
     Attributes: see `parse_value`; `identified` also takes the word `identified`, and `unknown` tells
@@ -203,17 +229,12 @@ class Number:
             given, self.kind, at_least=self.at_least, above=self.above, at_most=self.at_most, words=self.words
         )
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         return value_schema(self)
 
 
 @dataclass(frozen=True, slots=True)
-class Pair:
+class Pair(FieldParser):
     """Annotation of a field that holds `[low, high]` of one kind, low <= high."""
 
     kind: Kind
@@ -252,12 +273,7 @@ class Pair:
             )
         return low, high
 
-    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        return core_schema.no_info_plain_validator_function(self)
-
-    def __get_pydantic_json_schema__(
-        self, schema: CoreSchema, handler: GetJsonSchemaHandler
-    ) -> dict[str, Any]:
+    def json_schema(self) -> dict[str, Any]:
         end = value_schema(Number(self.kind, at_least=self.at_least, unknown=False))
         pair = {"type": "array", "minItems": 2, "maxItems": 2, "items": end}
         return {"anyOf": [{"enum": list(self.words)}, pair]} if self.words else pair

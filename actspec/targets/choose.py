@@ -23,6 +23,10 @@ BUILD = "build"
 
 EMITTERS = {
     "mujoco": "actspec.targets.mujoco.emit",
+    "isaaclab": "actspec.targets.isaaclab.emit",
+    "randomization": "actspec.targets.randomization.emit",
+    "mjlab": "actspec.targets.mjlab.emit",
+    "deploy": "actspec.targets.deploy.emit",
 }
 """Kind of target to the module whose `emit` makes it; imported when it is used."""
 

@@ -149,7 +149,7 @@ def test_target_on_the_command_line(spec: Path) -> None:
         ("mujoco==3.99", "MJC007"),
         ("mujoco==", "MJC007"),
         ("mujco", "did you mean 'mujoco'?"),
-        ("isaaclab", "CLI002"),
+        ("newton", "CLI002"),
     ],
     ids=["no such version", "no version", "misspelt", "not yet"],
 )

@@ -14,6 +14,7 @@ from actspec.resources import data_path
 
 ROOT = Path(__file__).resolve().parents[2]
 A1 = str(ROOT / "robots" / "a1.yaml")
+SCHEMAS = sorted((ROOT / "schemas").iterdir())
 
 
 def _schema(name: str) -> dict[str, Any]:
@@ -75,3 +76,13 @@ def test_manifest_validates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     jsonschema.validate(record, _schema("manifest"))
     for entry in record["files"]:
         assert entry["sha256"] == hashlib.sha256((folder / entry["path"]).read_bytes()).hexdigest()
+
+
+@pytest.mark.parametrize("path", SCHEMAS, ids=lambda path: path.name)
+def test_schema_command(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`actspec schema NAME` prints each committed schema to the letter; NAME is in the file's name."""
+    name = path.name.removesuffix("-v1.schema.json").removeprefix("actspec").lstrip("-") or "spec"
+    assert main(["schema", name]) == 0
+    printed = capsys.readouterr().out
+    assert printed == path.read_text("utf-8")
+    jsonschema.Draft202012Validator.check_schema(json.loads(printed))

@@ -20,7 +20,7 @@ LAYERS = (
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
     {"resolve", "lift"},
-    {"targets", "audit", "sysid", "learn"},
+    {"targets", "audit", "sysid", "learn", "sampling"},
     {"verify", "report", "draft"},
     {"api", "output"},
     {"cli", "__main__", ""},

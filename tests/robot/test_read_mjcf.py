@@ -16,6 +16,7 @@ from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
 from actspec.robot.load import load_robot
 from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet, splice
+from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ActuatorView, ModelFile, ModelFormat, RobotView
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -572,3 +573,13 @@ def test_open_spec_is_public_for_edits() -> None:
         splice(files).span(2),
         "j",
     )
+
+
+def test_what_follows_an_include_on_its_line_is_kept() -> None:
+    """An element right behind `<include/>` is not swallowed with it."""
+    main = ModelFile("m.xml", "", b'<mujoco><include file="c.xml"/><worldbody><body><joint name="j"/>'
+                     b'<geom size="1"/></body></worldbody></mujoco>')  # fmt: skip
+    other = ModelFile("c.xml", "c.xml", b"<mujoco><option timestep='0.004'/></mujoco>")
+    view = read_mjcf((main, other))
+    assert [joint.name for joint in view.joints] == ["j"]
+    assert view.timestep == 0.004

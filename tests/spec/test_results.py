@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.diagnostics import SpecError
+from actspec.diagnostics import Severity, SpecError
 from actspec.spec.document import document_from_text
 from actspec.spec.load import load_spec
 from actspec.spec.results import validate_results
@@ -74,6 +74,27 @@ def test_loaded_beside_the_spec(tmp_path: Path) -> None:
     (tmp_path / "results" / "r.yaml").write_text(GOOD, encoding="utf-8")
     (tmp_path / "s.yaml").write_text(SPEC % "results/r.yaml", encoding="utf-8")
     assert list(load_spec(str(tmp_path / "s.yaml")).results) == ["results/r.yaml"]
+
+
+def test_results_of_another_robot(tmp_path: Path) -> None:
+    """The names differ: a warning, once for each file, at the first group that names it; equal names say nothing."""
+    (tmp_path / "other.yaml").write_text(GOOD, encoding="utf-8")
+    (tmp_path / "own.yaml").write_text(GOOD.replace("unitree_a1", "r"), encoding="utf-8")
+    groups = "".join(
+        f"  {name}: {{joints: [{name}], level: ideal_pd, kp: 1, kd: 1, identified: {file}}}\n"
+        for name, file in (("a", "own.yaml"), ("b", "other.yaml"), ("c", "other.yaml"))
+    )
+    text = "actspec: 1\nrobot: {name: r, model: none, joints: [a, b, c]}\nactuators:\n" + groups
+    (tmp_path / "s.yaml").write_text(text, encoding="utf-8")
+    (found,) = load_spec(str(tmp_path / "s.yaml")).diagnostics
+    assert found.span is not None
+    assert (found.code, found.severity, found.where, found.span.line) == (
+        "RES012",
+        Severity.WARNING,
+        "actuators.b.identified",
+        5,
+    )
+    assert found.message == "'other.yaml' has the results of the robot 'unitree_a1', the spec is for 'r'"
 
 
 @pytest.mark.parametrize(

@@ -35,7 +35,7 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                     f"effort limit {format_quantity(limit, unit)}: the joint could never move",
                     f"actuators.{actuator.group}.friction.coulomb",
                     coulomb.span,
-                    f"is it in mN*m ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless coefficient?",
+                    f"is it in m{unit} ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless coefficient?",
                 )
         line = actuator.curve.no_load_speed if actuator.curve is not None else actuator.no_load_speed
         speed = (line if line is not None else actuator.velocity_limit).value
@@ -53,6 +53,6 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                 f"limit is {format_quantity(limit, unit)}",
                 f"actuators.{actuator.group}.friction.viscous",
                 viscous.span,
-                f"is it in mN*m*s/rad ({format_quantity(viscous.value / MILLI, viscous.unit)})? The slope of the "
+                f"is it in m{viscous.unit} ({format_quantity(viscous.value / MILLI, viscous.unit)})? The slope of the "
                 "torque-speed line belongs to the motor, not to friction",
             )

@@ -27,9 +27,6 @@ if TYPE_CHECKING:
 
     from actspec.robot.xml import XmlDocument
 
-OLDEST_INSTALLED = (3, 7)
-"""The edit is checked through dcmotor and polynomial damping, which older bindings lack."""
-
 REPORT = "this is an error of the compiler: please report it with the spec and the model"
 
 
@@ -146,23 +143,11 @@ def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
 
 
 def installed_dialect() -> MujocoDialect:
-    """Dialect of the MuJoCo that is installed here; one that is newer than the table counts as its last row.
-
-    Raises:
-        EmitError: it is too old to check an edit with.
-    """
+    """Dialect of the MuJoCo that is installed here; one that is newer than the table counts as its last row."""
     import mujoco
 
     text = ".".join(mujoco.__version__.split(".")[:2])
     numbers = tuple(int(part) for part in text.split(".") if part.isdigit())
-    if numbers < OLDEST_INSTALLED:
-        collector = Collector()
-        collector.error(
-            "MJC017",
-            f"MuJoCo {mujoco.__version__} is installed, and actspec checks its output with 3.7 or later",
-            help="pip install 'mujoco>=3.7'; for older simulators write `version: ...` in the target",
-        )
-        raise EmitError(collector.sorted())
     if numbers > MUJOCO_RELEASES[-1]:
         text = "{}.{}".format(*MUJOCO_RELEASES[-1])
     return mujoco_dialect(text)

@@ -3,28 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import fields as dataclass_fields
 
 from actspec.diagnostics import one_line
-from actspec.ir import ActuatorSet, AsymmetricCurve, Delay, JointActuator, Quantity
+from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.targets.base import Approximation
 from actspec.units import format_quantity
 
-SHOWN = (
-    "kp",
-    "kd",
-    "effort_limit",
-    "velocity_limit",
-    "stall_torque",
-    "no_load_speed",
-    "armature",
-    "friction_coulomb",
-    "friction_static",
-    "friction_viscous",
-    "stribeck_velocity",
-    "filter_cutoff",
-    "encoder_bias",
-)
+LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
+"""Numbers that MuJoCo's drive and joint are not made of."""
 
 
 def header(
@@ -50,7 +36,7 @@ def header(
     if approximations:
         lines += ["", "Approximations (what this target cannot hold):"]
         lines += [f"  {line}" for line in _losses(approximations)]
-    used = {q.source for a in actuators.joints for q in _quantities(a) if q.source}
+    used = {q.source for a in actuators.joints for _, q in _shown(a) if q.source}
     cited = [source for source in actuators.sources if source.key in used]
     if cited:
         lines += ["", "Sources:"]
@@ -73,31 +59,21 @@ def _groups(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
         yield title, lines
 
 
+def _shown(actuator: JointActuator) -> Iterator[tuple[str, Quantity]]:
+    return ((name, quantity) for name, quantity in actuator.quantities() if name not in LEFT_OUT)
+
+
 def _entries(actuator: JointActuator) -> Iterator[str]:
-    for name in SHOWN:
-        quantity = getattr(actuator, name)
-        if quantity is not None:
-            yield f"{name} {_quantity(quantity)}"
-    if actuator.curve is not None:
-        for part in dataclass_fields(AsymmetricCurve):
-            yield f"curve.{part.name} {_quantity(getattr(actuator.curve, part.name))}"
-    delay: Delay | None = actuator.delay
-    if delay is not None:
-        reach = "" if delay.low == delay.high else f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
-        yield f"delay {_quantity(delay.nominal)}{reach}"
+    delay = actuator.delay
+    for name, quantity in _shown(actuator):
+        reach = ""
+        if name == "delay" and delay is not None and delay.low != delay.high:
+            reach = f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
+        if not name.startswith("command_range"):
+            yield f"{name} {_quantity(quantity)}{reach}"
     if actuator.command_range is not None:
         low, high = actuator.command_range
         yield f"command_range {_quantity(low)} to {_quantity(high)}"
-
-
-def _quantities(actuator: JointActuator) -> Iterator[Quantity]:
-    for name in SHOWN:
-        quantity = getattr(actuator, name)
-        if quantity is not None:
-            yield quantity
-    if actuator.curve is not None:
-        for part in dataclass_fields(AsymmetricCurve):
-            yield getattr(actuator.curve, part.name)
 
 
 def _quantity(quantity: Quantity) -> str:

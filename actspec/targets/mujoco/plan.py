@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.resolve.reports import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.targets.base import Approximation
-from actspec.targets.mujoco.drive import Drive, Form, drive_of
+from actspec.targets.mujoco.drive import Drive, Form
+from actspec.targets.mujoco.drive_choice import drive_of
 from actspec.targets.versions import MujocoDialect
 from actspec.units import format_quantity
 
@@ -117,11 +119,13 @@ def plan_model(
     removed: list[int] = []
     added: list[Drive] = []
     renamed: dict[str, str] = {}
+    reports = Reports()
     for actuator in actuators.joints:
         joint = robot.joint(actuator.joint)
         assert joint is not None
         own = actuators_of(robot, joint.name)
-        result = drive_of(actuator, joint, own, effort_bound(joint, own), dialect, step, target, collector)
+        limit = effort_bound(joint, own)
+        result = drive_of(actuator, joint, own, limit, dialect, step, target, collector, reports)
         if result is None:
             continue
         lost += result.approximations
@@ -147,6 +151,7 @@ def plan_model(
                 )
             added.append(drive)
         joint_edits.append(_joint_edit(actuator, joint, own, dialect, collector))
+    reports.tell(collector)
     unmeasured = [a for a in actuators.joints if a.armature.value is None]
     if unmeasured:
         collector.warning(

@@ -1,0 +1,403 @@
+"""Domain randomisation: what the ranges of a spec mean, whether they make sense, and draws from them.
+
+Order of combination, the same in `sample` and in every target:
+
+1. each field's own range: nominal × factor (`scale`), nominal + offset (`add`) or the drawn value (`abs`);
+2. `gains`: one factor on kp and kd;
+3. `strength`: one factor on the torque, so on kp, kd and effort_limit together;
+4. nothing but `encoder_bias` goes below 0, and kinetic friction not above static friction.
+
+The draws of two fields are independent; `per` says which joints share one draw of a field.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from actspec.diagnostics import Collector, ResolveError, listed
+from actspec.ir import ActuatorSet, JointActuator, Level, Quantity, Randomization
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Numbers = NDArray[np.float64]
+
+Number = TypeVar("Number", float, "Numbers")
+
+FIELDS = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "armature",
+    "friction.coulomb",
+    "friction.static",
+    "friction.viscous",
+    "friction.stribeck_velocity",
+    "encoder_bias",
+    "delay",
+)
+"""Fields that have a value of their own, in the order of drawing."""
+
+FACTORS = {"gains": ("kp", "kd"), "strength": ("kp", "kd", "effort_limit")}
+"""Factors, in the order in which they are applied, and what each multiplies."""
+
+SPREAD = 3.0
+"""Half-width of a gaussian where ends are needed [std]. Chosen: 99.7 % of the draws are inside."""
+
+
+def quantity_of(actuator: JointActuator, field: str) -> Quantity | None:
+    """The nominal quantity of a field; None where the joint has no such thing."""
+    if field == "friction.static" and actuator.friction_static is None:
+        return actuator.friction_coulomb
+    if field == "delay":
+        return None if actuator.delay is None else actuator.delay.nominal
+    name = {"friction.stribeck_velocity": "stribeck_velocity"}.get(field, field.replace(".", "_"))
+    found: Quantity | None = getattr(actuator, name)
+    return found
+
+
+def nominal_of(actuator: JointActuator, field: str) -> float | None:
+    """The nominal value of a field, SI; a joint without delay has 0 s. None: unknown, or no such thing."""
+    quantity = quantity_of(actuator, field)
+    if quantity is None:
+        return 0.0 if field == "delay" else None
+    return quantity.value
+
+
+def unit_of(actuator: JointActuator, field: str) -> str:
+    """SI unit of a field at a joint; `1` for a factor."""
+    if field in FACTORS:
+        return "1"
+    quantity = quantity_of(actuator, field)
+    if quantity is not None:
+        return quantity.unit
+    if field == "delay":
+        return "s"
+    slide = actuator.effort_limit.unit == "N"
+    units = {"kp": ("N*m/rad", "N/m"), "kd": ("N*m*s/rad", "N*s/m")}
+    return units.get(field, ("rad/s", "m/s"))[slide]
+
+
+def drawn_ends(entry: Randomization) -> tuple[float, float]:
+    """Least and largest number that is drawn: the range, or the mean ∓ 3 std of a gaussian."""
+    if entry.distribution == "gaussian":
+        return entry.low - SPREAD * entry.high, entry.low + SPREAD * entry.high
+    return entry.low, entry.high
+
+
+def applied(entry: Randomization, number: Number, nominal: float | None) -> Number:
+    """The value of a field for a drawn number, or an array of them.
+
+    Raises: ValueError: a factor or an offset on an unknown nominal.
+    """
+    if entry.operation == "abs":
+        return number
+    if nominal is None:
+        raise ValueError(f"{entry.field}: {entry.operation} of an unknown nominal")
+    return nominal * number if entry.operation == "scale" else nominal + number
+
+
+def ends_of(entry: Randomization, nominal: float | None) -> tuple[float, float]:
+    """Least and largest value of a field; all but `encoder_bias` cut at 0."""
+    low, high = (applied(entry, number, nominal) for number in drawn_ends(entry))
+    if entry.field == "encoder_bias":
+        return low, high
+    return max(0.0, low), max(0.0, high)
+
+
+def own_ranges(actuator: JointActuator) -> dict[str, Randomization]:
+    """A joint's ranges by field, in the order of `FIELDS` and then `FACTORS`."""
+    stated = {entry.field: entry for entry in actuator.randomize}
+    return {field: stated[field] for field in (*FIELDS, *FACTORS) if field in stated}
+
+
+# --- checks -----------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Fault:
+    code: str
+    message: str
+    help: str
+    is_error: bool = True
+
+
+def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
+    """Report ranges that cannot be drawn from, and those that are probably slips; joints are named together.
+
+    Errors: a factor or an offset on an unknown nominal (RND001); a field that the joint does not have (RND002);
+    a factor on 0 (RND003); values below 0 (RND004). Warnings: a gaussian that reaches below 0 (RND005); a nominal
+    outside of the range (RND006); kinetic friction above static friction (RND007); gains of a network (RND008).
+    """
+    found: dict[tuple[str, str, _Fault], list[JointActuator]] = {}
+    for actuator in actuators.joints:
+        for field, entry in own_ranges(actuator).items():
+            for fault in _faults(actuator, entry):
+                found.setdefault((actuator.group, field, fault), []).append(actuator)
+        for fault in _friction_fault(actuator):
+            found.setdefault((actuator.group, "friction.coulomb", fault), []).append(actuator)
+    for (group, field, fault), joints in found.items():
+        entry_of = own_ranges(joints[0])
+        entry_at = entry_of.get(field) or entry_of.get("friction.static")
+        (collector.error if fault.is_error else collector.warning)(
+            fault.code,
+            f"{listed(joint.joint for joint in joints)}: {fault.message}",
+            where=f"actuators.{group}.randomize.{field}",
+            span=None if entry_at is None else entry_at.span,
+            help=fault.help,
+        )
+
+
+def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
+    field = entry.field
+    if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
+        yield _Fault("RND008", f"a network has no {field} to draw", "remove it, or draw strength", False)
+        return
+    parts = FACTORS.get(field, (field,))
+    if field in FACTORS:
+        there = [quantity_of(actuator, part) for part in parts]
+        if field == "gains" and not any(there):
+            yield _absent(actuator, field)
+            return
+        known = [quantity.value for quantity in there if quantity is not None]
+        if actuator.level is not Level.ACTUATOR_NET and None in known and field == "gains":
+            yield _Fault("RND001", f"{field}: kp or kd is unknown", "state kp and kd")
+        elif known and all(value == 0.0 for value in known):
+            yield _Fault("RND003", f"{field} scales nothing but zeros", f"state {' and '.join(parts)}")
+        yield from _outside(entry, 1.0, "1")
+        return
+    if quantity_of(actuator, field) is None and field != "delay":
+        yield _absent(actuator, field)
+        return
+    nominal, unit = nominal_of(actuator, field), unit_of(actuator, field)
+    if entry.operation != "abs" and nominal is None:
+        yield _Fault(
+            "RND001",
+            f"{field} is unknown, and the range is a {_WORDS[entry.operation]} it",
+            f"state {field}, or give the range as abs",
+        )
+        return
+    if entry.operation == "scale" and nominal == 0.0:
+        yield _Fault(
+            "RND003", f"{field} is 0 {unit}, and 0 times a factor stays 0", "give the range as add or abs"
+        )
+        return
+    if field != "encoder_bias":
+        least = applied(entry, drawn_ends(entry)[0], nominal)
+        if least < 0.0 and entry.distribution == "gaussian":
+            yield _Fault(
+                "RND005",
+                f"{field} is drawn below 0 within {SPREAD:g} std: {format_quantity(least, unit)}",
+                "choose a smaller standard deviation, or log_uniform; "
+                "actspec cuts such draws to 0, simulators may not",
+                False,
+            )
+        elif least < 0.0:
+            yield _Fault(
+                "RND004",
+                f"{field} is drawn below 0: {format_quantity(least, unit)}",
+                f"the nominal is {format_quantity(nominal, unit)}: raise the low end",
+            )
+    if nominal is not None:
+        neutral = {"scale": 1.0, "add": 0.0, "abs": nominal}[entry.operation]
+        text = f"the nominal {format_quantity(nominal, unit)}" if entry.operation == "abs" else f"{neutral:g}"
+        yield from _outside(entry, neutral, text)
+
+
+_WORDS = {"scale": "factor on", "add": "offset on"}
+
+
+def _absent(actuator: JointActuator, field: str) -> _Fault:
+    if field == "friction.stribeck_velocity":
+        return _Fault(
+            "RND002", "the joint has no Stribeck velocity to draw", "state friction.stribeck_velocity"
+        )
+    return _Fault(
+        "RND002",
+        f"a drive of level {actuator.level.value} and command {actuator.command.value} has no {field}",
+        "remove the range",
+    )
+
+
+def _outside(entry: Randomization, neutral: float, text: str) -> Iterator[_Fault]:
+    low, high = drawn_ends(entry)
+    # Ends come from decimal text and the nominal from a formula: a rounding apart is not outside.
+    slack = 1e-9 * max(abs(low), abs(high), abs(neutral))
+    if not low - slack <= neutral <= high + slack:
+        yield _Fault(
+            "RND006",
+            f"{text} is outside of the range of {entry.field}, {low:g} to {high:g}: "
+            "the nominal robot is never drawn",
+            "widen the range, or correct the nominal",
+            False,
+        )
+
+
+def _friction_fault(actuator: JointActuator) -> Iterator[_Fault]:
+    """Kinetic friction can be drawn above static friction."""
+    ranges = own_ranges(actuator)
+    coulomb, static = ranges.get("friction.coulomb"), ranges.get("friction.static")
+    if static is None and (coulomb is None or actuator.friction_static is None):
+        return
+    most = _end(actuator, "friction.coulomb", coulomb, 1)
+    least = _end(actuator, "friction.static", static, 0)
+    if most is not None and least is not None and most > least * (1.0 + 1e-9):
+        unit = actuator.friction_coulomb.unit
+        yield _Fault(
+            "RND007",
+            f"coulomb friction up to {format_quantity(most, unit)} meets static friction from "
+            f"{format_quantity(least, unit)}: it is cut to the static one",
+            "draw both so that static stays above",
+            False,
+        )
+
+
+def _end(actuator: JointActuator, field: str, entry: Randomization | None, which: int) -> float | None:
+    nominal = nominal_of(actuator, field)
+    if entry is None:
+        return nominal
+    if entry.operation != "abs" and nominal is None:
+        return None
+    return ends_of(entry, nominal)[which]
+
+
+# --- draws ------------------------------------------------------------------------------------------------
+
+
+def sample(actuators: ActuatorSet, n: int, *, seed: int, xp: Any = None) -> dict[str, Any]:
+    """Draw the effective values of every joint in n environments.
+
+    A draw depends on the seed, the field and what shares it (the joint's name, the group's or nothing), never
+    on which other joints or fields are drawn: adding a joint leaves the others' numbers. `per: env` is
+    shared by all groups: with ranges of their own they take the same quantile (gaussians the same normal number).
+
+    Args:
+        actuators: What is drawn.
+        n: Number of environments, >= 1.
+        seed: >= 0; the same seed gives the same numbers with every `xp`.
+        xp: `numpy` (default, float64) or `torch` (its default float type, on the CPU).
+
+    Returns:
+        Field to array of shape (n, joints), joints in `actuators.joints`' order, joint side, SI: `kp`, `kd`,
+        `effort_limit` (infinite where unknown), `armature`, `friction.coulomb`, `friction.static`,
+        `friction.viscous`, `encoder_bias` (added to q), `delay` [s] and `strength`, and
+        `friction.stribeck_velocity` where a joint has one. `strength` is the factor on the torque: it is in kp,
+        kd and effort_limit already, and is given for the stall torque of a torque-speed line and for a
+        network's torque, which it multiplies too. A gain that the command leaves out is 0; what is unknown is
+        NaN. Where static friction is not stated it is the kinetic one. A delay with a range of its own and
+        `sampling: episode` is uniform in it, one draw a group.
+
+    Raises:
+        ValueError: n or seed is out of range.
+        ResolveError: a range cannot be drawn from; see `check_ranges`.
+    """
+    import numpy as np
+
+    if isinstance(n, bool) or not isinstance(n, int) or n < 1:
+        raise ValueError(f"n must be a whole number >= 1, got {n!r}")
+    if isinstance(seed, bool) or not isinstance(seed, int) or seed < 0:
+        raise ValueError(f"seed must be a whole number >= 0, got {seed!r}")
+    collector = Collector()
+    check_ranges(actuators, collector)
+    collector.raise_if_failed(ResolveError)
+
+    columns = [_joint_values(actuator, n, seed) for actuator in actuators.joints]
+    keys = [*FIELDS, "strength"]
+    if not any("friction.stribeck_velocity" in column for column in columns):
+        keys.remove("friction.stribeck_velocity")
+    nothing = np.full(n, np.nan)
+    arrays = {
+        key: np.stack([column.get(key, nothing) for column in columns], axis=1)
+        if columns
+        else np.zeros((n, 0))
+        for key in keys
+    }
+    if xp is None or xp.__name__ == "numpy":
+        return arrays
+    kind = {"dtype": xp.get_default_dtype()} if xp.__name__ == "torch" else {}
+    return {key: xp.asarray(array, **kind) for key, array in arrays.items()}
+
+
+def _joint_values(actuator: JointActuator, n: int, seed: int) -> dict[str, Numbers]:
+    import numpy as np
+
+    ranges = own_ranges(actuator)
+    values: dict[str, Numbers] = {}
+    for field in FIELDS:
+        if field == "friction.stribeck_velocity" and actuator.stribeck_velocity is None:
+            continue
+        nominal = _effective_nominal(actuator, field)
+        entry = ranges.get(field)
+        if entry is not None and not (actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd")):
+            values[field] = applied(entry, _draw(entry, actuator, n, seed), nominal_of(actuator, field))
+        else:
+            values[field] = np.full(n, nominal)
+    delay = actuator.delay
+    if (
+        "delay" not in ranges
+        and delay is not None
+        and delay.sampling == "episode"
+        and delay.low != delay.high
+    ):
+        own = Randomization(
+            "delay", "abs", delay.low, delay.high, "uniform", "reset", None, "group", actuator.span
+        )
+        values["delay"] = _draw(own, actuator, n, seed)
+    if "friction.static" not in ranges and actuator.friction_static is None:
+        values["friction.static"] = values["friction.coulomb"]
+    values["strength"] = np.ones(n)
+    for factor, parts in FACTORS.items():
+        entry = ranges.get(factor)
+        if entry is None:
+            continue
+        number = np.maximum(_draw(entry, actuator, n, seed + 1), 0.0)
+        for part in parts:
+            values[part] = values[part] * number
+        if factor == "strength":
+            values[factor] = number
+    for field in FIELDS:
+        if field in values and field != "encoder_bias":
+            values[field] = np.maximum(values[field], 0.0)
+    # fmin: an unknown static friction bounds nothing.
+    cut = np.fmin(values["friction.coulomb"], values["friction.static"])
+    values["friction.coulomb"] = np.where(np.isnan(values["friction.coulomb"]), np.nan, cut)
+    return values
+
+
+def _effective_nominal(actuator: JointActuator, field: str) -> float:
+    """A field's number without any draw: 0 for a gain that the command leaves out, NaN for what is unknown."""
+    nominal = nominal_of(actuator, field)
+    if nominal is not None:
+        return nominal
+    if (
+        field in ("kp", "kd")
+        and quantity_of(actuator, field) is None
+        and actuator.level is not Level.ACTUATOR_NET
+    ):
+        return 0.0
+    return float("inf") if field == "effort_limit" else float("nan")
+
+
+def _draw(entry: Randomization, actuator: JointActuator, n: int, seed: int) -> Numbers:
+    """n numbers of one range: factors, offsets or values."""
+    import numpy as np
+
+    scope = {"joint": actuator.joint, "group": actuator.group, "env": ""}[entry.per]
+    digest = hashlib.sha256("\0".join((entry.field, entry.per, scope)).encode("utf-8")).digest()
+    words = [int.from_bytes(digest[at : at + 4], "little") for at in range(0, 16, 4)]
+    rng = np.random.Generator(np.random.PCG64(np.random.SeedSequence([seed, *words])))
+    if entry.distribution == "gaussian":
+        return entry.low + entry.high * rng.standard_normal(n)
+    quantile = rng.random(n)
+    if entry.distribution == "log_uniform":
+        low, high = np.log(entry.low), np.log(entry.high)
+        return np.asarray(np.exp(low + (high - low) * quantile))
+    return entry.low + (entry.high - entry.low) * quantile
+
+
+__all__ = ["FACTORS", "FIELDS", "check_ranges", "sample"]

@@ -1,0 +1,58 @@
+"""Rules of `targets` and `accept`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from actspec.diagnostics import nearest
+from actspec.spec.models import Target
+from actspec.spec.rules.breaches import Breaches, is_folder_name
+
+TARGETS = ("mujoco", "isaaclab", "mjlab", "deploy", "randomization", "urdf", "newton")
+"""Kinds of target that the spec language knows."""
+
+
+def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
+    """Every target is of a kind that there is, and its name can be a folder's."""
+    for name, target in targets.items():
+        kind = target.target or name
+        if kind not in TARGETS:
+            guess = nearest(kind, TARGETS)
+            breaches.error(
+                "SPEC160",
+                f"no target is named '{kind}'",
+                ("targets", name, "target") if target.target else ("targets", name),
+                (f"did you mean '{guess}'? " if guess else "") + f"known targets: {', '.join(TARGETS)}",
+                key=target.target is None,
+            )
+        if not is_folder_name(name):
+            breaches.error(
+                "SPEC161",
+                f"the name '{name}' cannot be a folder's name",
+                ("targets", name),
+                "use letters, digits, '-', '_' and '.'",
+                key=True,
+            )
+
+
+def check_accept(accept: Mapping[str, str], targets: Mapping[str, Target], breaches: Breaches) -> None:
+    """Every accepted approximation is of a target of the spec, and says why it is accepted."""
+    # Without targets the spec compiles to MuJoCo.
+    names = tuple(targets) or ("mujoco",)
+    for entry, reason in accept.items():
+        target_name, dot, _ = entry.partition(".")
+        if not dot or target_name not in names:
+            breaches.error(
+                "SPEC162",
+                f"'{entry}' names no target of this spec",
+                ("accept", entry),
+                f"write TARGET.FIELD; targets: {', '.join(names)}",
+                key=True,
+            )
+        if not reason.strip():
+            breaches.error(
+                "SPEC162",
+                "an accepted approximation needs its reason",
+                ("accept", entry),
+                "say in a sentence why the loss does not matter here",
+            )

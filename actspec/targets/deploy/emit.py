@@ -1,0 +1,171 @@
+"""The deploy target: joint orders with their index maps, gains, limits, pose and rates, for the robot side.
+
+Nothing here is an approximation. A torque-speed line, friction, armature or a command filter describe the
+motor that a simulator has to imitate; on the robot it is the motor itself that has them, so the file leaves
+them out and loses no torque. An encoder bias belongs to one robot and one day: calibration, not deployment.
+What nobody says is `null`, never 0.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator, Sequence
+
+import actspec
+from actspec.diagnostics import Collector, EmitError, listed
+from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.deploy.order import check_sdk_order, index_map, isaac_order
+from actspec.targets.deploy.text import comment, entry, scalar
+from actspec.targets.python_text import environment, grouped, identifier, provenance
+
+FORMAT = "actspec-deploy/1"
+
+Value = Callable[[JointActuator], Quantity | None]
+
+
+def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
+    """Write a robot's deploy file.
+
+    Args:
+        actuators: What the spec asks for, resolved against `robot`.
+        robot: The robot.
+        options: With the SDK's joint order, if there is one.
+
+    Raises:
+        EmitError: the SDK's order does not name exactly the managed joints.
+    """
+    collector = Collector()
+    own = tuple(actuator.joint for actuator in actuators.joints)
+    sdk = options.joint_order or None
+    if sdk is not None:
+        check_sdk_order(sdk, own, f"targets.{options.name}.joint_order", collector)
+    collector.raise_if_failed(EmitError)
+    isaac = isaac_order(robot, own)
+    orders = {"robot": own, "isaac": isaac, "sdk": sdk}
+    text = (
+        environment("deploy")
+        .get_template("deploy.yaml.j2")
+        .render(
+            header=[f"# {comment(line)}".rstrip() for line in _header(actuators, robot)],
+            format=FORMAT,
+            robot=scalar(actuators.robot),
+            spec_sha256=actuators.spec_sha256,
+            orders=[_known(name, order) for name, order in orders.items()],
+            maps=[_map(first, second, orders) for first in orders for second in orders if first != second],
+            timing=list(_timing(actuators)),
+            rows=[(comment(about), lines) for about, lines in _rows(actuators)],
+        )
+    )
+    path = f"{identifier(actuators.robot).lower()}_deploy.yaml"
+    return Emission((EmittedFile(path, text.encode("utf-8")),), (), collector.sorted())
+
+
+def _header(actuators: ActuatorSet, robot: RobotView) -> Iterator[str]:
+    yield f"Written by actspec {actspec.__version__}. Do not edit: change the spec and compile again."
+    if robot.format is not ModelFormat.NONE:
+        yield f"model {os.path.basename(robot.path)}"
+    if actuators.unmanaged:
+        yield f"Not managed by the spec, and in no order below: {listed(actuators.unmanaged)}"
+    used = {q.source for a in actuators.joints for value in _VALUES.values() if (q := value(a)) and q.known}
+    used |= {a.delay.nominal.source for a in actuators.joints if a.delay is not None}
+    for source in actuators.sources:
+        if source.key in used:
+            parts = (source.title, source.url, source.page)
+            yield f"{source.key}: " + ", ".join(part for part in parts if part)
+
+
+def _known(name: str, order: Sequence[str] | None) -> list[str]:
+    return [f"  {name}: null"] if order is None else entry(name, order, "  ")
+
+
+def _map(first: str, second: str, orders: dict[str, tuple[str, ...] | None]) -> list[str]:
+    source, result = orders[first], orders[second]
+    if source is None or result is None:
+        return [f"  {first}_to_{second}: null"]
+    return entry(f"{first}_to_{second}", index_map(source, result), "  ")
+
+
+def _timing(actuators: ActuatorSet) -> Iterator[str]:
+    dt, decimation = actuators.physics_dt, actuators.decimation
+    control = None if decimation is None or dt.value is None else dt.value * decimation
+    yield f"  physics_dt: {scalar(dt.value)}  # s, of the simulation; {comment(provenance(dt))}"
+    yield f"  decimation: {scalar(decimation)}  # physics steps in one control step"
+    yield f"  control_dt: {scalar(control)}  # s, between two actions of the policy"
+
+
+_VALUES: dict[str, Value] = {
+    "kp": lambda a: a.kp,
+    "kd": lambda a: a.kd,
+    "effort_limit": lambda a: a.effort_limit,
+    "velocity_limit": lambda a: a.velocity_limit,
+    "default_position": lambda a: a.default_position,
+    "action_scale": lambda a: a.action_scale,
+}
+_MEANING = {
+    "kp": "drive stiffness",
+    "kd": "drive velocity gain, without the joint's own friction",
+    "effort_limit": "clamp of the torque",
+    "velocity_limit": "speed limit of the joint",
+    "default_position": "pose at zero action",
+    "action_scale": "command = default_position + action_scale x action",
+}
+
+
+def _rows(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
+    """Comment and lines of each list, in the robot's order."""
+    joints = actuators.joints
+    yield "What the command is", entry("command", [joint.command.value for joint in joints])
+    for name, value in _VALUES.items():
+        quantities = [value(joint) for joint in joints]
+        numbers = [None if q is None else q.value for q in quantities]
+        about = [_MEANING[name], *_units(joints, quantities), *_origins(joints, quantities)]
+        yield "; ".join(about), entry(name, numbers)
+        if name == "velocity_limit":
+            ranges = [joint.position_range for joint in joints]
+            units = _units(joints, [joint.default_position for joint in joints])
+            said = "; ".join(["the joint's own range", *units, "null: none is stated"])
+            for side, index in (("position_lower", 0), ("position_upper", 1)):
+                yield said, entry(side, [None if ends is None else ends[index] for ends in ranges])
+    delays = [joint.delay for joint in joints]
+    known = [None if delay is None else delay.nominal for delay in delays]
+    lists = {
+        "nominal": [None if delay is None else delay.nominal.value for delay in delays],
+        "low": [None if delay is None else delay.low for delay in delays],
+        "high": [None if delay is None else delay.high for delay in delays],
+    }
+    about = ["delay of the command that the policy was trained with", "s", *_origins(joints, known)]
+    yield (
+        "; ".join(about),
+        [
+            "policy_delay:",
+            *(line for name, numbers in lists.items() for line in entry(name, numbers, "  ")),
+        ],
+    )
+
+
+def _units(joints: Sequence[JointActuator], quantities: Sequence[Quantity | None]) -> list[str]:
+    """The unit, or each with its joints where hinges and slides are mixed."""
+    pairs = [(q.unit, j.joint) for q, j in zip(quantities, joints, strict=True) if q is not None and q.unit]
+    kinds = grouped(pairs, lambda pair: pair[0])
+    if len(kinds) <= 1:
+        return [unit for unit, _ in kinds]
+    return [f"{unit} at {listed((name for _, name in members), 4)}" for unit, members in kinds]
+
+
+def _origins(joints: Sequence[JointActuator], quantities: Sequence[Quantity | None]) -> list[str]:
+    """Where the numbers come from, and which are not there."""
+    said = []
+    for quantity, joint in zip(quantities, joints, strict=True):
+        if quantity is None:
+            said.append(("not stated", joint.joint))
+        elif not quantity.known:
+            said.append(("unknown", joint.joint))
+        else:
+            text = "a default" if quantity.origin is Origin.DEFAULT else provenance(quantity)
+            said.append((text, joint.joint))
+    kinds = grouped(said, lambda pair: pair[0])
+    if len(kinds) == 1:
+        return [kinds[0][0]]
+    return [f"{text}: {listed((name for _, name in members), 4)}" for text, members in kinds]

@@ -1,0 +1,315 @@
+"""What each joint's drive becomes in Isaac Lab: a class with its fields, and what it cannot hold.
+
+`class: auto` takes the stock class of the level, `implicit` the solver's own drive, `custom` one class
+of our own with the whole law. Torque limits are kept first, then delay, then the filter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from actspec.diagnostics import Collector
+from actspec.ir import Command, JointActuator, Level
+from actspec.laws import TorqueLaw
+from actspec.targets.approximation import static_error
+from actspec.targets.base import Approximation
+from actspec.targets.isaaclab.command_path import lag_fields, lags, no_bias, no_delay, no_filter, no_range
+from actspec.targets.isaaclab.context import Field, Joint
+from actspec.targets.isaaclab.gains import gain_fields, joint_fields
+from actspec.targets.isaaclab.losses import (
+    boxed,
+    lined,
+    two_quadrants,
+)
+from actspec.targets.isaaclab.versions import IsaacLabDialect
+from actspec.targets.python_text import provenance, stated
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.targets.network_file import NetworkFile
+
+OUT_OF_THE_WAY = 1e9
+"""Torque and speed that no joint reaches [N*m, rad/s]: a torque-speed line that never acts."""
+
+CUSTOM = "custom"
+"""Stands for the name of our own class, which depends on the robot."""
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """One joint's part of a cfg; joint side, SI.
+
+    Attributes:
+        actuator: The joint's actuator.
+        cls: Name of the class without `Cfg`.
+        fields: Keywords in the order that they are written in.
+        remarks: Comments above the fields.
+        approximations: What was lost.
+    """
+
+    actuator: JointActuator
+    cls: str
+    fields: tuple[Field, ...]
+    remarks: tuple[str, ...]
+    approximations: tuple[Approximation, ...]
+
+
+def drive_of(
+    actuator: JointActuator,
+    dialect: IsaacLabDialect,
+    actuator_class: str,
+    step: float,
+    target: str,
+    network: tuple[NetworkFile, int] | None,
+    collector: Collector,
+) -> Drive | None:
+    """Choose the class and fields of one joint; None after an error.
+
+    Args:
+        actuator: What the spec asks for.
+        dialect: Version that is written.
+        actuator_class: `auto`, `implicit` or `custom`.
+        step: Physics step [s].
+        target: Name of the target, for approximations.
+        network: The network and the physics steps between its taps, for level actuator_net.
+        collector: Takes errors.
+    """
+    where = f"actuators.{actuator.group}"
+    if actuator.effort_limit.value is None:
+        collector.error(
+            "ISL010",
+            f"{actuator.joint}: effort_limit is unknown, and Isaac Lab must have a number: without one, versions "
+            "before 2.3.1 do not clip at all and later ones clip at the USD's",
+            where=f"{where}.effort_limit",
+            span=actuator.effort_limit.span or actuator.span,
+            help="state effort_limit",
+        )
+        return None
+    try:
+        return _choose(Joint(actuator, dialect, step, target, network), actuator_class)
+    except ValueError as err:
+        # The law itself says which number it lacks.
+        collector.error("ISL011", str(err), where=where, span=actuator.span)
+        return None
+
+
+def _choose(joint: Joint, actuator_class: str) -> Drive:
+    actuator = joint.actuator
+    if actuator.level is Level.ACTUATOR_NET:
+        cls, fields = _net(joint)
+    elif actuator_class == "implicit":
+        cls, fields = _implicit(joint)
+    elif actuator_class == "custom":
+        cls, fields = _custom(joint)
+    elif actuator.level is Level.DC_MOTOR:
+        cls, fields = _dc_motor(joint)
+    else:
+        cls, fields = _ideal(joint)
+    silent = [
+        name
+        for name, quantities in (
+            ("armature", [actuator.armature]),
+            ("friction", [actuator.friction_coulomb, actuator.friction_static]),
+            ("viscous friction", [actuator.friction_viscous]),
+        )
+        if not any(stated(quantity) for quantity in quantities)
+    ]
+    if silent:
+        joint.remarks.append(f"Nobody states {', '.join(silent)}: the USD's own.")
+    return Drive(actuator, cls, tuple(fields), tuple(joint.remarks), tuple(joint.lost))
+
+
+def _ideal(joint: Joint) -> tuple[str, list[Field]]:
+    fields = [*_limits(joint, joint.limit), *gain_fields(joint), *joint_fields(joint)]
+    delay = joint.actuator.delay
+    cls = "IdealPDActuator"
+    if delay is not None and delay.nominal.known:
+        steps = lags(joint, filtered=False)
+        if steps[1]:
+            cls = "DelayedPDActuator"
+            fields += lag_fields(joint, steps)
+    no_filter(joint)
+    no_bias(joint)
+    no_range(joint)
+    return cls, fields
+
+
+def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
+    law = lined(joint.law)
+    if joint.law.curve is not None:
+        _no_curve(joint, law, "DCMotor has one line for driving and braking")
+    _quadrants(joint, law)
+    fields = [*_limits(joint, law.effort_limit, law), *gain_fields(joint), *joint_fields(joint)]
+    no_delay(joint, "DCMotor has no delay; the torque-speed line is kept instead")
+    no_filter(joint)
+    no_bias(joint)
+    no_range(joint)
+    return "DCMotor", fields
+
+
+def _implicit(joint: Joint) -> tuple[str, list[Field]]:
+    if joint.actuator.level is Level.DC_MOTOR:
+        _no_curve(joint, boxed(joint.law), "the solver's drive has one limit at all speeds")
+    names = joint.dialect.limits
+    fields = [Field(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
+    fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
+    no_delay(joint, "the solver's drive has no delay")
+    no_filter(joint)
+    no_bias(joint)
+    no_range(joint)
+    return "ImplicitActuator", fields
+
+
+def _custom(joint: Joint) -> tuple[str, list[Field]]:
+    actuator, law = joint.actuator, joint.law
+    fields = [Field("effort_limit", joint.limit, joint.note(actuator.effort_limit))]
+    if actuator.level is Level.DC_MOTOR and actuator.curve is not None:
+        for name in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
+            quantity = getattr(actuator.curve, name)
+            fields.append(Field(name, quantity.require(), joint.note(quantity)))
+    elif actuator.level is Level.DC_MOTOR:
+        assert actuator.stall_torque is not None and actuator.no_load_speed is not None
+        fields.append(
+            Field("stall_torque", actuator.stall_torque.require(), joint.note(actuator.stall_torque))
+        )
+        fields.append(
+            Field("no_load_speed", actuator.no_load_speed.require(), joint.note(actuator.no_load_speed))
+        )
+    fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
+    filtered = law.filter_cutoff is not None
+    # A stated 0 beside others' biases is a number like them.
+    if stated(actuator.encoder_bias) and actuator.command is Command.POSITION:
+        fields.append(Field("encoder_bias", law.encoder_bias, joint.note(actuator.encoder_bias)))
+    if filtered or law.command_range is not None:
+        fields.append(Field("command", actuator.command.value, scalar=True))
+    if actuator.command_range is not None:
+        for name, end in zip(("command_low", "command_high"), actuator.command_range, strict=True):
+            if end.known:
+                fields.append(Field(name, end.require(), joint.note(end)))
+    if actuator.delay is not None and actuator.delay.nominal.known:
+        steps = lags(joint, filtered=filtered)
+        if steps[1]:
+            fields += lag_fields(joint, steps)
+    if filtered:
+        assert actuator.filter_cutoff is not None
+        fields.append(
+            Field("filter_cutoff", actuator.filter_cutoff.require(), joint.note(actuator.filter_cutoff))
+        )
+        fields.append(Field("physics_dt", joint.step, "s", scalar=True))
+    return CUSTOM, fields
+
+
+def _net(joint: Joint) -> tuple[str, list[Field]]:
+    assert joint.network is not None
+    file, stride = joint.network
+    manifest = file.manifest
+    line = lined(joint.law)
+    lstm = manifest.kind == "lstm"
+    if joint.law.curve is not None:
+        _no_curve(joint, line, "the network's class has one line for driving and braking")
+    if line.stall_torque is None:
+        joint.remarks.append("No torque-speed line is known: it is put out of the way.")
+        line = replace(line, stall_torque=OUT_OF_THE_WAY, no_load_speed=OUT_OF_THE_WAY)
+    elif lstm:
+        still = line.torque
+        joint.approximate(
+            "torque_speed_curve",
+            joint.curve_text(joint.law),
+            f"a clip at {format_quantity(line.effort_limit, joint.unit)}",
+            "ActuatorNetLSTM clips as if the joint stood still",
+            static_error(line, lambda command, q, qd: still(command, q, 0.0 * qd)),
+        )
+    else:
+        _quadrants(joint, line)
+    fields = [Field("network_file", file.name, scalar=True, file=True)]
+    if not lstm:
+        order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
+        fields += [
+            Field("pos_scale", manifest.position_scale, scalar=True),
+            Field("vel_scale", manifest.velocity_scale, scalar=True),
+            Field("torque_scale", manifest.torque_scale, scalar=True),
+            Field("input_order", order, scalar=True),
+            Field("input_idx", [tap * stride for tap in manifest.taps], "physics steps back", scalar=True),
+        ]
+    if manifest.initial_history == "first_sample" and not lstm and any(manifest.taps):
+        joint.approximate(
+            "network.initial_history",
+            "the first sample",
+            "zeros",
+            "ActuatorNetMLP clears its history at a reset",
+            2.0 * line.effort_limit,
+        )
+    fields += [*_limits(joint, line.effort_limit, line), *joint_fields(joint, summed=False)]
+    no_delay(joint, "the network's class has no delay")
+    no_filter(joint)
+    no_bias(joint)
+    no_range(joint)
+    return ("ActuatorNetLSTM" if lstm else "ActuatorNetMLP"), fields
+
+
+def _limits(joint: Joint, limit: float, line: TorqueLaw | None = None) -> list[Field]:
+    """Limits of an explicit group, with a torque-speed line or without."""
+    names, actuator = joint.dialect.limits, joint.actuator
+    note = joint.note(actuator.effort_limit)
+    if limit != joint.limit:
+        note = f"{joint.unit}; the curve's drive torque"
+    fields = [Field(names.effort, limit, note)]
+    if line is not None:
+        assert line.stall_torque is not None and line.no_load_speed is not None
+        torque, speed = f"{joint.unit} at standstill", f"{joint.speed_unit} at no torque"
+        if actuator.curve is not None:
+            torque += "; the line through knee and no-load speed"
+        elif actuator.stall_torque is not None and actuator.stall_torque.known:
+            torque += f"; {provenance(actuator.stall_torque)}"
+        source = actuator.curve.no_load_speed if actuator.curve is not None else actuator.no_load_speed
+        if source is not None and source.known:
+            speed += f"; {provenance(source)}"
+        per_group = not joint.dialect.dict_saturation
+        fields.append(Field("saturation_effort", line.stall_torque, torque, scalar=per_group))
+        fields.append(Field(names.velocity, line.no_load_speed, speed))
+    if joint.dialect.solver_limit:
+        fields.append(Field(names.solver_effort, limit, f"{joint.unit}; the solver clips too"))
+    return fields + _solver_velocity(joint)
+
+
+def _solver_velocity(joint: Joint) -> list[Field]:
+    quantity = joint.actuator.velocity_limit
+    if not quantity.known:
+        return []
+    if joint.dialect.backend == "newton":
+        joint.approximate(
+            "velocity_limit",
+            format_quantity(quantity.value, quantity.unit),
+            "a field that the solver does not read",
+            "MuJoCo has no speed limit of a joint",
+            None,
+        )
+    return [Field(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
+
+
+def _no_curve(joint: Joint, emitted: TorqueLaw, why: str) -> None:
+    text = f"a clip at {format_quantity(emitted.effort_limit, joint.unit)}"
+    if emitted.stall_torque is not None:
+        text = f"{joint.curve_text(emitted)}, cut at {format_quantity(emitted.effort_limit, joint.unit)}"
+    joint.approximate(
+        "torque_speed_curve",
+        joint.curve_text(joint.law),
+        text,
+        why,
+        static_error(joint.law, emitted.torque),
+    )
+
+
+def _quadrants(joint: Joint, law: TorqueLaw) -> None:
+    if joint.dialect.four_quadrants:
+        return
+    emitted: Callable[[Any, Any, Any], Any] = two_quadrants(law)
+    joint.approximate(
+        "torque_speed_curve",
+        f"{joint.curve_text(law)} in four quadrants",
+        "the same in two: no braking torque is forced above no-load speed",
+        f"DCMotor of Isaac Lab {joint.dialect.text} ends its limits at 0",
+        static_error(law, emitted),
+    )

@@ -1,0 +1,234 @@
+"""The Isaac Lab target: `<robot>_cfg.py` with the robot's actuators, and its networks beside it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+from actspec.diagnostics import Collector, EmitError, Span, listed
+from actspec.ir import ActuatorSet, JointActuator, Level
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.isaaclab.drive import Drive, drive_of
+from actspec.targets.isaaclab.groups import groups_of
+from actspec.targets.isaaclab.text import module_name, module_text
+from actspec.targets.isaaclab.versions import IsaacLabDialect, UnknownDialect, isaaclab_dialect
+from actspec.targets.network_file import NetworkFile, read_network, tap_stride
+from actspec.targets.python_text import identifier
+
+CLASSES = ("auto", "implicit", "custom")
+"""Kinds of actuator class."""
+
+
+def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
+    """Compile a robot's actuators into an Isaac Lab module.
+
+    Args:
+        actuators: What the spec asks for, resolved against `robot`.
+        robot: The robot; only the names of its joints are used.
+        options: Versions, backend and class.
+
+    Raises:
+        EmitError: the target cannot be written, with every reason.
+    """
+    collector = Collector()
+    dialect = _dialect(options, collector)
+    _check_class(actuators, dialect, options, collector)
+    networks = _networks(actuators, collector)
+    step = actuators.physics_dt.require()
+    drives = []
+    for actuator in actuators.joints:
+        network = networks.get(actuator.group)
+        if actuator.level is Level.ACTUATOR_NET and network is None:
+            continue
+        drive = drive_of(actuator, dialect, options.actuator_class, step, options.name, network, collector)
+        if drive is not None:
+            drives.append(drive)
+    collector.raise_if_failed(EmitError)
+    _warn(actuators, dialect, drives, collector)
+
+    approximations = [loss for drive in drives for loss in drive.approximations]
+    if actuators.delta_action is not None:
+        approximations.append(
+            Approximation(
+                options.name,
+                "",
+                "delta_action",
+                actuators.delta_action.network,
+                "none",
+                "no actuator class sees the whole robot: wrap the environment with the runtime",
+                None,
+            )
+        )
+    groups = groups_of(drives, [joint.name for joint in robot.joints])
+    model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
+    text = module_text(actuators, groups, approximations, dialect, model)
+    files = [EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))]
+    written = {file.name: file.data for file, _ in networks.values()}
+    files += [EmittedFile(name, data) for name, data in sorted(written.items())]
+    return Emission(tuple(files), tuple(approximations), collector.sorted())
+
+
+def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
+    try:
+        return isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+    except UnknownDialect as err:
+        collector.error(
+            "ISL001",
+            err.message,
+            where=f"targets.{options.name}.{err.key}",
+            span=options.version_span,
+            help=err.help,
+        )
+        raise EmitError(collector.sorted()) from None
+
+
+def _check_class(
+    actuators: ActuatorSet, dialect: IsaacLabDialect, options: TargetOptions, collector: Collector
+) -> None:
+    where = f"targets.{options.name}.class"
+    chosen = options.actuator_class
+    if chosen not in CLASSES:
+        collector.error(
+            "ISL002",
+            f"no actuator class is named '{chosen}'",
+            where=where,
+            span=options.version_span,
+            help=f"write {', '.join(CLASSES)}",
+        )
+        raise EmitError(collector.sorted())
+    if chosen == "custom" and not dialect.custom:
+        collector.error(
+            "ISL003",
+            f"Isaac Lab {dialect.text} runs its actuators natively and refuses classes of one's own",
+            where=where,
+            span=options.version_span,
+            help='write class: auto, or version: "2.3"',
+        )
+    networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
+    if chosen == "implicit" and networks:
+        collector.error(
+            "ISL004",
+            f"the solver's own drive runs no network: {listed(networks)}",
+            where=where,
+            span=options.version_span,
+            help="write class: auto",
+        )
+
+
+def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[NetworkFile, int]]:
+    """The network of each group, with the physics steps between its taps."""
+    step = actuators.physics_dt.require()
+    found: dict[str, tuple[NetworkFile, int]] = {}
+    names: dict[str, bytes] = {}
+    firsts: dict[str, JointActuator] = {}
+    for actuator in actuators.joints:
+        if actuator.level is Level.ACTUATOR_NET:
+            firsts.setdefault(actuator.group, actuator)
+    for group, actuator in firsts.items():
+        file = read_network(actuator.network, f"actuators.{group}", actuator.span, collector)
+        if file is None:
+            continue
+        where = f"actuators.{group}.network"
+        span = (actuator.network.span if actuator.network is not None else None) or actuator.span
+        stride = tap_stride(file.manifest, step, where, span, collector)
+        _check_network(file, stride, actuators, group, where, span, collector)
+        if names.setdefault(file.name, file.data) != file.data:
+            file = replace(file, name=f"{identifier(group)}_{file.name}")
+        if stride is not None:
+            found[group] = (file, stride)
+    return found
+
+
+def _check_network(
+    file: NetworkFile,
+    stride: int | None,
+    actuators: ActuatorSet,
+    group: str,
+    where: str,
+    span: Span | None,
+    collector: Collector,
+) -> None:
+    """What Isaac Lab's classes take for granted."""
+    manifest = file.manifest
+    if manifest.kind == "gru":
+        collector.error(
+            "ISL020",
+            "Isaac Lab has classes for mlp and lstm, the network is a gru",
+            where=where,
+            span=span,
+            help="train an lstm, or leave this target out",
+        )
+    if manifest.kind == "lstm":
+        scales = (manifest.position_scale, manifest.velocity_scale, manifest.torque_scale)
+        wrong = []
+        if scales != (1.0, 1.0, 1.0):
+            wrong.append("scales {:g}, {:g}, {:g}".format(*scales))
+        if manifest.inputs != "position_velocity":
+            wrong.append(f"inputs {manifest.inputs}")
+        if manifest.taps != (0,):
+            wrong.append(f"taps {list(manifest.taps)}")
+        if stride not in (None, 1):
+            wrong.append(f"a tap_period of {stride} physics steps")
+        if wrong:
+            collector.error(
+                "ISL021",
+                "ActuatorNetLSTM takes the error and the velocity of each physics step unscaled; the manifest has "
+                f"{listed(wrong)}",
+                where=where,
+                span=span,
+                help="put the scales into the network, and train at the physics step",
+            )
+    strange = [
+        a.joint
+        for a in actuators.joints
+        if a.group == group and manifest.joints and a.joint not in manifest.joints
+    ]
+    if strange:
+        collector.warning(
+            "NET008",
+            f"the network was not trained on {listed(strange)}",
+            where=where,
+            span=span,
+            help=f"its manifest names {listed(manifest.joints)}",
+        )
+
+
+def _warn(
+    actuators: ActuatorSet, dialect: IsaacLabDialect, drives: list[Drive], collector: Collector
+) -> None:
+    unmeasured = [a for a in actuators.joints if a.armature.value is None]
+    if unmeasured:
+        collector.warning(
+            "ISL030",
+            f"the armature of {len(unmeasured)} joints is unknown, and Isaac Lab takes the USD's: "
+            f"{listed([a.joint for a in unmeasured])}",
+            where=f"actuators.{unmeasured[0].group}.armature",
+            span=unmeasured[0].armature.span or unmeasured[0].span,
+            help="state armature, or rotor_inertia and gear_ratio of the motor",
+        )
+    open_gains = [d.actuator for d in drives if any(f.value is None for f in d.fields)]
+    if open_gains:
+        collector.warning(
+            "ISL031",
+            f"gains of {len(open_gains)} joints are unknown, and Isaac Lab takes the USD's: "
+            f"{listed([a.joint for a in open_gains])}",
+            where=f"actuators.{open_gains[0].group}",
+            span=open_gains[0].span,
+            help="state kp and kd",
+        )
+    renamed = [a.joint for a in actuators.joints if identifier(a.joint) != a.joint]
+    if renamed:
+        collector.warning(
+            "ISL032",
+            f"USD importers rename joints that are no identifiers, and the cfg has the model's names: "
+            f"{listed(renamed)}",
+            help="rename them in the model, or check the names in the USD",
+        )
+    networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
+    if networks and not dialect.executed and dialect.version >= (3, 0):
+        collector.warning(
+            "ISL033",
+            f"Isaac Lab {dialect.text} may take other network files than TorchScript: not tried here",
+            help="its native actuators read ONNX with metadata; or set use_newton_actuators=False",
+        )

@@ -1,0 +1,201 @@
+"""The module's text: layout by templates/isaaclab, everything else decided here."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any
+
+import actspec
+from actspec.ir import ActuatorSet
+from actspec.targets.base import Approximation
+from actspec.targets.isaaclab.drive import CUSTOM
+from actspec.targets.isaaclab.groups import Group, Keyword
+from actspec.targets.isaaclab.versions import IsaacLabDialect
+from actspec.targets.python_text import WIDTH, comment_lines, environment, grouped, identifier, py
+from actspec.units import format_quantity
+
+Row = tuple[str, str]
+"""A line's code and what stands behind it."""
+
+
+def module_name(robot: str) -> str:
+    """Name of the module: `unitree_a1_cfg`."""
+    return f"{identifier(robot).lower()}_cfg"
+
+
+def class_name(robot: str) -> str:
+    """Name of the robot's own actuator class: `UnitreeA1Actuator`."""
+    words = identifier(robot).split("_")
+    return "".join(word[:1].upper() + word[1:] for word in words) + "Actuator"
+
+
+def module_text(
+    actuators: ActuatorSet,
+    groups: Sequence[Group],
+    approximations: Sequence[Approximation],
+    dialect: IsaacLabDialect,
+    model: str,
+) -> str:
+    """The whole module.
+
+    Args:
+        actuators: What was compiled.
+        groups: What the cfg holds.
+        approximations: What was lost.
+        dialect: Version that is written.
+        model: File name of the robot's model; "" without one.
+    """
+    own = class_name(actuators.robot)
+    constant = f"{identifier(actuators.robot).upper()}_ACTUATORS"
+    custom = [group for group in groups if group.cls == CUSTOM]
+    features = {keyword.name for group in custom for keyword in group.keywords}
+    stock = {f"{group.cls}Cfg" for group in groups if group.cls != CUSTOM}
+    if custom:
+        stock |= {"IdealPDActuator", "IdealPDActuatorCfg"}
+    return (
+        environment("isaaclab")
+        .get_template("cfg.py.j2")
+        .render(
+            header=list(_header(actuators, approximations, dialect, model)),
+            constant=constant,
+            robot_constant=f"{identifier(actuators.robot).upper()}_CFG",
+            module=module_name(actuators.robot),
+            version=dialect.text,
+            timing=_timing(actuators, groups),
+            imports=sorted(stock),
+            files=any(keyword.file for group in groups for keyword in group.keywords),
+            custom=bool(custom),
+            own=own,
+            features=features,
+            stages=_stages(features),
+            groups=[
+                {
+                    "name": group.name,
+                    "cls": own if group.cls == CUSTOM else group.cls,
+                    "rows": list(_rows(group)),
+                }
+                for group in groups
+            ],
+        )
+    )
+
+
+def _timing(actuators: ActuatorSet, groups: Sequence[Group]) -> str:
+    text = f"Made for ``SimulationCfg(dt={py(actuators.physics_dt.require())})``"
+    if actuators.decimation is not None:
+        text += f" and ``decimation={actuators.decimation}``"
+    timed = {"max_delay", "physics_dt", "network_file"}
+    if any(keyword.name in timed for group in groups for keyword in group.keywords):
+        text += ": delays, filters and networks count physics steps"
+    return f"{text}."
+
+
+def _stages(features: set[str]) -> list[str]:
+    """What our own class does with a command, in order, as lines of a docstring."""
+    stages = []
+    if features & {"command_low", "command_high"}:
+        stages.append("clamp of the command")
+    if "max_delay" in features:
+        stages.append("delay")
+    if "filter_cutoff" in features:
+        stages.append("first-order filter")
+    stages.append("PD on the encoder's position" if "encoder_bias" in features else "PD")
+    stages.append("torque-speed curve" if features & {"stall_torque", "drive_torque"} else "torque limit")
+    return textwrap.wrap(f"In the order of a physics step: {', '.join(stages)}.", WIDTH - 4)
+
+
+def _rows(group: Group) -> Iterator[str]:
+    """The lines between the cfg's parentheses."""
+    indent = " " * 8
+    for remark in group.remarks:
+        yield from comment_lines(remark, indent=indent)
+    one = f"{indent}joint_names_expr={py(list(group.patterns))},"
+    if len(group.patterns) <= 3 and len(one) <= WIDTH:
+        yield one
+    else:
+        yield f"{indent}joint_names_expr=["
+        yield from (f"{indent}    {py(pattern)}," for pattern in group.patterns)
+        yield f"{indent}],"
+    for keyword in group.keywords:
+        yield from _keyword(keyword, indent)
+
+
+def _keyword(keyword: Keyword, indent: str) -> Iterator[str]:
+    if keyword.entries:
+        yield _noted(f"{indent}{keyword.name}={{", keyword.note)
+        for entry in keyword.entries:
+            yield _noted(f"{indent}    {py(entry.key)}: {py(float(entry.value))},", entry.note)
+        yield f"{indent}}},"
+        return
+    value = keyword.value
+    text = f"os.path.join(FOLDER, {py(value)})" if keyword.file else py(value)
+    yield _noted(f"{indent}{keyword.name}={text},", keyword.note)
+
+
+def _noted(code: str, note: str) -> str:
+    """A line with its comment, shortened part by part until it fits."""
+    parts = note.split("; ")
+    while parts and parts[0]:
+        (comment,) = comment_lines("; ".join(parts))[:1]
+        if len(code) + 2 + len(comment) <= WIDTH and len(comment_lines("; ".join(parts))) == 1:
+            return f"{code}  {comment}"
+        parts = parts[:-1]
+    return code
+
+
+def _header(
+    actuators: ActuatorSet, approximations: Sequence[Approximation], dialect: IsaacLabDialect, model: str
+) -> Iterator[str]:
+    title = f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text} ({dialect.backend_text})"
+    yield from comment_lines(
+        f"Written by actspec {actspec.__version__} for {title}. Do not edit: change the spec and compile again."
+    )
+    if not dialect.executed:
+        yield from comment_lines("Text-checked, not run: no package of this version could be had.")
+    yield from comment_lines(f"spec sha256 {actuators.spec_sha256}")
+    if model:
+        yield from comment_lines(f"model {model}")
+    yield from comment_lines(
+        f"physics_dt {format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit)}"
+    )
+    if approximations:
+        yield from comment_lines("")
+        yield from comment_lines("Approximations (what these classes cannot hold):")
+        for line in _losses(approximations):
+            yield from comment_lines(f"  {line}", hang="    ")
+    cited = list(_sources(actuators, approximations))
+    if cited:
+        yield from comment_lines("")
+        yield from comment_lines("Sources:")
+        for line in cited:
+            yield from comment_lines(f"  {line}", hang="    ")
+
+
+def _losses(approximations: Iterable[Approximation]) -> Iterator[str]:
+    """One line for the joints that lose the same."""
+    for loss, members in grouped(
+        approximations, lambda a: (a.field, a.asked, a.emitted, a.why, a.max_torque_error, a.unit)
+    ):
+        field, asked, emitted, why, error, unit = loss
+        size = "" if error is None else f"; at most {error:.4g} {unit}"
+        joints = [member.joint for member in members if member.joint]
+        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(joints)}" if joints else "")
+
+
+def _sources(actuators: ActuatorSet, approximations: Sequence[Approximation]) -> Iterator[str]:
+    from actspec.ir import Quantity
+
+    used = set()
+    for actuator in actuators.joints:
+        parts: list[Any] = [getattr(actuator, name) for name in actuator.__slots__]
+        if actuator.curve is not None:
+            parts += [getattr(actuator.curve, name) for name in actuator.curve.__slots__]
+        if actuator.delay is not None:
+            parts.append(actuator.delay.nominal)
+        parts += actuator.command_range or ()
+        used |= {part.source for part in parts if isinstance(part, Quantity) and part.known}
+    for source in actuators.sources:
+        if source.key in used:
+            text = ", ".join(part for part in (source.title, source.url, source.page) if part)
+            yield f"{source.key}: {text}"

@@ -1,0 +1,1 @@
+"""The mjlab target: a module with an `EntityArticulationInfoCfg`."""

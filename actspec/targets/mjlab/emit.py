@@ -1,0 +1,162 @@
+"""The mjlab target: actuator cfgs that read as if written by hand, and the articulation that holds them.
+
+`soft_joint_pos_limit_factor` is left at mjlab's default: it belongs to a task's rewards, not to an actuator.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Sequence
+
+from actspec.diagnostics import Collector, EmitError, listed
+from actspec.ir import ActuatorSet, JointActuator, JointKind
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.mjlab.actuator import Cfg, cfg_of
+from actspec.targets.mjlab.text import Preparation, module_name, module_text
+from actspec.targets.mjlab.versions import MjlabDialect, mjlab_dialect
+from actspec.targets.python_text import joint_patterns, stated
+from actspec.targets.versions import UnknownVersion
+
+
+def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
+    """Write a robot's actuators as a module for mjlab.
+
+    Args:
+        actuators: What the spec asks for, resolved against `robot`.
+        robot: The robot.
+        options: Version.
+
+    Raises:
+        EmitError: the target cannot be written, with every reason.
+    """
+    collector = Collector()
+    dialect = _dialect(options, collector)
+    step = actuators.physics_dt.require()
+    described = robot.format is not ModelFormat.NONE
+    cfgs: list[Cfg] = []
+    for actuator in actuators.joints:
+        joint = robot.joint(actuator.joint) if described else None
+        # A collector of its own: an error of one joint does not hide the next one's.
+        own = Collector()
+        cfg = cfg_of(actuator, joint, dialect, step, options.name, own)
+        for item in own:
+            collector.add(item)
+        if cfg is not None:
+            cfgs.append(cfg)
+        _check_springdamper(actuator, robot, collector)
+    names = _short_names(actuators, robot, collector)
+    files = _networks(cfgs, collector)
+    collector.raise_if_failed(EmitError)
+
+    def patterns(members: Sequence[JointActuator]) -> tuple[str, ...]:
+        if names is not None:
+            return tuple(re.escape(names[member.joint]) for member in members)
+        return joint_patterns(members, _matched(actuators, robot))
+
+    lost = [loss for cfg in cfgs for loss in cfg.lost]
+    if actuators.delta_action is not None:
+        why = "an actuator cfg holds no residual policy: wrap the environment with the runtime"
+        lost.append(
+            Approximation(options.name, "", "delta_action", actuators.delta_action.network, "none", why, None)
+        )
+    text = module_text(
+        actuators,
+        cfgs,
+        lost,
+        dialect,
+        patterns,
+        _preparation(actuators, robot),
+        os.path.basename(robot.path) if described else "",
+    )
+    module = EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))
+    return Emission((module, *files), tuple(lost), collector.sorted())
+
+
+def _dialect(options: TargetOptions, collector: Collector) -> MjlabDialect:
+    try:
+        return mjlab_dialect(options.version)
+    except UnknownVersion as err:
+        collector.error(
+            "MJL007",
+            err.message,
+            where=f"targets.{options.name}.version",
+            span=options.version_span,
+            help=err.help,
+        )
+        raise EmitError(collector.sorted()) from None
+
+
+def _matched(actuators: ActuatorSet, robot: RobotView) -> list[str]:
+    """The names that mjlab matches a pattern against: every joint but a free one."""
+    names = [joint.name for joint in robot.joints if joint.kind is not JointKind.FREE]
+    if any(item.code == "ROBOT113" for item in robot.diagnostics):
+        # Joints without a name: mjlab would match them too.
+        names.append("")
+    return names or [actuator.joint for actuator in actuators.joints]
+
+
+def _short_names(actuators: ActuatorSet, robot: RobotView, collector: Collector) -> dict[str, str] | None:
+    """What mjlab calls the joints where a name has a `/`: what is behind the last; None where none has."""
+    full = [joint.name for joint in robot.joints if joint.kind is not JointKind.FREE]
+    if not any("/" in name for name in full):
+        return None
+    short: dict[str, list[str]] = {}
+    for name in full:
+        short.setdefault(name.rsplit("/", 1)[-1], []).append(name)
+    managed = {actuator.joint for actuator in actuators.joints}
+    for same in short.values():
+        if len(same) > 1 and not managed.isdisjoint(same):
+            collector.error(
+                "MJL008",
+                f"mjlab knows a joint by what is behind the last '/', which is the same for {listed(same)}",
+                where=same[0],
+                help="rename the joints in the model",
+            )
+    return {name: name.rsplit("/", 1)[-1] for name in full}
+
+
+def _check_springdamper(actuator: JointActuator, robot: RobotView, collector: Collector) -> None:
+    joint = robot.joint(actuator.joint)
+    if joint is None or not joint.springdamper:
+        return
+    asked = ((actuator.friction_viscous, joint.damping), (actuator.armature, joint.armature))
+    if any(stated(quantity) and quantity.value != own for quantity, own in asked):
+        collector.error(
+            "MJL009",
+            "the joint has a springdamper in force, which overwrites viscous_damping and follows the armature",
+            where=joint.name,
+            span=joint.span,
+            help="take it out of the model, or use the model that the mujoco target writes",
+        )
+
+
+def _preparation(actuators: ActuatorSet, robot: RobotView) -> Preparation:
+    widened = []
+    for actuator in actuators.joints:
+        joint, limit = robot.joint(actuator.joint), actuator.effort_limit.value
+        if joint is None or joint.effort_range is None or limit is None:
+            continue
+        low, high = joint.effort_range
+        if low > -limit or high < limit:
+            widened.append((joint.name, limit))
+    return Preparation(bool(robot.actuators), tuple(widened))
+
+
+def _networks(cfgs: Sequence[Cfg], collector: Collector) -> list[EmittedFile]:
+    """The networks' files, each once."""
+    found: dict[str, bytes] = {}
+    for cfg in cfgs:
+        if cfg.network is None:
+            continue
+        name, data = cfg.network
+        if found.setdefault(name, data) != data:
+            collector.error(
+                "MJL010",
+                f"two networks are called '{name}' and differ",
+                where=f"actuators.{cfg.actuator.group}.network",
+                span=cfg.actuator.span,
+                help="rename one: both are written into one folder",
+            )
+    return [EmittedFile(name, data) for name, data in found.items()]

@@ -1,0 +1,276 @@
+"""The module's text: layout by templates/mjlab, everything else decided here."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import actspec
+from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
+from actspec.targets.base import Approximation
+from actspec.targets.mjlab.actuator import Cfg, Field
+from actspec.targets.mjlab.versions import MjlabDialect
+from actspec.targets.python_text import comment_lines, environment, grouped, identifier, py
+from actspec.units import format_quantity
+
+WIDTH = 88
+"""Columns of mjlab's own code."""
+
+
+@dataclass(frozen=True, slots=True)
+class Preparation:
+    """What has to be changed in the robot's model before mjlab adds actuators.
+
+    Attributes:
+        removes: Whether the model has actuators: those of the driven joints have to go.
+        widened: Joints whose own force range is narrower than the effort limit, with that limit.
+    """
+
+    removes: bool
+    widened: tuple[tuple[str, float], ...]
+
+    @property
+    def needed(self) -> bool:
+        """Whether there is anything to do."""
+        return self.removes or bool(self.widened)
+
+
+def module_name(robot: str) -> str:
+    """Name of the module: `unitree_a1_cfg`."""
+    return f"{identifier(robot).lower()}_cfg"
+
+
+def constant_name(robot: str) -> str:
+    """What its constants begin with: `UNITREE_A1`."""
+    return identifier(robot).upper()
+
+
+def module_text(
+    actuators: ActuatorSet,
+    cfgs: Sequence[Cfg],
+    approximations: Sequence[Approximation],
+    dialect: MjlabDialect,
+    names: Callable[[Sequence[JointActuator]], tuple[str, ...]],
+    preparation: Preparation,
+    model: str,
+) -> str:
+    """The whole module.
+
+    Args:
+        actuators: What was compiled.
+        cfgs: One a joint, in the robot's order.
+        approximations: What was lost.
+        dialect: Version that is written.
+        names: Joints to the patterns that select exactly them.
+        preparation: What the model needs.
+        model: File name of the robot's model; "" without one.
+    """
+    merged = grouped(cfgs, lambda cfg: cfg.key)
+    constants = _constants(constant_name(actuators.robot), [key[0] for key, _ in merged])
+    blocks = []
+    classes = set()
+    for constant, (_, members) in zip(constants, merged, strict=True):
+        blocks.append(list(_block(constant, members, names([m.actuator for m in members]), dialect)))
+        classes.add(members[0].kind)
+        if members[0].delay and not dialect.delay_fields:
+            classes.add("DelayedActuatorCfg")
+    return (
+        environment("mjlab")
+        .get_template("cfg.py.j2")
+        .render(
+            robot=identifier(actuators.robot),
+            version=dialect.text,
+            header=list(_header(actuators, approximations, dialect, preparation, model)),
+            folder=any(cfg.network is not None for cfg in cfgs),
+            imports=list(_imports(sorted(classes))),
+            actuators=blocks,
+            driven=[cfg.actuator.joint for cfg in cfgs],
+            prepare=list(_prepared(preparation)),
+            removes=preparation.removes,
+            widened=preparation.widened,
+            constant=constant_name(actuators.robot),
+            names=constants,
+            action_scale=_by_value(actuators, _action_scale, names),
+            default_pose=_by_value(actuators, _default_position, names),
+        )
+    )
+
+
+def _constants(robot: str, groups: Sequence[Any]) -> list[str]:
+    """`<ROBOT>_<GROUP>_ACTUATOR`, numbered where a group needs several or two groups read alike."""
+    stems = [f"{robot}_{identifier(str(group), fallback='group').upper()}_ACTUATOR" for group in groups]
+    counts: dict[str, int] = {}
+    found = []
+    for stem in stems:
+        counts[stem] = counts.get(stem, 0) + 1
+        found.append(stem if stems.count(stem) == 1 else f"{stem}_{counts[stem]}")
+    return found
+
+
+def _imports(classes: Sequence[str]) -> Iterator[str]:
+    line = f"from mjlab.actuator import {', '.join(classes)}"
+    if len(line) <= WIDTH:
+        yield line
+    else:
+        yield from ("from mjlab.actuator import (", *(f"  {name}," for name in classes), ")")
+    yield "from mjlab.entity import EntityArticulationInfoCfg"
+
+
+def _block(
+    constant: str, members: Sequence[Cfg], names: Sequence[str], dialect: MjlabDialect
+) -> Iterator[str]:
+    """One constant with its comment."""
+    first = members[0]
+    about = f"{first.actuator.group}: {first.actuator.level.value}, {first.actuator.command.value} command."
+    yield from comment_lines(about, width=WIDTH)
+    wrapped = bool(first.delay) and not dialect.delay_fields
+    indent = "    " if wrapped else "  "
+    yield f"{constant} = {'DelayedActuatorCfg' if wrapped else first.kind}("
+    if wrapped:
+        yield f"  base_cfg={first.kind}("
+    yield from _targets(names, indent)
+    for field in _agreed(members, wrapped):
+        yield from _row(field, indent)
+    if wrapped:
+        yield "  ),"
+        command = first.actuator.command
+        target = "position" if command is Command.POSITION else command.value
+        yield f"  delay_target={py(target)},"
+        for field in first.delay:
+            yield from _row(field, "  ")
+    yield ")"
+
+
+def _targets(names: Sequence[str], indent: str) -> Iterator[str]:
+    line = f"{indent}target_names_expr={py(tuple(names))},"
+    if len(line) <= WIDTH and len(names) <= 3:
+        yield line
+        return
+    yield f"{indent}target_names_expr=("
+    yield from (f"{indent}  {py(name)}," for name in names)
+    yield f"{indent}),"
+
+
+def _agreed(members: Sequence[Cfg], wrapped: bool) -> Iterator[Field]:
+    """The fields of a cfg; a note only where all of its joints have the same."""
+    rows = [cfg.fields if wrapped else (*cfg.fields, *cfg.delay) for cfg in members]
+    for same in zip(*rows, strict=True):
+        notes = {field.note for field in same}
+        yield same[0] if len(notes) == 1 else Field(same[0].name, same[0].text)
+
+
+def _row(field: Field, indent: str) -> Iterator[str]:
+    line = f"{indent}{field.name}={field.text},"
+    behind = f"{line}  # {field.note}"
+    if not field.note:
+        yield line
+    elif len(behind) <= WIDTH:
+        yield behind
+    else:
+        yield from (*comment_lines(field.note, indent=indent, width=WIDTH), line)
+
+
+def _prepared(preparation: Preparation) -> Iterator[str]:
+    if preparation.removes:
+        yield "The model's own actuators on these joints go, with their sensors: they would act"
+        yield "beside those above. Its keyframes lose their controls, whose number changes."
+    if preparation.widened:
+        yield "Where the joint's own force range is narrower than effort_limit, it is widened."
+
+
+def _header(
+    actuators: ActuatorSet,
+    approximations: Sequence[Approximation],
+    dialect: MjlabDialect,
+    preparation: Preparation,
+    model: str,
+) -> Iterator[str]:
+    def said(text: str, hang: str = "") -> list[str]:
+        return comment_lines(text, hang=hang, width=WIDTH)
+
+    step = actuators.physics_dt.require()
+    yield from said(
+        f"Written by actspec {actspec.__version__}. Do not edit: change the spec and compile again."
+    )
+    yield from said(f"spec sha256 {actuators.spec_sha256}")
+    if model:
+        yield from said(f"model {model}")
+    if not dialect.run:
+        yield from said(f"Text-checked against the fields of mjlab {dialect.text}, not run with it.")
+    yield "#"
+    constant = constant_name(actuators.robot)
+    spec_fn = "lambda: prepare_spec(mujoco.MjSpec.from_file(...))" if preparation.needed else "..."
+    yield "# Use:"
+    yield "#   EntityCfg("
+    yield f"#     spec_fn={spec_fn},"
+    yield f"#     articulation={constant}_ARTICULATION,"
+    yield "#   )"
+    rates = f"SimulationCfg(mujoco=MujocoCfg(timestep={py(step)}))"
+    rates += f", decimation={actuators.decimation}" if actuators.decimation is not None else ""
+    lags = (
+        f": lags are steps of {step * 1e3:g} ms" if any(a.delay is not None for a in actuators.joints) else ""
+    )
+    yield from said(f"with {rates}{lags}.")
+    yield from said("soft_joint_pos_limit_factor is left to the task.")
+    if approximations:
+        yield "#"
+        yield "# Approximations (what mjlab cannot hold):"
+        for line in _losses(approximations):
+            yield from said(f"- {line}", hang="  ")
+    sources = list(_sources(actuators))
+    if sources:
+        yield "#"
+        yield "# Sources:"
+        for line in sources:
+            yield from said(f"- {line}", hang="  ")
+
+
+def _losses(approximations: Sequence[Approximation]) -> Iterator[str]:
+    """One line for the joints that lose the same."""
+    for loss, members in grouped(
+        approximations, lambda a: (a.field, a.asked, a.emitted, a.why, a.max_torque_error, a.unit)
+    ):
+        field, asked, emitted, why, error, unit = loss
+        size = "" if error is None else f"; at most {format_quantity(error, unit)}"
+        joints = [member.joint for member in members if member.joint]
+        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(joints)}" if joints else "")
+
+
+def _sources(actuators: ActuatorSet) -> Iterator[str]:
+    used = set()
+    for actuator in actuators.joints:
+        parts: list[Any] = [getattr(actuator, name) for name in actuator.__slots__]
+        if actuator.curve is not None:
+            parts += [getattr(actuator.curve, name) for name in actuator.curve.__slots__]
+        if actuator.delay is not None:
+            parts.append(actuator.delay.nominal)
+        parts += actuator.command_range or ()
+        used |= {part.source for part in parts if isinstance(part, Quantity) and part.known}
+    for source in actuators.sources:
+        if source.key in used:
+            text = ", ".join(part for part in (source.title, source.url, source.page) if part)
+            yield f"{source.key}: {text}"
+
+
+def _action_scale(actuator: JointActuator) -> float | None:
+    return None if actuator.action_scale is None else actuator.action_scale.value
+
+
+def _default_position(actuator: JointActuator) -> float | None:
+    position = actuator.default_position
+    return None if position.origin is Origin.DEFAULT else position.value
+
+
+def _by_value(
+    actuators: ActuatorSet,
+    value: Callable[[JointActuator], float | None],
+    names: Callable[[Sequence[JointActuator]], tuple[str, ...]],
+) -> list[tuple[str, float]]:
+    """Patterns with their value; joints without one are left out."""
+    known = [actuator for actuator in actuators.joints if value(actuator) is not None]
+    rows = []
+    for number, members in grouped(known, value):
+        assert number is not None
+        rows += [(name, number) for name in names(members)]
+    return rows

@@ -1,0 +1,207 @@
+"""What each joint's drive becomes in MuJoCo.
+
+By level and command, for a version:
+
+- ideal_pd: `<position>` or `<velocity>` with forcerange, `<motor>` for effort; all exact.
+- dc_motor: `<dcmotor>`, which is the law itself from 3.12 on (all commands) and in 3.7 to 3.11
+  (position only); before, and for the rest, a clip at the effort limit alone.
+- actuator_net: `<motor>`; the network runs outside and writes torque.
+Torque limits are kept first, then delay, then the filter. What a drive cannot hold is in `losses`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from actspec.diagnostics import Collector
+from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.resolve.reports import Reports
+from actspec.robot.view import ActuatorView, JointView
+from actspec.targets.approximation import speed_scale
+from actspec.targets.base import Approximation
+from actspec.targets.mujoco.drive import Drive, Form, Line
+from actspec.targets.mujoco.losses import law_losses, network_losses
+from actspec.targets.versions import DcMotorDialect, MujocoDialect
+
+FORMS = {Command.POSITION: Form.POSITION, Command.VELOCITY: Form.VELOCITY, Command.EFFORT: Form.MOTOR}
+"""Element of each command, but for a dcmotor."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveResult:
+    """A drive with what it lost."""
+
+    drive: Drive
+    approximations: tuple[Approximation, ...]
+
+
+def drive_of(
+    actuator: JointActuator,
+    joint: JointView,
+    own: tuple[ActuatorView, ...],
+    own_limit: float | None,
+    dialect: MujocoDialect,
+    step: float,
+    target: str,
+    collector: Collector,
+    reports: Reports,
+) -> DriveResult | None:
+    """Choose the drive of one joint.
+
+    Args:
+        actuator: What the spec asks for.
+        joint: The robot's joint.
+        own: The file's own actuators on it; their gains serve where the spec says `unknown`.
+        own_limit: The file's own effort limit [N*m or N]; None: none.
+        dialect: MuJoCo version that is written.
+        step: Simulation step [s].
+        target: Name of the target, for approximations.
+        collector: Takes errors of this joint alone.
+        reports: Takes errors that other joints of its group may have too.
+
+    Returns: None when an error was reported.
+    """
+    if actuator.level is Level.ACTUATOR_NET:
+        return DriveResult(_network_drive(actuator, step), network_losses(actuator, target))
+    known = _with_own_gains(actuator, own, own_limit, reports)
+    if known is None:
+        return None
+    try:
+        law = law_of(known)
+        drive = _law_drive(known, law, joint, dialect, step)
+        return DriveResult(drive, law_losses(known, law, drive, dialect, target))
+    except ValueError as err:
+        # The law itself says which number it lacks.
+        collector.error("MJC018", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        return None
+
+
+def _with_own_gains(
+    actuator: JointActuator, own: tuple[ActuatorView, ...], own_limit: float | None, reports: Reports
+) -> JointActuator | None:
+    """Fill unknown gains and limit from the file's own servo; report what nobody knows."""
+    servos = [a for a in own if a.control in ("position", "dcmotor", "pid", "velocity")]
+    filled: dict[str, Quantity] = {}
+    complete = True
+    for field, needed in (
+        ("kp", actuator.command is Command.POSITION),
+        ("kd", actuator.command is not Command.EFFORT),
+    ):
+        quantity: Quantity | None = getattr(actuator, field)
+        if not needed or (quantity is not None and quantity.known):
+            continue
+        found = sum(getattr(a, field) for a in servos)
+        if not servos or (field == "kp" and found == 0.0):
+            complete = False
+            reports.error(
+                "MJC001",
+                actuator.joint,
+                f"{field} is unknown, and MuJoCo needs a number: the file has no servo to keep",
+                f"actuators.{actuator.group}.{field}",
+                (quantity.span if quantity is not None else None) or actuator.span,
+                f"state {field}, or use `command: effort` and leave the gains to the caller",
+            )
+            continue
+        assert quantity is not None
+        filled[field] = replace(quantity, value=found)
+    if not complete:
+        return None
+    if not actuator.effort_limit.known and own_limit is not None:
+        filled["effort_limit"] = replace(actuator.effort_limit, value=own_limit)
+    return replace(actuator, **filled) if filled else actuator  # type: ignore[arg-type]
+
+
+def _network_drive(actuator: JointActuator, step: float) -> Drive:
+    """A plain motor: the network's torque is its control."""
+    limit = actuator.effort_limit.value
+    return Drive(
+        joint=actuator.joint,
+        name=actuator.joint,
+        form=Form.MOTOR,
+        command=Command.EFFORT,
+        kp=0.0,
+        kd=0.0,
+        offset=0.0,
+        effort_limit=limit,
+        line=None,
+        time_constant=0.0,
+        delay_steps=0,
+        step=step,
+        control_range=None if limit is None else (-limit, limit),
+        control_limited=False,
+    )
+
+
+def _law_drive(
+    actuator: JointActuator, law: TorqueLaw, joint: JointView, dialect: MujocoDialect, step: float
+) -> Drive:
+    """The drive that holds most of a torque law."""
+    form, limit, line = FORMS[actuator.command], actuator.effort_limit.value, None
+    if actuator.level is Level.DC_MOTOR and _has_dcmotor(dialect, law.command):
+        form, line = Form.DCMOTOR, _line(law)
+        if law.curve is not None:
+            limit = min(law.effort_limit, law.curve[0])
+    offset = 0.0
+    if law.encoder_bias != 0.0 and form is Form.POSITION:
+        offset = -law.kp * law.encoder_bias
+    time_constant = 0.0
+    if law.filter_cutoff is not None and form is not Form.DCMOTOR:
+        time_constant = 1.0 / (2.0 * math.pi * law.filter_cutoff)
+    steps = 0
+    if actuator.delay is not None and actuator.delay.nominal.value is not None:
+        steps, _ = delay_steps(actuator.delay.nominal.value, step)
+    control_range, limited = _control_range(actuator, law, joint, limit)
+    return Drive(
+        joint=actuator.joint,
+        name=actuator.joint,
+        form=form,
+        command=actuator.command,
+        kp=law.kp,
+        kd=law.kd,
+        offset=offset,
+        effort_limit=limit,
+        line=line,
+        time_constant=time_constant,
+        delay_steps=steps if dialect.native_delay else 0,
+        step=step,
+        control_range=control_range,
+        control_limited=limited,
+    )
+
+
+def _has_dcmotor(dialect: MujocoDialect, command: Command) -> bool:
+    """Whether the version's dcmotor takes the command."""
+    return dialect.dcmotor is DcMotorDialect.TORQUE or (
+        dialect.dcmotor is DcMotorDialect.VOLTAGE and command is Command.POSITION
+    )
+
+
+def _line(law: TorqueLaw) -> Line:
+    """The torque-speed line; of a curve its drive side, the line through knee and no-load speed."""
+    if law.curve is not None:
+        drive, _, knee, no_load = law.curve
+        return Line(drive / (1.0 - knee / no_load), no_load)
+    assert law.stall_torque is not None and law.no_load_speed is not None
+    return Line(law.stall_torque, law.no_load_speed)
+
+
+def _control_range(
+    actuator: JointActuator, law: TorqueLaw, joint: JointView, limit: float | None
+) -> tuple[tuple[float, float] | None, bool]:
+    """The command's clamp, or where a viewer's slider should end; and whether it clamps."""
+    if actuator.command_range is not None:
+        low, high = (end.require() for end in actuator.command_range)
+        return (low, high), True
+    if law.command is Command.POSITION:
+        if joint.range is None:
+            return None, False
+        reach = limit / law.kp if limit is not None and law.kp > 0.0 else 0.0
+        low, high = joint.range
+        # It clamps nothing: four digits are enough for a slider.
+        return (round(low - reach, 4), round(high + reach, 4)), False
+    if law.command is Command.EFFORT:
+        return (None if limit is None else (-limit, limit)), False
+    scale = speed_scale(law) if math.isfinite(law.effort_limit) else None
+    return (None if scale is None else (-scale, scale)), False

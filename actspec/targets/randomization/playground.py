@@ -1,0 +1,345 @@
+"""Ranges as a MuJoCo Playground `domain_randomize(model, rng)` for the model that the MuJoCo target writes.
+
+Everything that the model holds is exact: shared draws, `gains` and `strength` as one factor, every
+distribution. The wrapper calls it once, so every range is drawn at start-up.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from actspec.ir import ActuatorSet, Command, JointActuator, Level, Randomization
+from actspec.sampling import FACTORS, nominal_of, own_ranges, unit_of
+from actspec.targets.python_text import grouped, py
+from actspec.targets.randomization.draws import draws_of, stated_range
+from actspec.targets.randomization.losses import Losses
+from actspec.targets.randomization.sizes import factor_lost
+from actspec.targets.versions import DcMotorDialect, MujocoDialect
+
+ORDER = ("kp", "kd", "effort_limit", "armature", "friction.coulomb", "friction.viscous", "encoder_bias",
+         "gains", "strength")  # fmt: skip
+
+VARIABLE = {
+    "kp": "kp",
+    "kd": "kd",
+    "effort_limit": "limit",
+    "armature": "armature",
+    "friction.coulomb": "frictionloss",
+    "friction.viscous": "damping",
+    "encoder_bias": "bias",
+}
+
+MODEL_FIELD = {
+    "armature": "dof_armature",
+    "friction.coulomb": "dof_frictionloss",
+    "friction.viscous": "dof_damping",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Function:
+    """Parts of the emitted function.
+
+    Attributes:
+        joints: Joints that are drawn, in the robot's order.
+        driven: Whether their actuators are looked up too.
+        sets: Name and joint indices of each set of joints.
+        keys: How many random keys it takes.
+        lines: Lines of its body.
+        fields: Model fields that it writes, each a variable of the same name.
+        dcmotor: Whether one of its actuators is a dcmotor.
+    """
+
+    joints: tuple[str, ...]
+    driven: bool
+    sets: tuple[tuple[str, tuple[int, ...]], ...]
+    keys: int
+    lines: tuple[str, ...]
+    fields: tuple[str, ...]
+    dcmotor: bool
+
+
+def playground_function(actuators: ActuatorSet, dialect: MujocoDialect, losses: Losses) -> Function:
+    """The function of a robot.
+
+    Args:
+        actuators: What is drawn.
+        dialect: MuJoCo's version, which decides what a dcmotor's numbers mean.
+        losses: Takes what a model does not hold.
+    """
+    writer = _Writer(dialect)
+    drawn = []
+    for actuator in actuators.joints:
+        kept = _kept(actuator, dialect, losses)
+        if kept:
+            drawn.append((actuator, kept))
+    return writer.write(drawn)
+
+
+def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
+    """`position`, `velocity`, `motor` or `dcmotor`: what the MuJoCo target writes for the drive."""
+    if actuator.level is Level.ACTUATOR_NET or actuator.level is Level.IDEAL_PD:
+        pass
+    elif dialect.dcmotor is DcMotorDialect.TORQUE or (
+        dialect.dcmotor is DcMotorDialect.VOLTAGE and actuator.command is Command.POSITION
+    ):
+        return "dcmotor"
+    if actuator.level is Level.ACTUATOR_NET or actuator.command is Command.EFFORT:
+        return "motor"
+    return {Command.POSITION: "position", Command.VELOCITY: "velocity"}[actuator.command]
+
+
+def _kept(actuator: JointActuator, dialect: MujocoDialect, losses: Losses) -> dict[str, Randomization]:
+    """The ranges that the model can hold; the others are reported."""
+    form = _form(actuator, dialect)
+    kept = {}
+    draws = draws_of(actuator)
+    for field, entry in own_ranges(actuator).items():
+        draw = draws.get(field)
+        reason = _REASONS.get(field)
+        if field == "encoder_bias" and form != "position":
+            reason = f"a <{form}> has no constant force to shift its position with"
+        if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
+            reason = "the network has no gains"
+        if field == "strength" and form == "motor":
+            reason = "the torque comes from outside of the model: only its limit follows"
+            error = factor_lost(actuator, entry)
+            losses.add(actuator, field, _asked(entry, actuator), "a factor on the limit", reason, error)
+            reason = None
+        elif field == "strength" and actuator.level is Level.DC_MOTOR and form != "dcmotor":
+            # The model has no line, so there is none to scale: the loss is the MuJoCo target's.
+            reason = None
+        if reason is not None:
+            if draw is not None:
+                losses.dropped(draw, reason)
+            else:
+                losses.add(actuator, field, _asked(entry, actuator), "none", reason, None)
+            continue
+        if field == "encoder_bias" and draw is not None:
+            losses.entry(
+                draw,
+                entry,
+                "the drive's torque is shifted, the observation is not",
+                "a model holds no encoder: add the bias to the observed joint positions too",
+                None,
+            )
+        if entry.when != "startup":
+            why = "Playground randomizes a model once"
+            asked = f"{_asked(entry, actuator)}, drawn at {entry.when}"
+            losses.add(actuator, field, asked, "drawn at startup", why, None)
+        kept[field] = entry
+    return kept
+
+
+_REASONS = {
+    "friction.static": "MuJoCo's frictionloss is one number for sticking and sliding",
+    "friction.stribeck_velocity": "MuJoCo has no Stribeck friction",
+    "delay": "a delay is a fixed number of steps of the model",
+}
+
+
+def _asked(entry: Randomization, actuator: JointActuator) -> str:
+    return stated_range(entry, unit_of(actuator, entry.field))
+
+
+class _Writer:
+    """Writes the body: read the nominals, draw, write back."""
+
+    def __init__(self, dialect: MujocoDialect) -> None:
+        self.dialect = dialect
+        self.lines: list[str] = []
+        self.sets: dict[tuple[int, ...], str] = {}
+        self.keys: dict[tuple[str, str, str, str], int] = {}
+        self.joints: tuple[JointActuator, ...] = ()
+
+    def write(self, drawn: Sequence[tuple[JointActuator, dict[str, Randomization]]]) -> Function:
+        self.joints = tuple(actuator for actuator, _ in drawn)
+        fields = {field for _, kept in drawn for field in kept}
+        forms = {form: self._indices(a for a in self.joints if _form(a, self.dialect) == form)
+                 for form in ("position", "velocity", "motor", "dcmotor")}  # fmt: skip
+        gains = bool(fields & {"kp", "kd", "gains", "strength", "encoder_bias"})
+        limit = bool(fields & {"effort_limit", "strength"})
+        driven = gains or limit
+        self._read(fields, forms, gains, limit)
+        for field in ORDER:
+            entries = [(actuator, kept[field]) for actuator, kept in drawn if field in kept]
+            self._draw(field, entries)
+        written = self._store(fields, forms, gains, limit)
+        names = tuple(self.sets.items())
+        return Function(
+            tuple(a.joint for a in self.joints),
+            driven,
+            tuple((name, indices) for indices, name in names),
+            len(self.keys),
+            tuple(self.lines),
+            written,
+            bool(forms["dcmotor"]),
+        )
+
+    def _indices(self, some: Iterable[JointActuator]) -> tuple[int, ...]:
+        wanted = {actuator.joint for actuator in some}
+        return tuple(i for i, actuator in enumerate(self.joints) if actuator.joint in wanted)
+
+    def _set(self, indices: tuple[int, ...]) -> str:
+        """Index expression of some joints: a name, or all of them."""
+        if indices == tuple(range(len(self.joints))):
+            return ":"
+        return self.sets.setdefault(indices, f"SET_{len(self.sets) + 1}")
+
+    def _act(self, indices: tuple[int, ...]) -> str:
+        chosen = self._set(indices)
+        return "act" if chosen == ":" else f"act[{chosen}]"
+
+    def _part(self, name: str, indices: tuple[int, ...]) -> str:
+        chosen = self._set(indices)
+        return name if chosen == ":" else f"{name}[{chosen}]"
+
+    def _read(self, fields: set[str], forms: dict[str, tuple[int, ...]], gains: bool, limit: bool) -> None:
+        for field, name in MODEL_FIELD.items():
+            if field in fields:
+                self.lines.append(f"{VARIABLE[field]} = model.{name}[dof]")
+        if gains:
+            driven = [indices for form, indices in forms.items() if indices and form != "motor"]
+            whole = len(driven) == 1 and self._set(driven[0]) == ":" and not forms["velocity"]
+            if not whole:
+                self.lines += ["kp = jnp.zeros(len(JOINTS))", "kd = jnp.zeros(len(JOINTS))"]
+            for form, indices in forms.items():
+                if not indices or form == "motor":
+                    continue
+                chosen, act = self._set(indices), self._act(indices)
+                if form == "dcmotor":
+                    # Resistance and torque constant, in front of the controller's gains.
+                    self.lines += [
+                        f"resistance = model.actuator_gainprm[{act}, 0]",
+                        f"constant = model.actuator_gainprm[{act}, 1]",
+                    ]
+                    kp, kd = f"model.actuator_gainprm[{act}, 4]", f"model.actuator_gainprm[{act}, 6]"
+                    if self.dialect.dcmotor is DcMotorDialect.VOLTAGE:
+                        kp = f"{kp} * constant / resistance"
+                        kd = f"({kd} + constant) * constant / resistance"
+                elif form == "position":
+                    kp, kd = f"model.actuator_gainprm[{act}, 0]", f"-model.actuator_biasprm[{act}, 2]"
+                else:
+                    kp, kd = "", f"model.actuator_gainprm[{act}, 0]"
+                for name, text in (("kp", kp), ("kd", kd)):
+                    if text:
+                        self.lines.append(
+                            f"{name} = {text}" if whole else f"{name} = {name}.at[{chosen}].set({text})"
+                        )
+        if limit:
+            self.lines.append("limit = model.actuator_forcerange[act, 1]")
+        if "encoder_bias" in fields:
+            bias = [nominal_of(actuator, "encoder_bias") or 0.0 for actuator in self.joints]
+            self.lines.append(f"bias = jnp.array({py(bias)})")
+        if "strength" in fields:
+            self.lines.append("strength = jnp.ones(len(JOINTS))")
+
+    def _draw(self, field: str, entries: Sequence[tuple[JointActuator, Randomization]]) -> None:
+        def numbers(item: tuple[JointActuator, Randomization]) -> tuple[object, ...]:
+            actuator, entry = item
+            share = {"joint": None, "group": actuator.group, "env": ""}[entry.per]
+            return (entry.operation, entry.low, entry.high, entry.distribution, entry.per, share)
+
+        for key, members in grouped(entries, numbers):
+            share = key[-1]
+            indices = self._indices(actuator for actuator, _ in members)
+            entry = members[0][1]
+            # What shares a draw shares its key, whatever its range; joints on their own have one a set.
+            scope = str(share) if share is not None else f"{entry.low!r} {entry.high!r} {indices}"
+            number = self.keys.setdefault((field, entry.per, scope, ""), len(self.keys))
+            shape = "()" if share is not None else f"({len(indices)},)"
+            drawn = _expression(entry, f"keys[{number}]", shape)
+            chosen = self._set(indices)
+            if field == "strength":
+                self._times("strength", chosen, drawn)
+                continue
+            if field == "gains":
+                self.lines.append(f"factor = {drawn}")
+                for part in FACTORS["gains"]:
+                    self._times(VARIABLE[part], chosen, "factor")
+                continue
+            name = VARIABLE[field]
+            verb = {"scale": "multiply", "add": "add", "abs": "set"}[entry.operation]
+            self.lines.append(f"{name} = {name}.at[{chosen}].{verb}({drawn})")
+            if entry.distribution == "gaussian" and field != "encoder_bias":
+                self.lines.append(f"{name} = jnp.maximum({name}, 0.0)")
+
+    def _times(self, name: str, chosen: str, factor: str) -> None:
+        self.lines.append(f"{name} = {name}.at[{chosen}].multiply({factor})")
+
+    def _store(
+        self, fields: set[str], forms: dict[str, tuple[int, ...]], gains: bool, limit: bool
+    ) -> tuple[str, ...]:
+        written = []
+        for field, name in MODEL_FIELD.items():
+            if field in fields:
+                self.lines.append(f"{name} = model.{name}.at[dof].set({VARIABLE[field]})")
+                written.append(name)
+        if gains and any(forms[form] for form in ("position", "velocity", "dcmotor")):
+            written += self._store_gains(fields, forms)
+        if limit:
+            strong = " * strength" if "strength" in fields else ""
+            self.lines += [
+                f"limit = limit{strong}",
+                "actuator_forcerange = model.actuator_forcerange.at[act].set(jnp.stack([-limit, limit], axis=-1))",
+            ]
+            if not strong:
+                self.lines.remove("limit = limit")
+            written.append("actuator_forcerange")
+        return tuple(written)
+
+    def _store_gains(self, fields: set[str], forms: dict[str, tuple[int, ...]]) -> list[str]:
+        strong = "strength" in fields
+        lines = self.lines
+        lines.append("actuator_gainprm = model.actuator_gainprm")
+        affine = [form for form in ("position", "velocity") if forms[form]]
+        if strong and affine:
+            indices = tuple(sorted(i for form in affine for i in forms[form]))
+            for name in ("kp", "kd"):
+                self._times(name, self._set(indices), self._part("strength", indices))
+        if affine:
+            lines.append("actuator_biasprm = model.actuator_biasprm")
+        for form in affine:
+            act, kp, kd = (self._act(forms[form]), *(self._part(n, forms[form]) for n in ("kp", "kd")))
+            if form == "position":
+                lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kp})")
+                lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 1].set(-{kp})")
+                drawn = "encoder_bias" in fields
+                if drawn or any(nominal_of(self.joints[i], "encoder_bias") for i in forms[form]):
+                    bias = self._part("bias", forms[form]) if drawn else self._fixed_bias(forms[form])
+                    lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 0].set(-{kp} * {bias})")
+            else:
+                lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kd})")
+            lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 2].set(-{kd})")
+        if forms["dcmotor"]:
+            indices = forms["dcmotor"]
+            act, kp, kd = (self._act(indices), *(self._part(n, indices) for n in ("kp", "kd")))
+            strength = self._part("strength", indices)
+            if strong:
+                # At a constant K the stall torque, and with it the whole line, goes with 1/R.
+                lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set(resistance / {strength})")
+            if self.dialect.dcmotor is DcMotorDialect.VOLTAGE:
+                kp, kd = f"{kp} * resistance / constant", f"{kd} * resistance / constant - constant"
+            elif strong:
+                kp, kd = f"{kp} * {strength}", f"{kd} * {strength}"
+            lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 4].set({kp})")
+            lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 6].set({kd})")
+        return ["actuator_gainprm", *(["actuator_biasprm"] if affine else [])]
+
+    def _fixed_bias(self, indices: tuple[int, ...]) -> str:
+        return f"jnp.array({py([nominal_of(self.joints[i], 'encoder_bias') or 0.0 for i in indices])})"
+
+
+def _expression(entry: Randomization, key: str, shape: str) -> str:
+    low, high = py(entry.low), py(entry.high)
+    if entry.distribution == "gaussian":
+        text = f"{low} + {high} * jax.random.normal({key}, {shape})"
+        # A factor below 0 turns a torque round.
+        return f"jnp.maximum({text}, 0.0)" if entry.field in FACTORS else text
+    if entry.distribution == "log_uniform":
+        return f"jnp.exp(jax.random.uniform({key}, {shape}, minval=jnp.log({low}), maxval=jnp.log({high})))"
+    return f"jax.random.uniform({key}, {shape}, minval={low}, maxval={high})"
+
+
+__all__ = ["Function", "playground_function"]

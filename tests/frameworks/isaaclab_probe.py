@@ -1,0 +1,197 @@
+"""Run by `Frameworks.run_probe`: executes a cfg's text in a real Isaac Lab package and asks its actuators.
+
+Job:
+    root: folder of the real `isaaclab` package.
+    text: the module's text; constant: name of its dict of cfgs.
+    joints: all joints of the robot, in its order; the columns of every array.
+    usd: the number that stands for whatever the USD would say.
+    seed: of torch's generator.
+    networks: names of arrays that are files beside the module, as bytes.
+    make: instead of all that, networks to make: name to its description.
+Arrays: positions, velocities, efforts (the action), q, qd; each (n_step, n_env, n_joint).
+
+Answers: version; per joint its group, class and numbers; array `torque` (n_step, n_env, n_joint) after a reset,
+`fresh` the same without one.
+"""
+
+from __future__ import annotations
+
+import copy
+import importlib.util
+import io
+import json
+import sys
+import types
+from pathlib import Path
+
+import numpy as np
+import torch
+
+NUMBERS = (
+    "effort_limit",
+    "velocity_limit",
+    "effort_limit_sim",
+    "velocity_limit_sim",
+    "stiffness",
+    "damping",
+    "armature",
+    "friction",
+    "dynamic_friction",
+    "viscous_friction",
+)
+USD = (
+    "stiffness",
+    "damping",
+    "armature",
+    "friction",
+    "dynamic_friction",
+    "viscous_friction",
+    "effort_limit",
+    "velocity_limit",
+)
+
+
+def stand_in(name: str, **content: object) -> types.ModuleType:
+    """A module of the simulator, which is not here: Isaac Lab's actuators import it and use nothing of it."""
+    module = types.ModuleType(name)
+    module.__dict__.update(content)
+    sys.modules[name] = module
+    return module
+
+
+def enable(root: str) -> None:
+    """Make `import isaaclab` find the real package, on a machine without Isaac Sim."""
+    sys.path.insert(0, root)
+    settings = types.SimpleNamespace(get=lambda key: "/nucleus")
+    stand_in("carb", settings=types.SimpleNamespace(get_settings=lambda: settings))
+    omni = stand_in("omni")
+    omni.__path__ = []
+    omni.client = stand_in("omni.client")
+    omni.log = stand_in("omni.log", warn=print, info=print, error=print)
+    if importlib.util.find_spec("toml") is None:
+        import tomllib
+
+        stand_in("toml", load=lambda path: tomllib.loads(Path(path).read_text(encoding="utf-8")))
+    if importlib.util.find_spec("trimesh") is None:
+        stand_in("trimesh", Trimesh=object, creation=None)
+    if importlib.util.find_spec("pxr") is None:
+        stand_in("pxr", Usd=types.SimpleNamespace(Prim=object), UsdGeom=types.SimpleNamespace())
+
+
+def load(text: str, name: str) -> dict:
+    """Import the text from a file, as a user would."""
+    path = Path("emitted_cfg.py").resolve()
+    path.write_text(text, encoding="utf-8")
+    spec = importlib.util.spec_from_file_location("emitted_cfg", path)
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["emitted_cfg"] = module
+    spec.loader.exec_module(module)
+    return getattr(module, name)
+
+
+def make(description: dict) -> bytes:
+    """A TorchScript network with weights from the test."""
+    if description["kind"] == "mlp":
+        layer = torch.nn.Linear(len(description["weights"]), 1, bias=False)
+        with torch.no_grad():
+            layer.weight[:] = torch.tensor([description["weights"]])
+        network = torch.jit.script(torch.nn.Sequential(layer))
+    else:
+
+        class Recurrent(torch.nn.Module):
+            def __init__(self) -> None:
+                super().__init__()
+                self.lstm = torch.nn.LSTM(2, 3, 1, batch_first=True)
+                self.out = torch.nn.Linear(3, 1)
+
+            def forward(
+                self, x: torch.Tensor, state: tuple[torch.Tensor, torch.Tensor]
+            ) -> tuple[torch.Tensor, tuple[torch.Tensor, torch.Tensor]]:
+                y, state = self.lstm(x, state)
+                return self.out(y[:, -1]), state
+
+        torch.manual_seed(description["seed"])
+        module = Recurrent()
+        with torch.no_grad():
+            module.out.bias[:] = description["bias"]
+        network = torch.jit.script(module)
+    stream = io.BytesIO()
+    torch.jit.save(network, stream)
+    return stream.getvalue()
+
+
+def run(job: dict, arrays: dict) -> tuple[dict, dict]:
+    enable(job["root"])
+    from isaaclab.utils.string import resolve_matching_names
+    from isaaclab.utils.types import ArticulationActions
+
+    for name in job["networks"]:
+        Path(name).write_bytes(arrays.pop(f"file:{name}").tobytes())
+    names = job["joints"]
+    inputs = {key: torch.tensor(value, dtype=torch.float32) for key, value in arrays.items()}
+    n_step, n_env, _ = inputs["q"].shape
+    torque = np.full((n_step, n_env, len(names)), np.nan)
+    fresh = torque.copy()
+    joints: dict[str, dict] = {}
+    for key, cfg in load(job["text"], job["constant"]).items():
+        ids, mine = resolve_matching_names(cfg.joint_names_expr, names)
+        usd = {name: torch.full((n_env, len(mine)), float(job["usd"])) for name in USD}
+
+        def build(cfg=cfg, mine=mine, usd=usd):
+            return cfg.class_type(
+                cfg=copy.deepcopy(cfg),
+                joint_names=mine,
+                joint_ids=slice(None),
+                num_envs=n_env,
+                device="cpu",
+                **{name: value.clone() for name, value in usd.items()},
+            )
+
+        def steps(actuator, out, ids=ids):
+            for k in range(n_step):
+                part = {name: value[k][:, ids].clone() for name, value in inputs.items()}
+                action = ArticulationActions(
+                    joint_positions=part["positions"],
+                    joint_velocities=part["velocities"],
+                    joint_efforts=part["efforts"],
+                )
+                actuator.compute(action, part["q"], part["qd"])
+                out[k][:, ids] = actuator.applied_effort.numpy()
+
+        torch.manual_seed(job["seed"])
+        actuator = build()
+        # The nets of Isaac Lab take indices, the others None too.
+        actuator.reset(list(range(n_env)))
+        steps(actuator, torque)
+        steps(build(), fresh)
+        for index, joint in enumerate(mine):
+            assert joint not in joints, f"{joint} is in two groups"
+            joints[joint] = {
+                "group": key,
+                "class": type(actuator).__name__,
+                "bases": [base.__name__ for base in type(actuator).__mro__],
+                "implicit": bool(actuator.is_implicit_model),
+                "lags": [getattr(cfg, "min_delay", None), getattr(cfg, "max_delay", None)],
+                **{
+                    name: float(getattr(actuator, name)[0, index])
+                    for name in NUMBERS
+                    if hasattr(actuator, name)
+                },
+            }
+    return {"joints": joints}, {"torque": torque, "fresh": fresh}
+
+
+def main() -> None:
+    job = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    with np.load(sys.argv[2]) as found:
+        arrays = {key: found[key] for key in found.files}
+    if "make" in job:
+        said: dict = {}
+        out = {name: np.frombuffer(make(what), dtype=np.uint8) for name, what in job["make"].items()}
+    else:
+        said, out = run(job, arrays)
+    Path(sys.argv[3]).write_text(json.dumps(said), encoding="utf-8")
+    np.savez(sys.argv[4], **out)
+
+
+main()

@@ -1,0 +1,193 @@
+"""What the Isaac Lab target refuses: named, with its place and what to do."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec.diagnostics import EmitError
+from tests.frameworks.isaaclab_asking import compiled
+
+PLAIN = """actspec: 1
+robot: {name: bot, model: none, joints: [a]}
+timing: {physics_dt: 5 ms}
+actuators:
+  legs: {joints: [a], level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: 9 N*m}
+"""
+
+NET = """actspec: 1
+robot: {name: bot, model: none, joints: [a]}
+timing: {physics_dt: 5 ms}
+actuators:
+  legs:
+    joints: [a]
+    level: actuator_net
+    effort_limit: 9 N*m
+    network: {file: net.pt, manifest: net.json}
+"""
+
+MANIFEST: dict[str, Any] = {
+    "format": "actspec-network/1",
+    "kind": "mlp",
+    "inputs": "position_velocity",
+    "taps": [0, 1],
+    "tap_period": "10 ms",
+    "position_scale": 1.0,
+    "velocity_scale": 1.0,
+    "torque_scale": 1.0,
+    "initial_history": "zero",
+}
+
+
+def faults(
+    text: str, version: str = "2.3", cls: str = "auto", *, path: str = "s.yaml", **more: Any
+) -> list[str]:
+    """What is said against a spec: `CODE where: message | help`."""
+    with pytest.raises(EmitError) as caught:
+        compiled(text, version, cls, path=path, **more)
+    assert all(d.span is not None or d.where.startswith("targets.") for d in caught.value.diagnostics)
+    return [f"{d.code} {d.where}: {d.message} | {d.help}" for d in caught.value.diagnostics]
+
+
+@pytest.mark.parametrize(
+    "version, more, said",
+    [
+        (
+            "2.4",
+            {},
+            "ISL001 targets.isaaclab.version: actspec does not know Isaac Lab '2.4' | "
+            "known: 2.1, 2.2, 2.3, 3.0; did you mean '2.3'?",
+        ),
+        (
+            "v2",
+            {},
+            "ISL001 targets.isaaclab.version: actspec does not know Isaac Lab 'v2' | known: 2.1, 2.2, 2.3, 3.0",
+        ),
+        (
+            "2.1",
+            {"isaac_sim": "5.1"},
+            "ISL001 targets.isaaclab.isaac_sim: Isaac Lab 2.1 does not run on Isaac Sim '5.1' | "
+            'write isaac_sim: "4.5"',
+        ),
+        (
+            "2.3",
+            {"backend": "newton"},
+            "ISL001 targets.isaaclab.backend: Isaac Lab 2.3 has no backend 'newton' | "
+            'leave `backend` out, or write version: "3.0"',
+        ),
+    ],
+    ids=["no-such-release", "no-number", "sim", "backend"],
+)
+def test_versions_that_there_are_not(version: str, more: dict[str, Any], said: str) -> None:
+    """A version, Isaac Sim version or backend that does not exist is named with those that do."""
+    found = faults(PLAIN, version, **more)
+    # difflib's guess among near numbers is of no account.
+    assert [item.partition("; did you mean")[0] for item in found] == [said.partition("; did you mean")[0]]
+
+
+@pytest.mark.parametrize("version", ["2.3.2", " 2.3 ", "2.3.0"])
+def test_versions_with_a_patch_are_known(version: str) -> None:
+    """A patch release is its minor release."""
+    assert "for Isaac Lab 2.3 on Isaac Sim 5.1" in compiled(PLAIN, version).text
+
+
+def test_own_class_on_3() -> None:
+    """Isaac Lab 3.0 runs its actuators natively: no class of one's own."""
+    assert faults(PLAIN, "3.0", "custom") == [
+        "ISL003 targets.isaaclab.class: Isaac Lab 3.0 runs its actuators natively and refuses classes of one's own | "
+        'write class: auto, or version: "2.3"'
+    ]
+
+
+def test_effort_limit_is_never_left_to_a_default() -> None:
+    """Without a number some versions clip nothing at all."""
+    (said,) = faults(PLAIN.replace("effort_limit: 9 N*m", "effort_limit: unknown"))
+    assert said.startswith("ISL010 actuators.legs.effort_limit: a: effort_limit is unknown")
+
+
+def written(folder: Path, manifest: dict[str, Any]) -> str:
+    """Path of a spec beside a network and its manifest."""
+    (folder / "net.pt").write_bytes(b"network")
+    (folder / "net.json").write_text(json.dumps(manifest, indent=2), encoding="utf-8")
+    return str(folder / "s.yaml")
+
+
+def test_network_without_manifest(tmp_path: Path) -> None:
+    """A network file alone tells neither order nor scales nor period."""
+    path = written(tmp_path, MANIFEST)
+    (said,) = faults(NET.replace(", manifest: net.json", ""), path=path)
+    assert said.startswith("NET002 actuators.legs.network: the network has no manifest")
+    assert "manifest: ..." in said
+
+
+@pytest.mark.parametrize(
+    "change, code, words",
+    [
+        ({"tap_period": "12 ms"}, "NET007", "tap_period 12 ms is no whole number of physics steps of 5 ms"),
+        ({"tap_period": "2 ms"}, "NET007", "tap_period 2 ms is no whole number"),
+        ({"kind": "gru"}, "ISL020", "mlp and lstm"),
+        ({"kind": "lstm"}, "ISL021", "taps [0, 1], a tap_period of 2 physics steps"),
+        ({"torque_scale": "a"}, "SPEC106", "valid number"),
+        ({"taps": []}, "SPEC106", "at least 1"),
+        ({"sha256": "0" * 64}, "NET005", "not the one that its manifest describes"),
+        ({"colour": 1}, "SPEC101", "unknown key 'colour'"),
+    ],
+    ids=["period", "short-period", "gru", "lstm", "scale", "no-taps", "hash", "key"],
+)
+def test_manifests_that_do_not_fit(tmp_path: Path, change: dict[str, Any], code: str, words: str) -> None:
+    """A manifest that the classes or the physics step contradict is refused with the figures."""
+    said = faults(NET, path=written(tmp_path, {**MANIFEST, **change}))
+    assert len(said) == 1
+    assert said[0].startswith(code), said
+    assert words in said[0], said
+
+
+def test_place_in_the_manifest(tmp_path: Path) -> None:
+    """A fault of the manifest is shown at its line."""
+    path = written(tmp_path, {**MANIFEST, "position_scale": float("inf")})
+    with pytest.raises(EmitError) as caught:
+        compiled(NET, path=path)
+    (fault,) = caught.value.diagnostics
+    assert fault.span is not None
+    assert (Path(fault.span.path).name, fault.span.line) == ("net.json", 10)
+
+
+@pytest.mark.parametrize("missing", ["net.pt", "net.json"])
+def test_files_that_are_not_there(tmp_path: Path, missing: str) -> None:
+    """A missing network or manifest is an error of the compile, not of the training to come."""
+    path = written(tmp_path, MANIFEST)
+    (tmp_path / missing).unlink()
+    (said,) = faults(NET, path=path)
+    assert missing in said
+
+
+def test_network_goes_with_the_module(tmp_path: Path) -> None:
+    """The network's bytes lie beside the module, which finds them by its own place."""
+    digest = hashlib.sha256(b"network").hexdigest()
+    emitted = compiled(NET, path=written(tmp_path, {**MANIFEST, "sha256": digest}))
+    assert [(f.path, f.data) for f in emitted.emission.files[1:]] == [("net.pt", b"network")]
+    assert 'network_file=os.path.join(FOLDER, "net.pt"),' in emitted.text
+    assert "input_idx=[0, 2]," in emitted.text
+    assert str(tmp_path) not in emitted.text
+    # No motor, no line: a box at the limit.
+    assert "saturation_effort=1000000000.0," in emitted.text
+
+
+def test_implicit_class_runs_no_network(tmp_path: Path) -> None:
+    """`class: implicit` and a network exclude each other."""
+    (said,) = faults(NET, cls="implicit", path=written(tmp_path, MANIFEST))
+    assert said.startswith("ISL004 targets.isaaclab.class")
+
+
+def test_all_at_once(tmp_path: Path) -> None:
+    """Every fault of the target is shown in one go."""
+    text = NET.replace("joints: [a]", "joints: [a, b]", 1) + (
+        "  arm: {joints: [b], level: ideal_pd, kp: 1 N*m/rad, kd: 0 N*m*s/rad, effort_limit: unknown}\n"
+    )
+    path = written(tmp_path, {**MANIFEST, "kind": "gru", "tap_period": "7 ms"})
+    codes = sorted(item.split()[0] for item in faults(text, "3.0", "custom", path=path))
+    assert codes == ["ISL003", "ISL010", "ISL020", "NET007"]

@@ -1,0 +1,192 @@
+"""What the mjlab target refuses, and how it says so."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec.diagnostics import EmitError
+from tests.targets.mjlab.emitting import LEG, group, refused, written
+
+LIMIT = {"effort_limit": "24 N*m"}
+
+MANIFEST: dict[str, Any] = {
+    "format": "actspec-network/1",
+    "kind": "mlp",
+    "inputs": "velocity_position",
+    "taps": [0, 1, 2],
+    "tap_period": "5 ms",
+    "position_scale": -1.0,
+    "velocity_scale": 0.5,
+    "torque_scale": 2.0,
+    "initial_history": "first_sample",
+}
+
+
+def network(folder: Path, *, file: bool = True, **changed: Any) -> str:
+    """A group with a network whose manifest differs so, its files in the folder."""
+    (folder / "net.json").write_text(json.dumps({**MANIFEST, **changed}), encoding="utf-8")
+    if file:
+        (folder / "net.pt").write_bytes(b"weights")
+    return group(level="actuator_net", kp="", kd="", **LIMIT, network="{file: net.pt, manifest: net.json}")
+
+
+def test_network(tmp_path: Path) -> None:
+    """Order, scales and taps come from the manifest, the file stands beside the module, and no line is made up."""
+    found = written(network(tmp_path), path=str(tmp_path / "spec.yaml"))
+    kind, fields = found.cfg
+    assert kind == "LearnedMlpActuatorCfg"
+    expected = {
+        "network_file": "str(FOLDER / 'net.pt')",
+        "input_order": "vel_pos",
+        "pos_scale": -1.0,
+        "vel_scale": 0.5,
+        "torque_scale": 2.0,
+        "history_length": 3,
+        "effort_limit": 24.0,
+        # Far above any joint's: what is left is effort_limit.
+        "saturation_effort": 1e9,
+        "velocity_limit": 1e9,
+    }
+    assert fields | expected == fields
+    assert "stiffness" not in fields
+    assert {file.path: file.data for file in found.emission.files[1:]} == {"net.pt": b"weights"}
+    assert found.emission.approximations == ()
+
+
+def test_network_that_starts_at_zero(tmp_path: Path) -> None:
+    """mjlab fills the history with the first sample; a network that was trained otherwise is an approximation."""
+    found = written(network(tmp_path, initial_history="zero"), path=str(tmp_path / "spec.yaml"))
+    # From -24 to 24 at most.
+    assert found.lost("network.initial_history").max_torque_error == 48.0
+
+
+@pytest.mark.parametrize(
+    "changed, expected",
+    [
+        (
+            {"kind": "lstm"},
+            "MJL004 actuators.leg.network: mjlab has no actuator class for a network of kind lstm",
+        ),
+        (
+            {"taps": [2, 1, 0]},
+            "MJL005 actuators.leg.network: mjlab gives a network the samples 0 to n - 1 in this order, "
+            "got taps [2, 1, 0]",
+        ),
+        (
+            {"taps": [0, 2]},
+            "MJL005 actuators.leg.network: mjlab gives a network the samples 0 to n - 1 in this order, "
+            "got taps [0, 2]",
+        ),
+        (
+            {"tap_period": "20 ms"},
+            "MJL006 actuators.leg.network: mjlab samples a network's history at every physics step, 5 ms, "
+            "and its taps are 20 ms apart",
+        ),
+        (
+            {"tap_period": "8 ms"},
+            "NET007 actuators.leg.network: tap_period 8 ms is no whole number of physics steps of 5 ms",
+        ),
+        (
+            {"sha256": hashlib.sha256(b"others").hexdigest()},
+            "NET005 actuators.leg.network: the network is not the one that its manifest describes: "
+            f"sha256 {hashlib.sha256(b'weights').hexdigest()[:12]}..., the manifest has "
+            f"{hashlib.sha256(b'others').hexdigest()[:12]}...",
+        ),
+        ({"file": False}, "NET003 actuators.leg.network: there is no file 'net.pt'"),
+    ],
+    ids=["lstm", "reversed", "gap", "period", "no-multiple", "other-file", "no-file"],
+)
+def test_network_refused(changed: dict[str, Any], expected: str, tmp_path: Path) -> None:
+    """A network that mjlab would run with other inputs than it was trained on is refused."""
+    assert refused(network(tmp_path, **changed), path=str(tmp_path / "spec.yaml")) == [expected]
+
+
+def test_network_without_manifest(tmp_path: Path) -> None:
+    """A network file alone is refused."""
+    (tmp_path / "net.pt").write_bytes(b"weights")
+    spec = group(level="actuator_net", kp="", kd="", **LIMIT, network="{file: net.pt}")
+    assert refused(spec, path=str(tmp_path / "spec.yaml")) == [
+        "NET002 actuators.leg.network: the network has no manifest, and its file alone does not tell order, "
+        "scales and period of its inputs"
+    ]
+
+
+def test_one_tap_needs_no_period(tmp_path: Path) -> None:
+    """Without a second tap it does not matter how far it would be, as long as it is on the step's grid."""
+    spec = network(tmp_path, taps=[0], tap_period="20 ms")
+    assert written(spec, path=str(tmp_path / "spec.yaml")).cfg[1]["history_length"] == 1
+
+
+@pytest.mark.parametrize(
+    "fields, expected",
+    [
+        (
+            {"kp": "unknown", **LIMIT},
+            "MJL001 actuators.leg: hip: kp is unknown, level ideal_pd with command position needs it",
+        ),
+        (
+            {"level": "dc_motor", "motor": "line", "effort_limit": "unknown"},
+            "MJL002 actuators.leg.effort_limit: hip: effort_limit is unknown, and the class that mjlab has for it "
+            "needs a number",
+        ),
+        (
+            {"command": "effort", "kp": "", "kd": "", "effort_limit": "unknown"},
+            "MJL002 actuators.leg.effort_limit: hip: effort_limit is unknown, and the class that mjlab has for it "
+            "needs a number",
+        ),
+    ],
+    ids=["kp", "dc", "motor"],
+)
+def test_unknown_numbers(fields: dict[str, str], expected: str) -> None:
+    """Where mjlab must have a number, an unknown one is an error."""
+    assert refused(group(**fields)) == [expected]
+
+
+def test_errors_of_all_joints_at_once() -> None:
+    """One joint's error does not hide another's."""
+    both = group(joints="[hip, calf]", kp="unknown", **LIMIT)
+    found = refused(both, robot='unmanaged: ["rod"]')
+    assert [line.split(": ")[1] for line in found] == ["hip", "calf"]
+
+
+@pytest.mark.parametrize("version", ["1.7", "2.0", "1", "1.6.0.1", "one.six", "1.٦", "0.9", ""])
+def test_unknown_version(version: str) -> None:
+    """A version that does not exist is named with the range of those that do."""
+    with pytest.raises(EmitError) as caught:
+        written(group(**LIMIT), version=version)
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.where) == ("MJL007", "targets.mjlab.version")
+    assert item.message == f"actspec does not know mjlab {version!r}"
+    assert item.help is not None and item.help.startswith("known: 1.0 to 1.6")
+
+
+def test_joints_that_mjlab_cannot_tell_apart() -> None:
+    """mjlab matches what stands behind the last `/`."""
+    model = LEG.replace('name="hip"', 'name="l/hip"').replace('name="calf"', 'name="r/hip"')
+    assert refused(group(**LIMIT, joints="['l/hip']"), model, robot='unmanaged: ["r/hip", "rod"]') == [
+        "MJL008 l/hip: mjlab knows a joint by what is behind the last '/', which is the same for l/hip, r/hip"
+    ]
+
+
+def test_springdamper() -> None:
+    """A springdamper in force would overwrite the friction that is written."""
+    model = LEG.replace('<joint name="hip"', '<joint name="hip" springdamper="0.1 1"')
+    assert refused(group(**LIMIT, friction="{viscous: 0.3 N*m*s/rad}"), model) == [
+        "MJL009 hip: the joint has a springdamper in force, which overwrites viscous_damping and follows the "
+        "armature"
+    ]
+    assert written(group(**LIMIT), model).cfg[0] == "BuiltinPositionActuatorCfg"
+
+
+def test_robot_without_a_model() -> None:
+    """A spec that lists its joints is enough: patterns match among those."""
+    fields = group(**LIMIT, joints="['h.*']")
+    found = written(fields, None, robot="model: none, joints: [hip, calf], unmanaged: [calf]")
+    ((_, cfg),) = found.cfgs.values()
+    assert cfg == {"target_names_expr": ("h.*",), "stiffness": 25.0, "damping": 0.5, "effort_limit": 24.0}
+    assert "# model" not in found.text
