@@ -97,7 +97,7 @@ def resolve(spec: Spec | str | os.PathLike[str], robot: RobotView | None = None)
     Raises:
         SpecError, RobotError, ResolveError: with every error of the stage.
     """
-    from actspec.resolve import resolve as fit
+    from actspec.resolution import resolve as fit
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
     return fit(loaded, robot if robot is not None else load_robot(loaded))

@@ -355,7 +355,7 @@ def _joint_values(actuator: JointActuator, n: int, seed: int) -> dict[str, Numbe
         entry = ranges.get(factor)
         if entry is None:
             continue
-        number = np.maximum(_draw(entry, actuator, n, seed + 1), 0.0)
+        number = np.maximum(_draw(entry, actuator, n, seed), 0.0)
         for part in parts:
             values[part] = values[part] * number
         if factor == "strength":

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.ir import ActuatorSet
-from actspec.resolve import resolve
+from actspec.resolution import resolve
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.document import document_from_text

@@ -19,7 +19,7 @@ from actspec.draft.facts import figure
 from actspec.draft.names import group_name, joint_patterns
 from actspec.draft.text import comment, scalar
 from actspec.patterns import MAX_PATTERN, compile_pattern, covering_pattern
-from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.load import load_robot
 from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text

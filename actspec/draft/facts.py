@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import one_line
 from actspec.ir import JointKind
-from actspec.resolve.model_values import actuators_of, effort_bound
-from actspec.resolve.quantities import tidy, unit_of
+from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.resolution.quantities import tidy, unit_of
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_edit import format_number
 from actspec.units import Kind

@@ -18,7 +18,7 @@ from actspec import api
 from actspec.diagnostics import ActspecError, Severity
 from actspec.draft import Draft, draft_spec
 from actspec.ir import JointKind
-from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import Element, parse_document

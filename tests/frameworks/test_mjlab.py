@@ -64,7 +64,7 @@ class Job:
         if self.mutation is not None:
             old, new = (text.encode() for text in self.mutation)
             assert data.count(old) >= 1, old
-            data = data.replace(old, new, 1)
+            data = data.replace(old, new)
         files = {first.path: data, **{file.path: file.data for file in rest}}
         return {
             "files": {path: base64.b64encode(held).decode() for path, held in files.items()},
@@ -253,12 +253,7 @@ SEEDED: dict[str, Job] = {
     "viscous-in-kd": job(STIFF, grid=GRID, mutation=("damping=0.5", "damping=0.54")),
     "saturation-for-limit": job(STIFF, grid=GRID, mutation=("effort_limit=24.0", "effort_limit=45.0")),
     "no-armature": job(STIFF, grid=GRID, mutation=("armature=0.01", "armature=0.0")),
-    "pattern-misses": job(
-        GROUPS,
-        RICH,
-        robot='unmanaged: ["rest"]',
-        mutation=('target_names_expr=("pd",)', 'target_names_expr=("p",)'),
-    ),
+    "pattern-misses": replace(JOBS["a1"], mutation=('".*_calf_joint"', '"F._calf_joint"')),
     "own-servo-stays": job(
         GROUPS,
         RICH,
@@ -268,7 +263,7 @@ SEEDED: dict[str, Job] = {
     "lag-one-off": job(
         PLAIN_PD % "10 ms",
         sequence=RAMP,
-        mutation=("delay_min_lag=2,", "delay_min_lag=1,"),
+        mutation=("_lag=2,", "_lag=1,"),
     ),
 }
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from actspec.ir import ActuatorSet
-from actspec.resolve import resolve
+from actspec.resolution import resolve
 from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate

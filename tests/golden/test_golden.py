@@ -80,7 +80,12 @@ def test_compiling_twice_gives_the_same_bytes(robot: str, tmp_path: Path) -> Non
     """The output does not depend on the run: no time, no random order."""
     try:
         first, second = (
-            [file.data for file in output.outputs(api.compile(ROOT / "robots" / f"{robot}.yaml", output=str(tmp_path)))]
+            [
+                file.data
+                for file in output.outputs(
+                    api.compile(ROOT / "robots" / f"{robot}.yaml", output=str(tmp_path))
+                )
+            ]
             for _ in range(2)
         )
     except RobotError as err:

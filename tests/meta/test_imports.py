@@ -19,10 +19,11 @@ LAYERS = (
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
-    {"resolve", "lift"},
+    {"resolution", "lift"},
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"verify", "report", "draft"},
-    {"api", "output"},
+    {"api", "output", "mjlab", "isaaclab"},
+    {"mjlab"},
     {"cli", "__main__", ""},
 )
 """Lowest first. A part imports lower layers, and its own as long as the parts form no circle. "" is `actspec`

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 from actspec.ir import Command
 from actspec.laws import law_of
-from actspec.resolve.model_values import actuators_of
+from actspec.resolution.model_values import actuators_of
 from tests.compiling import Compiled, compile_text
 
 INSTALLED = tuple(int(part) for part in mujoco.__version__.split(".")[:2])

@@ -35,7 +35,8 @@ def implausible_friction(actuators: ActuatorSet) -> Iterator[Diagnostic]:
                     f"effort limit {format_quantity(limit, unit)}: the joint could never move",
                     f"actuators.{actuator.group}.friction.coulomb",
                     coulomb.span,
-                    f"is it in m{unit} ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless coefficient?",
+                    f"is it in m{unit} ({format_quantity(coulomb.value / MILLI, unit)}), or a dimensionless "
+                    "coefficient?",
                 )
         line = actuator.curve.no_load_speed if actuator.curve is not None else actuator.no_load_speed
         speed = (line if line is not None else actuator.velocity_limit).value

@@ -17,7 +17,7 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
-from actspec.resolve.reports import Reports
+from actspec.resolution.reports import Reports
 from actspec.robot.view import ActuatorView, JointView
 from actspec.targets.approximation import speed_scale
 from actspec.targets.base import Approximation

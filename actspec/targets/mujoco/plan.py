@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
-from actspec.resolve.model_values import actuators_of, effort_bound
-from actspec.resolve.reports import Reports
+from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.resolution.reports import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.targets.base import Approximation
 from actspec.targets.mujoco.drive import Drive, Form

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import Diagnostic, Severity
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
-from actspec.resolve.model_values import actuators_of, effort_bound
+from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.view import RobotView
 from actspec.units import format_quantity
 

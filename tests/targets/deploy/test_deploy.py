@@ -9,7 +9,7 @@ import yaml
 
 from actspec.api import load, load_robot
 from actspec.diagnostics import EmitError
-from actspec.resolve import resolve
+from actspec.resolution import resolve
 from actspec.robot.listed import listed_robot
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile

@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 
 from actspec.diagnostics import EmitError
-from actspec.resolve import resolve
+from actspec.resolution import resolve
 from actspec.robot.listed import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from actspec.ir import JointKind, Origin, Quantity
-from actspec.resolve.quantities import unit_of
+from actspec.resolution.quantities import unit_of
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.units import Kind
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 
 from actspec.ir import Command, InertiaRange, Level, Origin, Quantity
-from actspec.resolve.inputs import JointInputs
-from actspec.resolve.quantities import tidy, unknown
+from actspec.resolution.inputs import JointInputs
+from actspec.resolution.quantities import tidy, unknown
 from actspec.spec.derive import DerivedGain
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity

@@ -7,8 +7,8 @@ from typing import Any
 
 from actspec.diagnostics import Collector
 from actspec.ir import JointKind, Quantity
-from actspec.resolve.binding import Binding
-from actspec.resolve.quantities import unit_of, written
+from actspec.resolution.binding import Binding
+from actspec.resolution.quantities import unit_of, written
 from actspec.spec.derive import DerivedGain
 from actspec.spec.fields import CommandRange
 from actspec.spec.models import Actuators, Motor

@@ -7,14 +7,14 @@ import os
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
-from actspec.resolve.binding import bind
-from actspec.resolve.inputs import joint_inputs
-from actspec.resolve.joint import actuator_of, armature_of
-from actspec.resolve.model_values import model_values
-from actspec.resolve.motor import linear_faults
-from actspec.resolve.quantities import written
-from actspec.resolve.reports import Reports
-from actspec.resolve.stated import stated_of
+from actspec.resolution.binding import bind
+from actspec.resolution.inputs import joint_inputs
+from actspec.resolution.joint import actuator_of, armature_of
+from actspec.resolution.model_values import model_values
+from actspec.resolution.motor import linear_faults
+from actspec.resolution.quantities import written
+from actspec.resolution.reports import Reports
+from actspec.resolution.stated import stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.paths import dotted
 from actspec.spec.validate import Spec

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from actspec.ir import Quantity, Randomization
-from actspec.resolve.inputs import JointInputs
+from actspec.resolution.inputs import JointInputs
 from actspec.spec.models import Randomize
 from actspec.spec.paths import Path, dotted
 from actspec.spec.rules.randomization import RANDOMIZED_KINDS, UNFITTED, range_of

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Span
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.resolve.quantities import scaled, tidy, unit_of, unknown, written
+from actspec.resolution.quantities import scaled, tidy, unit_of, unknown, written
 from actspec.spec.models import Motor
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from actspec.ir import Command, Delay, Origin, Quantity
-from actspec.resolve.inputs import JointInputs
-from actspec.resolve.quantities import choose, written
+from actspec.resolution.inputs import JointInputs
+from actspec.resolution.quantities import choose, written
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import CommandFilter
 from actspec.spec.rules.joint_fields import COMMANDED

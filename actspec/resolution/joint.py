@@ -6,12 +6,12 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from actspec.ir import InertiaRange, JointActuator, Level, Network, Origin, Quantity
-from actspec.resolve.command_path import command_range, delay, filter_cutoff
-from actspec.resolve.gains import stiffness, velocity_gain
-from actspec.resolve.inputs import JointInputs
-from actspec.resolve.motor import JointMotor
-from actspec.resolve.quantities import choose, unknown, written
-from actspec.resolve.randomization import randomizations
+from actspec.resolution.command_path import command_range, delay, filter_cutoff
+from actspec.resolution.gains import stiffness, velocity_gain
+from actspec.resolution.inputs import JointInputs
+from actspec.resolution.motor import JointMotor
+from actspec.resolution.quantities import choose, unknown, written
+from actspec.resolution.randomization import randomizations
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
 

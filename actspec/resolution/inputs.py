@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, Span
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
-from actspec.resolve.model_values import ModelValues
-from actspec.resolve.motor import JointMotor, Transmission, joint_motor
-from actspec.resolve.quantities import choose, conflict, unit_of, written
-from actspec.resolve.reports import Reports
-from actspec.resolve.stated import UNITS_OF_JOINTS, Stated
+from actspec.resolution.model_values import ModelValues
+from actspec.resolution.motor import JointMotor, Transmission, joint_motor
+from actspec.resolution.quantities import choose, conflict, unit_of, written
+from actspec.resolution.reports import Reports
+from actspec.resolution.stated import UNITS_OF_JOINTS, Stated
 from actspec.robot.view import JointView
 from actspec.spec.paths import Path, dotted
 from actspec.spec.values import SpecValue

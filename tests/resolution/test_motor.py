@@ -136,9 +136,7 @@ LIMITS = "side: joint, peak_torque: {value: 30 N*m, note: short}, continuous_tor
             "continuous 12 N*m, peak 30 N*m",
             id="continuous",
         ),
-        pytest.param(
-            "unknown", "", 30.0, "continuous unknown, peak 30 N*m; short", id="peak"
-        ),
+        pytest.param("unknown", "", 30.0, "continuous unknown, peak 30 N*m; short", id="peak"),
         pytest.param("12 N*m", ", effort_limit: peak", 30.0, "short", id="peak asked for"),
         pytest.param("12 N*m", ", effort_limit: continuous", 12.0, None, id="continuous asked for"),
         pytest.param("12 N*m", ", effort_limit: 20 N*m", 20.0, None, id="authored"),
