@@ -27,7 +27,7 @@ def articulation(path: str | os.PathLike[str]) -> Any:
         path: The spec.
 
     Raises:
-        ModuleNotFoundError: mjlab is not installed.
+        ModuleNotFoundError: mjlab is not installed, or lacks what it needs itself.
         ActspecError: the spec does not compile, or actspec does not know the installed mjlab.
     """
     names = module(path)
@@ -85,5 +85,8 @@ def installed_version() -> str:
 def _run(file: EmittedFile, spec: str) -> dict[str, Any]:
     title = f"<{file.path} of {os.path.basename(spec)}>"
     names: dict[str, Any] = {"__name__": file.path.removesuffix(".py"), "__file__": os.path.abspath(spec)}
-    exec(compile(file.data, title, "exec"), names)
+    try:
+        exec(compile(file.data, title, "exec"), names)
+    except ImportError as err:
+        raise ModuleNotFoundError(f"mjlab is installed here, but cannot be imported: {err}") from err
     return names

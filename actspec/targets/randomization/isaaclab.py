@@ -99,7 +99,7 @@ def _armature(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) 
 
 def _scalable(draw: Draw, losses: Losses) -> Draw:
     """The same draw in a form that the terms accept."""
-    pair_refused = False
+    pair_refused = draw.distribution == "gaussian" and draw.high < draw.low
     if draw.operation == "scale" and (pair_refused or (draw.field == "kp" and draw.low <= 0.0)):
         return as_abs(draw)
     return draw
