@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -81,12 +82,12 @@ def leg(hips: str, knees: str = "") -> tuple[ActuatorSet, RobotView]:
     return resolve(spec, view), view
 
 
-def options(kind: str, version: str = "", **more: object) -> TargetOptions:
+def options(kind: str, version: str = "", **more: Any) -> TargetOptions:
     """Options of a target."""
-    return TargetOptions(kind, kind, version, None, "out", **more)  # type: ignore[arg-type]
+    return TargetOptions(kind, kind, version, None, "out", **more)
 
 
-def emitted(actuators: ActuatorSet, view: RobotView, stack: str, **more: object) -> tuple[str, Emission]:
+def emitted(actuators: ActuatorSet, view: RobotView, stack: str, **more: str) -> tuple[str, Emission]:
     """The one stack's text."""
     made = emit(actuators, view, options("randomization", stacks=(stack,), **more))
     return made.files[0].data.decode("utf-8"), made

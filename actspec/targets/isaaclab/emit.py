@@ -120,7 +120,8 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     """The network of each group, with the physics steps between its taps."""
     step = actuators.physics_dt.require()
     found: dict[str, tuple[NetworkFile, int]] = {}
-    names: dict[str, bytes] = {}
+    # Files that the target writes itself.
+    names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     firsts: dict[str, JointActuator] = {}
     for actuator in actuators.joints:
         if actuator.level is Level.ACTUATOR_NET:
@@ -135,6 +136,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
         _check_network(file, stride, actuators, group, where, span, collector)
         if names.setdefault(file.name, file.data) != file.data:
             file = replace(file, name=f"{identifier(group)}_{file.name}")
+            names[file.name] = file.data
         if stride is not None:
             found[group] = (file, stride)
     return found

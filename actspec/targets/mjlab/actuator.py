@@ -350,16 +350,15 @@ class _Chooser:
             (low, late), (high, later) = (delay_steps(end, self.step) for end in (delay.low, delay.high))
             asked, losses = f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms", (late, later)
             field, note = "delay.range", f"drawn each {delay.sampling}, {provenance(delay.nominal)}"
-        worst = max(losses, key=abs)
         got = f"{low}" if low == high else f"{low} to {high}"
-        if abs(worst) > 1e-9:
+        if any(abs(loss) > 1e-9 for loss in losses):
             said = " and ".join(f"{abs(x) * 1e3:g} ms {'more' if x > 0 else 'less'}" for x in losses if x)
             self.approximate(
                 field,
                 asked,
                 f"{got} steps of {self.step * 1e3:g} ms",
                 f"a delay is a whole number of steps; {said} than asked",
-                held_step_error(law, late=abs(worst)),
+                held_step_error(law),
             )
         if high == 0:
             return ()

@@ -109,7 +109,7 @@ def _combined(actuator: JointActuator, field: str, parts: list[Randomization]) -
                                  for p in parts[1:]]  # fmt: skip
     return replace(
         draw,
-        low=ends[0].low,
+        low=math.prod(end.low for end in ends),
         high=math.prod(end.high for end in ends),
         distribution="log_uniform" if kinds == {"log_uniform"} else "uniform",
     )

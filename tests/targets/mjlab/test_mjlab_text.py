@@ -229,6 +229,39 @@ def test_versions(version: str) -> None:
     assert ("viscous_damping=" in text) == (version not in ("1.0", "1.1", "1.2"))
 
 
+PASSIVE = {"armature", "frictionloss"}
+DELAY = {"delay_min_lag", "delay_max_lag", "delay_update_period", "delay_per_env_phase"}
+GAINS = {"stiffness", "damping", "effort_limit"}
+OWN_FIELDS = {
+    "BuiltinPositionActuatorCfg": GAINS,
+    "BuiltinVelocityActuatorCfg": {"damping", "effort_limit"},
+    "BuiltinMotorActuatorCfg": {"effort_limit"},
+    "IdealPdActuatorCfg": GAINS,
+    "DcMotorActuatorCfg": {*GAINS, "saturation_effort", "velocity_limit"},
+}
+"""Fields of each class beside those of its base, read in the wheels of 1.0 to 1.6: the same in all."""
+
+
+@pytest.mark.parametrize("version", ["1.0", "1.1", "1.2", "1.3", "1.4", "1.5", "1.6"])
+@pytest.mark.parametrize(
+    "fields",
+    [LIMIT, DC, {**LIMIT, "command": "velocity", "kp": ""}, {**LIMIT, "kp": "0 N*m/rad"}],
+    ids=["pd", "dc", "velocity", "no-kp"],
+)
+def test_fields_exist_in_that_version(fields: dict[str, str], version: str) -> None:
+    """No field is written that the release's class does not have; 1.3 gave the base viscous_damping and delay_*."""
+    old = version in ("1.0", "1.1", "1.2")
+    episode = "{nominal: 5 ms, range: [0 ms, 10 ms], sampling: episode}"
+    kind, said = written(group(**fields, delay=episode), version=version).cfg
+    if old:
+        assert kind == "DelayedActuatorCfg"
+        kind, inner = said.pop("base_cfg")
+        assert said.keys() == {*DELAY, "delay_target"}
+        said = inner
+    base = PASSIVE | {"target_names_expr"} | (set() if old else {*DELAY, "viscous_damping"})
+    assert said.keys() <= base | OWN_FIELDS[kind]
+
+
 OWN = """
   <actuator><position name="servo" joint="hip" kp="7"/><motor name="other" joint="calf"/></actuator>
 </mujoco>"""

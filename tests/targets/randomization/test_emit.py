@@ -168,6 +168,20 @@ def test_isaaclab_friction_by_simulator(sim: str, words: str) -> None:
     assert losses(emission) == {key: pytest.approx(value) for key, value in lost.items()}
 
 
+def test_isaaclab_viscous_without_a_unit() -> None:
+    """Viscous friction that stays: 0.04 to 0.08 at twice the speed at which kd takes the limit, 2 · 30/0.5."""
+    emission = made("friction.viscous: {scale: [0.5, 2]}", "isaaclab", isaac_sim="4.5")
+    assert losses(emission) == {"isaaclab.friction.viscous": pytest.approx(4.8)}
+
+
+def test_factors_multiply_into_one_range() -> None:
+    """kp has its own range and a factor: 0.5 · 0.9 to 2 · 1.1; kd has the factor alone."""
+    emission = made("kp: {scale: [0.5, 2]}, gains: {scale: [0.9, 1.1]}", "isaaclab")
+    assert '"stiffness_distribution_params": (0.45, 2.2),' in body(emission)
+    assert '"damping_distribution_params": (0.9, 1.1),' in body(emission)
+    assert losses(emission) == {"isaaclab.kp": None, "isaaclab.gains": pytest.approx(40 / 3)}
+
+
 HOSTILE = ("a'\"\\n b", "#{{ x }}", 'x"); import os  #', "ünï.*", "{% raw %}")
 """Joint names that end literals, comments, templates and patterns."""
 
