@@ -244,6 +244,15 @@ def test_two_quadrants_of_2_1_are_sized() -> None:
     assert made(group, "2.1", "custom").emission.approximations == ()
 
 
+def test_curve_becomes_the_line_of_its_drive_side() -> None:
+    """From 20 N*m at 14 rad/s to 0 at 30: a line from 20 / (1 - 14/30) = 37.5 N*m, cut at 20; no braking alike."""
+    group = cfgs(compiled(WHOLE).text)["curve"]
+    assert (group["saturation_effort"], group["velocity_limit"], group["effort_limit"]) == (37.5, 30.0, 20.0)
+    losses = {a.field: a.max_torque_error for a in compiled(WHOLE).emission.approximations if a.joint == "c"}
+    # Beyond 30 (1 + 20/37.5) = 46 rad/s the line forces -20 N*m, and the curve has nothing left.
+    assert losses["torque_speed_curve"] == pytest.approx(20.0)
+
+
 def test_clamp_of_the_command_is_sized() -> None:
     """Commands clamped to +-0.1 rad: held at 0.1 the joint gets nothing of the 9 N*m that its limit allows."""
     emitted = made(f'all: {{joints: [".*"], {PD}, command_range: [-0.1 rad, 0.1 rad]}}')
