@@ -88,11 +88,13 @@ class Answer:
         joints: Numbers by joint.
         torque: Torque of each step, environment and joint after a reset [N*m or N].
         fresh: The same without one.
+        again: The same motion once more, after a reset of the first environment alone.
     """
 
     joints: dict[str, dict[str, Any]]
     torque: Array
     fresh: Array
+    again: Array
 
 
 @dataclass
@@ -128,7 +130,7 @@ def ask(
             **{f"file:{name}": data for name, data in networks.items()},
         },
     )
-    return Answer(said["joints"], arrays["torque"], arrays["fresh"])
+    return Answer(said["joints"], arrays["torque"], arrays["fresh"], arrays["again"])
 
 
 def still(emitted: Emitted, n_step: int, n_env: int) -> Motion:

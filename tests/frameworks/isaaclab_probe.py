@@ -11,7 +11,7 @@ Job:
 Arrays: positions, velocities, efforts (the action), q, qd; each (n_step, n_env, n_joint).
 
 Answers: version; per joint its group, class and numbers; array `torque` (n_step, n_env, n_joint) after a reset,
-`fresh` the same without one.
+`again` the same motion once more after a reset of the first environment alone, `fresh` without any reset.
 """
 
 from __future__ import annotations
@@ -131,7 +131,7 @@ def run(job: dict, arrays: dict) -> tuple[dict, dict]:
     inputs = {key: torch.tensor(value, dtype=torch.float32) for key, value in arrays.items()}
     n_step, n_env, _ = inputs["q"].shape
     torque = np.full((n_step, n_env, len(names)), np.nan)
-    fresh = torque.copy()
+    fresh, again = torque.copy(), torque.copy()
     joints: dict[str, dict] = {}
     for key, cfg in load(job["text"], job["constant"]).items():
         ids, mine = resolve_matching_names(cfg.joint_names_expr, names)
@@ -163,6 +163,9 @@ def run(job: dict, arrays: dict) -> tuple[dict, dict]:
         # The nets of Isaac Lab take indices, the others None too.
         actuator.reset(list(range(n_env)))
         steps(actuator, torque)
+        # The first environment begins anew, the others go on.
+        actuator.reset([0])
+        steps(actuator, again)
         steps(build(), fresh)
         for index, joint in enumerate(mine):
             assert joint not in joints, f"{joint} is in two groups"
@@ -178,7 +181,7 @@ def run(job: dict, arrays: dict) -> tuple[dict, dict]:
                     if hasattr(actuator, name)
                 },
             }
-    return {"joints": joints}, {"torque": torque, "fresh": fresh}
+    return {"joints": joints}, {"torque": torque, "fresh": fresh, "again": again}
 
 
 def main() -> None:

@@ -257,9 +257,14 @@ def test_command_path_over_time(frameworks: Frameworks, spec: str, cls: str, ste
         np.testing.assert_allclose(
             got, path_of(emitted, joint, motion, 1, lag), rtol=1e-5, atol=2e-5, err_msg=joint
         )
+        whole = slice(None), slice(None), emitted.joints.index(joint)
+        # A reset starts its own environment anew; the other still has the last commands on their way.
+        np.testing.assert_array_equal(answer.again[whole][:, 0], answer.torque[whole][:, 0])
+        if lag:
+            assert answer.again[whole][0, 1] != answer.torque[whole][0, 1]
         if cls == "custom":
             # Our own class has its lag before the first reset too.
-            np.testing.assert_array_equal(answer.fresh[:, 1, emitted.joints.index(joint)], got)
+            np.testing.assert_array_equal(answer.fresh[whole], answer.torque[whole])
 
 
 @pytest.mark.parametrize("spec, cls", [(RANGED, "auto"), (WHOLE, "custom")], ids=["stock", "custom"])
