@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -126,7 +127,7 @@ def test_depth_counts_unmanaged_joints() -> None:
 
 def test_order_of_the_a1() -> None:
     """The A1 as Isaac Lab lists it: hips, thighs, calves, each FL, FR, RL, RR; its MJCF begins with FR."""
-    spec = load("robots/a1.yaml")
+    spec = load(Path(__file__).resolve().parents[3] / "robots" / "a1.yaml")
     robot = load_robot(spec)
     legs, parts = ("FL", "FR", "RL", "RR"), ("hip", "thigh", "calf")
     wanted = [f"{leg}_{part}_joint" for part in parts for leg in legs]
