@@ -13,7 +13,6 @@ from actspec.diagnostics import (
     EmitError,
     ResolveError,
     RobotError,
-    Severity,
 )
 
 if TYPE_CHECKING:
@@ -175,11 +174,6 @@ def sample(
 
     found = actuators if isinstance(actuators, ActuatorSet) else resolve(actuators)
     return draw(found, n, seed=seed, xp=xp)
-
-
-def failed(diagnostics: Sequence[Diagnostic]) -> bool:
-    """Whether an error is among them."""
-    return any(item.severity is Severity.ERROR for item in diagnostics)
 
 
 __all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve", "sample"]

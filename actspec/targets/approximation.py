@@ -10,10 +10,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 from actspec.ir import Command
-from actspec.laws import TorqueLaw
+from actspec.laws import TorqueLaw, clip_command
 
 GRID = 81
 """Points a side. Chosen: odd, so that zero is among them; 81^2 laws take under a millisecond."""
@@ -78,6 +79,48 @@ def _command(law: TorqueLaw, torques: Any, speeds: Any) -> Any:
     if law.command is Command.VELOCITY:
         return torques / law.kd + speeds if law.kd > 0 else 0.0 * torques
     return torques
+
+
+def lined(law: TorqueLaw) -> TorqueLaw:
+    """The drive side of an asymmetric curve as a torque-speed line, cut at the lesser of the two limits."""
+    if law.curve is None:
+        return law
+    drive, _, knee, no_load = law.curve
+    # A cliff has no slope that a line could have: a steep one stands in for it.
+    share = max(1.0 - knee / no_load, 1e-3) if no_load > 0 else 1.0
+    return replace(
+        law,
+        curve=None,
+        stall_torque=drive / share,
+        no_load_speed=no_load,
+        effort_limit=min(law.effort_limit, drive),
+    )
+
+
+def command_range_error(law: TorqueLaw, positions: tuple[float, float] | None) -> float:
+    """Largest difference that the clamp of the command makes at standstill.
+
+    Args:
+        law: With its `command_range`.
+        positions: The joint's range [rad or m]; None: that of the command.
+    """
+    import numpy as np
+
+    assert law.command_range is not None
+    low, high = law.command_range
+    ends = [end for end in (low, high) if math.isfinite(end)]
+    half = 2.0 * (law.effort_limit if math.isfinite(law.effort_limit) else 1.0)
+    gain = {Command.POSITION: law.kp, Command.VELOCITY: law.kd, Command.EFFORT: 1.0}[law.command]
+    if gain <= 0.0 or not ends:
+        return 0.0
+    held = np.zeros(1)
+    if law.command is Command.POSITION:
+        held = np.linspace(*(positions or (min(ends), max(ends))), 41)
+    q, asked = np.meshgrid(held, np.linspace(-half, half, 81))
+    command = (q + law.encoder_bias if law.command is Command.POSITION else 0.0) + asked / gain
+    still = np.zeros_like(command)
+    clamped = clip_command(command, low=low, high=high)
+    return float(np.abs(law.torque(command, q, still) - law.torque(clamped, q, still)).max())
 
 
 def _limit(law: TorqueLaw) -> float:

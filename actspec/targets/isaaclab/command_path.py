@@ -6,9 +6,8 @@ from dataclasses import replace
 
 from actspec.ir import Command
 from actspec.laws import delay_steps
-from actspec.targets.approximation import held_step_error, static_error
+from actspec.targets.approximation import command_range_error, held_step_error, static_error
 from actspec.targets.isaaclab.context import Field, Joint
-from actspec.targets.isaaclab.losses import command_range_error
 from actspec.targets.python_text import provenance
 from actspec.units import format_quantity
 

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 
 from actspec.ir import Command, Quantity
+from actspec.targets.approximation import lined
 from actspec.targets.isaaclab.context import Field, Joint
-from actspec.targets.isaaclab.losses import lined, lost_viscous, summed_viscous_error
+from actspec.targets.isaaclab.losses import lost_viscous, summed_viscous_error
 from actspec.targets.isaaclab.versions import FrictionUnit
 from actspec.targets.python_text import stated
 from actspec.units import format_quantity

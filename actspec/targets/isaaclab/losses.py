@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import Any
 
 from actspec.ir import Command
-from actspec.laws import TorqueLaw, clip_command
+from actspec.laws import TorqueLaw
 from actspec.targets.approximation import speed_scale, static_error
 
 Torque = Callable[[Any, Any, Any], Any]
@@ -23,22 +23,6 @@ def unclipped(law: TorqueLaw) -> TorqueLaw:
 def boxed(law: TorqueLaw) -> TorqueLaw:
     """The drive with its effort limit alone."""
     return replace(law, stall_torque=None, no_load_speed=None, curve=None)
-
-
-def lined(law: TorqueLaw) -> TorqueLaw:
-    """The drive side of an asymmetric curve as a torque-speed line, cut at the lesser of the two limits."""
-    if law.curve is None:
-        return law
-    drive, _, knee, no_load = law.curve
-    # A cliff has no slope that a line could have: a steep one stands in for it.
-    share = max(1.0 - knee / no_load, 1e-3) if no_load > 0 else 1.0
-    return replace(
-        law,
-        curve=None,
-        stall_torque=drive / share,
-        no_load_speed=no_load,
-        effort_limit=min(law.effort_limit, drive),
-    )
 
 
 def two_quadrants(law: TorqueLaw) -> Torque:
@@ -77,29 +61,3 @@ def summed_viscous_error(law: TorqueLaw, viscous: float) -> float:
 def lost_viscous(law: TorqueLaw, viscous: float) -> float:
     """Passive friction left out: its torque at twice the no-load speed."""
     return 2.0 * speed_scale(law) * viscous
-
-
-def command_range_error(law: TorqueLaw, positions: tuple[float, float] | None) -> float:
-    """Largest difference that the clamp of the command makes at standstill.
-
-    Args:
-        law: With its `command_range`.
-        positions: The joint's range [rad or m]; None: that of the command.
-    """
-    import numpy as np
-
-    assert law.command_range is not None
-    low, high = law.command_range
-    ends = [end for end in (low, high) if math.isfinite(end)]
-    half = 2.0 * (law.effort_limit if math.isfinite(law.effort_limit) else 1.0)
-    gain = {Command.POSITION: law.kp, Command.VELOCITY: law.kd, Command.EFFORT: 1.0}[law.command]
-    if gain <= 0.0 or not ends:
-        return 0.0
-    held = np.zeros(1)
-    if law.command is Command.POSITION:
-        held = np.linspace(*(positions or (min(ends), max(ends))), 41)
-    q, asked = np.meshgrid(held, np.linspace(-half, half, 81))
-    command = (q + law.encoder_bias if law.command is Command.POSITION else 0.0) + asked / gain
-    still = np.zeros_like(command)
-    clamped = clip_command(command, low=low, high=high)
-    return float(np.abs(law.torque(command, q, still) - law.torque(clamped, q, still)).max())

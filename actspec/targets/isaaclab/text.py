@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from collections.abc import Iterator, Sequence
 
 import actspec
 from actspec.ir import ActuatorSet
@@ -12,10 +11,10 @@ from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.drive import CUSTOM
 from actspec.targets.isaaclab.groups import Group, Keyword
 from actspec.targets.isaaclab.versions import IsaacLabDialect
-from actspec.targets.python_text import WIDTH, comment_lines, environment, grouped, identifier, py
+from actspec.targets.provenance import known_quantities, loss_lines, source_lines
+from actspec.targets.python_text import WIDTH, comment_lines, environment, identifier, py
 from actspec.units import format_quantity
 
-Row = tuple[str, str]
 """A line's code and what stands behind it."""
 
 
@@ -162,40 +161,11 @@ def _header(
     if approximations:
         yield from comment_lines("")
         yield from comment_lines("Approximations (what these classes cannot hold):")
-        for line in _losses(approximations):
+        for line in loss_lines(approximations, digits=4):
             yield from comment_lines(f"  {line}", hang="    ")
-    cited = list(_sources(actuators, approximations))
+    cited = list(source_lines(actuators, known_quantities(actuators)))
     if cited:
         yield from comment_lines("")
         yield from comment_lines("Sources:")
         for line in cited:
             yield from comment_lines(f"  {line}", hang="    ")
-
-
-def _losses(approximations: Iterable[Approximation]) -> Iterator[str]:
-    """One line for the joints that lose the same."""
-    for loss, members in grouped(
-        approximations, lambda a: (a.field, a.asked, a.emitted, a.why, a.max_torque_error, a.unit)
-    ):
-        field, asked, emitted, why, error, unit = loss
-        size = "" if error is None else f"; at most {error:.4g} {unit}"
-        joints = [member.joint for member in members if member.joint]
-        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(joints)}" if joints else "")
-
-
-def _sources(actuators: ActuatorSet, approximations: Sequence[Approximation]) -> Iterator[str]:
-    from actspec.ir import Quantity
-
-    used = set()
-    for actuator in actuators.joints:
-        parts: list[Any] = [getattr(actuator, name) for name in actuator.__slots__]
-        if actuator.curve is not None:
-            parts += [getattr(actuator.curve, name) for name in actuator.curve.__slots__]
-        if actuator.delay is not None:
-            parts.append(actuator.delay.nominal)
-        parts += actuator.command_range or ()
-        used |= {part.source for part in parts if isinstance(part, Quantity) and part.known}
-    for source in actuators.sources:
-        if source.key in used:
-            text = ", ".join(part for part in (source.title, source.url, source.page) if part)
-            yield f"{source.key}: {text}"

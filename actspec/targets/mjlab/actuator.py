@@ -17,9 +17,14 @@ from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.robot.view import JointView
-from actspec.targets.approximation import held_step_error, speed_scale, static_error
+from actspec.targets.approximation import (
+    command_range_error,
+    held_step_error,
+    lined,
+    speed_scale,
+    static_error,
+)
 from actspec.targets.base import Approximation
-from actspec.targets.isaaclab.losses import command_range_error, lined
 from actspec.targets.mjlab.versions import MjlabDialect
 from actspec.targets.network_file import read_network, tap_stride
 from actspec.targets.python_text import provenance, py, stated

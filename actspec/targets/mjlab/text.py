@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from typing import Any
 
 import actspec
-from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
+from actspec.ir import ActuatorSet, Command, JointActuator, Origin
 from actspec.targets.base import Approximation
 from actspec.targets.mjlab.actuator import Cfg, Field
 from actspec.targets.mjlab.versions import MjlabDialect
+from actspec.targets.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.python_text import comment_lines, environment, grouped, identifier, py
-from actspec.units import format_quantity
 
 WIDTH = 88
 """Columns of mjlab's own code."""
@@ -216,41 +216,14 @@ def _header(
     if approximations:
         yield "#"
         yield "# Approximations (what mjlab cannot hold):"
-        for line in _losses(approximations):
+        for line in loss_lines(approximations):
             yield from said(f"- {line}", hang="  ")
-    sources = list(_sources(actuators))
+    sources = list(source_lines(actuators, known_quantities(actuators)))
     if sources:
         yield "#"
         yield "# Sources:"
         for line in sources:
             yield from said(f"- {line}", hang="  ")
-
-
-def _losses(approximations: Sequence[Approximation]) -> Iterator[str]:
-    """One line for the joints that lose the same."""
-    for loss, members in grouped(
-        approximations, lambda a: (a.field, a.asked, a.emitted, a.why, a.max_torque_error, a.unit)
-    ):
-        field, asked, emitted, why, error, unit = loss
-        size = "" if error is None else f"; at most {format_quantity(error, unit)}"
-        joints = [member.joint for member in members if member.joint]
-        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(joints)}" if joints else "")
-
-
-def _sources(actuators: ActuatorSet) -> Iterator[str]:
-    used = set()
-    for actuator in actuators.joints:
-        parts: list[Any] = [getattr(actuator, name) for name in actuator.__slots__]
-        if actuator.curve is not None:
-            parts += [getattr(actuator.curve, name) for name in actuator.curve.__slots__]
-        if actuator.delay is not None:
-            parts.append(actuator.delay.nominal)
-        parts += actuator.command_range or ()
-        used |= {part.source for part in parts if isinstance(part, Quantity) and part.known}
-    for source in actuators.sources:
-        if source.key in used:
-            text = ", ".join(part for part in (source.title, source.url, source.page) if part)
-            yield f"{source.key}: {text}"
 
 
 def _action_scale(actuator: JointActuator) -> float | None:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.targets.base import Approximation
+from actspec.targets.provenance import loss_lines, source_lines
 from actspec.units import format_quantity
 
 LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
@@ -35,14 +36,10 @@ def header(
         lines += ["", names, *(f"  {entry}" for entry in entries)]
     if approximations:
         lines += ["", "Approximations (what this target cannot hold):"]
-        lines += [f"  {line}" for line in _losses(approximations)]
-    used = {q.source for a in actuators.joints for _, q in _shown(a) if q.source}
-    cited = [source for source in actuators.sources if source.key in used]
+        lines += [f"  {line}" for line in loss_lines(approximations)]
+    cited = list(source_lines(actuators, (q for a in actuators.joints for _, q in _shown(a))))
     if cited:
-        lines += ["", "Sources:"]
-        for entry in cited:
-            parts = (entry.title, entry.url, entry.page)
-            lines.append(f"  {entry.key}: " + ", ".join(part for part in parts if part))
+        lines += ["", "Sources:", *(f"  {line}" for line in cited)]
     body = "\n".join(f"  {line}".rstrip() for line in map(_comment, lines))
     return f"<!--\n{body}\n-->"
 
@@ -88,18 +85,6 @@ def _quantity(quantity: Quantity) -> str:
     if quantity.std is not None:
         about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
     return f"{text} ({'; '.join(about)})"
-
-
-def _losses(approximations: tuple[Approximation, ...]) -> Iterator[str]:
-    """One line for the joints that lose the same."""
-    merged: dict[tuple[str, str, str, str, float | None, str], list[str]] = {}
-    for loss in approximations:
-        key = (loss.field, loss.asked, loss.emitted, loss.why, loss.max_torque_error, loss.unit)
-        merged.setdefault(key, []).append(loss.joint)
-    for (field, asked, emitted, why, error, unit), joints in merged.items():
-        size = "" if error is None else f"; at most {format_quantity(error, unit)}"
-        named = [joint for joint in joints if joint]
-        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(named)}" if named else "")
 
 
 def _comment(line: str) -> str:

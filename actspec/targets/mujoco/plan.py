@@ -373,11 +373,3 @@ def unchanged_controls(plan: Plan, robot: RobotView) -> frozenset[str]:
                 continue
             same.add(entry.drive.joint)
     return frozenset(same)
-
-
-def form_counts(plan: Plan) -> dict[Form, int]:
-    """How many drives of each form."""
-    counts: dict[Form, int] = {}
-    for drive in plan.drives:
-        counts[drive.form] = counts.get(drive.form, 0) + 1
-    return counts

@@ -1,0 +1,40 @@
+"""What the head of every written file says in the same words: what was lost, and where numbers come from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from actspec.ir import ActuatorSet, Quantity
+from actspec.targets.base import Approximation
+from actspec.units import format_quantity
+
+
+def loss_lines(approximations: Iterable[Approximation], digits: int = 6) -> Iterator[str]:
+    """One line for the joints that lose the same.
+
+    Args:
+        approximations: Of one target.
+        digits: Significant digits of the size.
+    """
+    merged: dict[tuple[str, str, str, str, float | None, str], list[str]] = {}
+    for loss in approximations:
+        key = (loss.field, loss.asked, loss.emitted, loss.why, loss.max_torque_error, loss.unit)
+        merged.setdefault(key, []).append(loss.joint)
+    for (field, asked, emitted, why, error, unit), joints in merged.items():
+        size = "" if error is None else f"; at most {format_quantity(error, unit, digits)}"
+        named = [joint for joint in joints if joint]
+        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(named)}" if named else "")
+
+
+def source_lines(actuators: ActuatorSet, shown: Iterable[Quantity]) -> Iterator[str]:
+    """One line for each entry of `sources` that the shown numbers cite, in the spec's order."""
+    used = {quantity.source for quantity in shown}
+    for source in actuators.sources:
+        if source.key in used:
+            parts = (source.title, source.url, source.page)
+            yield f"{source.key}: " + ", ".join(part for part in parts if part)
+
+
+def known_quantities(actuators: ActuatorSet) -> Iterator[Quantity]:
+    """Every number of every joint that is known."""
+    return (q for actuator in actuators.joints for _, q in actuator.quantities() if q.known)
