@@ -1,0 +1,170 @@
+"""What the audit reads: files, and the robot descriptions that are in them.
+
+One file may describe several robots (a `.py` with four `*_CFG`), one robot stands in several
+files. An `Artifact` is one robot as one file has it. Nothing here was executed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+
+from actspec.diagnostics import Diagnostic, Span
+from actspec.ir import ActuatorSet
+from actspec.robot.view import ModelFile, RobotView
+
+
+class FileKind(str, Enum):
+    """What a file is."""
+
+    MJCF = "mjcf"
+    URDF = "urdf"
+    CFG = "cfg"
+    """Python configuration: Isaac Lab, mjlab or legged_gym style."""
+    DEPLOY = "deploy"
+    """YAML for the robot side: gains and joint order."""
+    SPEC = "spec"
+
+
+class Framework(str, Enum):
+    """Whose conventions a configuration follows."""
+
+    ISAACLAB = "isaaclab"
+    MJLAB = "mjlab"
+    LEGGED_GYM = "legged_gym"
+    DEPLOY = "deploy"
+
+
+@dataclass(frozen=True, slots=True)
+class Setting:
+    """One value of a configuration, folded without running it.
+
+    Attributes:
+        value: A number, a text, a truth value, None, a tuple of settings' values, or by-pattern values
+            (joint pattern to number, in the author's order). Meaningless when `unknown` is set.
+        span: Where it is written.
+        unknown: Why it could not be folded (`a loop`, `name FOO comes from another package`); None when known.
+    """
+
+    value: float | str | bool | tuple[object, ...] | Mapping[str, object] | None
+    span: Span
+    unknown: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ActuatorGroup:
+    """One actuator cfg: a group of joints with one class and its settings.
+
+    Attributes:
+        name: Key of the group (`legs`), or the constant's name.
+        cls: Class as written, without its module: `DCMotorCfg`, `BuiltinPositionActuatorCfg`, `P` for legged_gym.
+        span: Where the cfg is written.
+        joints: Patterns that select its joints, as written; None when they could not be folded.
+        settings: Field of the class as written (`effort_limit_sim`, `stiffness`) to its value. A field that
+            is not written is not here.
+    """
+
+    name: str
+    cls: str
+    span: Span
+    joints: tuple[str, ...] | None
+    settings: Mapping[str, Setting]
+
+
+@dataclass(frozen=True, slots=True)
+class RandomizedRange:
+    """One domain-randomisation range of a configuration.
+
+    Attributes:
+        field: `kp`, `kd`, `armature`, `friction`, `effort_limit`, `strength`, `encoder_bias`, `delay` or the stack's
+            own name where it is none of these.
+        operation: `scale`, `add` or `abs`.
+        low: Lower end.
+        high: Upper end.
+        joints: Patterns; None: all joints.
+        span: Where it is written.
+        distribution: `uniform`, `log_uniform` or `gaussian` (then low, high are mean and deviation).
+    """
+
+    field: str
+    operation: str
+    low: float
+    high: float
+    joints: tuple[str, ...] | None
+    span: Span
+    distribution: str = "uniform"
+
+
+@dataclass(frozen=True, slots=True)
+class RobotConfig:
+    """A robot as a training or deploy configuration has it.
+
+    Attributes:
+        framework: Whose conventions.
+        name: Constant or class that defines it: `UNITREE_GO2_CFG`, `G1RoughCfg`; the file's stem for YAML.
+        span: Where that is.
+        groups: Its actuator groups, in the author's order.
+        settings: Robot-wide settings by actspec's name: `physics_dt`, `decimation`, `action_scale`, `control_dt`,
+            `default_position` (by pattern), `soft_joint_pos_limit_factor`, `joint_order` (tuple of names),
+            `model` (path of the asset that it names).
+        randomize: Its ranges.
+        notes: What could not be folded, each with its place and reason.
+    """
+
+    framework: Framework
+    name: str
+    span: Span
+    groups: tuple[ActuatorGroup, ...]
+    settings: Mapping[str, Setting]
+    randomize: tuple[RandomizedRange, ...] = ()
+    notes: tuple[Diagnostic, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Artifact:
+    """One robot as one file has it; exactly one of `robot`, `config` and `spec` is set.
+
+    Attributes:
+        path: The file as the user named it.
+        kind: What the file is.
+        name: The robot's name there.
+        robot: MJCF or URDF, read; its inertia matrices may have been dropped after `inertia` was taken.
+        config: Configuration, read.
+        spec: Spec, resolved.
+        text_only: Why the numbers come from the text alone (MuJoCo refuses the file, with its reason); None: compiled.
+    """
+
+    path: str
+    kind: FileKind
+    name: str
+    robot: RobotView | None = None
+    config: RobotConfig | None = None
+    spec: ActuatorSet | None = None
+    text_only: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class FileReading:
+    """One file that the user named, read or not.
+
+    Attributes:
+        path: As the user named it.
+        kind: What it is; None when nobody can tell.
+        reason: Why it could not be read; None when it was.
+        artifacts: The robots in it, in order.
+        files: Its bytes and those of its includes, for excerpts, inline remarks and fixes.
+        diagnostics: What the reader says about it.
+    """
+
+    path: str
+    kind: FileKind | None
+    reason: str | None
+    artifacts: tuple[Artifact, ...] = ()
+    files: tuple[ModelFile, ...] = ()
+    diagnostics: tuple[Diagnostic, ...] = ()
+
+    @property
+    def readable(self) -> bool:
+        """Whether it was read."""
+        return self.reason is None

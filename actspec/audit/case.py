@@ -1,0 +1,80 @@
+"""Everything that the rules judge: the artifacts, the ledger, and which artifacts are one robot."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from actspec.audit.artifact import Artifact, FileKind, FileReading
+from actspec.audit.ledger import LedgerRow
+
+
+@dataclass(frozen=True, slots=True)
+class Versions:
+    """Which versions the files are meant for; None: not said, and nothing is assumed.
+
+    Attributes:
+        mujoco: `3.12`.
+        isaaclab: `2.3`.
+        isaac_sim: `5.1`.
+        backend: Isaac Lab 3's physics: `physx`, `ovphysx` or `newton`.
+        mjlab: `1.6`.
+    """
+
+    mujoco: str | None = None
+    isaaclab: str | None = None
+    isaac_sim: str | None = None
+    backend: str | None = None
+    mjlab: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Artifacts that describe the same robot.
+
+    Attributes:
+        name: The most telling name among them.
+        artifacts: Indices into `Case.artifacts`, in the order of the files.
+    """
+
+    name: str
+    artifacts: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """What the rules get; they change nothing.
+
+    Attributes:
+        files: Every file that was named, read or not.
+        artifacts: All robots of all files.
+        rows: The ledger; rows of an artifact stand together, in its joint order.
+        robots: Artifacts put together; each artifact is in exactly one.
+        versions: What the files are meant for.
+        options: Rule code to its options (thresholds) from the configuration.
+    """
+
+    files: tuple[FileReading, ...]
+    artifacts: tuple[Artifact, ...]
+    rows: tuple[LedgerRow, ...]
+    robots: tuple[Robot, ...]
+    versions: Versions = Versions()
+    options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+
+    def rows_of(self, artifact: int) -> tuple[LedgerRow, ...]:
+        """The rows of one artifact."""
+        return tuple(row for row in self.rows if row.artifact == artifact)
+
+    def of_kind(self, *kinds: FileKind) -> Iterator[tuple[int, Artifact]]:
+        """Artifacts of these kinds, with their indices."""
+        for index, artifact in enumerate(self.artifacts):
+            if artifact.kind in kinds:
+                yield index, artifact
+
+    def robot_of(self, artifact: int) -> Robot:
+        """The robot that an artifact belongs to."""
+        return next(robot for robot in self.robots if artifact in robot.artifacts)
+
+    def option(self, code: str, name: str, default: float) -> float:
+        """A rule's option, or its default."""
+        return self.options.get(code, {}).get(name, default)
