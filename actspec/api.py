@@ -105,7 +105,7 @@ def resolve(spec: Spec | str | os.PathLike[str], robot: RobotView | None = None)
 def compile(
     spec: Spec | str | os.PathLike[str],
     *,
-    targets: Sequence[str] = (),
+    targets: Sequence[str | TargetOptions] = (),
     output: str | None = None,
     canonical: bool = False,
 ) -> Compilation:
@@ -113,7 +113,7 @@ def compile(
 
     Args:
         spec: A spec, or the path of one.
-        targets: Names of the spec's targets, or `KIND==VERSION` such as `mujoco==3.11`; default: all.
+        targets: Names of the spec's targets, `KIND==VERSION` such as `mujoco==3.11`, or options; default: all.
         output: Folder to write below; default `build/<robot>`.
         canonical: Write the simulator's own form of the model.
 
@@ -121,6 +121,7 @@ def compile(
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
     """
     from actspec.audit.rules import check_actuators
+    from actspec.targets.accept import check_accepted
     from actspec.targets.choose import choose_targets, emitter
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
@@ -131,25 +132,31 @@ def compile(
     for item in actuators.diagnostics:
         collector.add(item)
     emissions = []
+    explicit: dict[str, frozenset[str]] = {}
     for options in chosen:
         try:
             emission = emitter(options.kind)(actuators, robot, options)
         except EmitError as err:
             for item in err.diagnostics:
-                collector.add(item)
+                collector.add(_placed(item, loaded))
             continue
         emissions.append(emission)
+        title = "MuJoCo with the Euler integrator" if options.kind == "mujoco" else options.name
+        explicit[title] = explicit.get(title, frozenset()) | emission.explicit
         for item in emission.diagnostics:
             collector.add(item)
-    explicit = tuple(
-        name
-        for name, target in loaded.model.targets.items()
-        if (target.target or name) in ("isaaclab", "mjlab")
-    )
-    for item in check_actuators(actuators, robot.integrator, explicit):
+    for item in check_actuators(actuators, explicit):
         collector.add(item)
     collector.raise_if_failed(EmitError)
+    check_accepted(loaded, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
+
+
+def _placed(item: Diagnostic, spec: Spec) -> Diagnostic:
+    """An error of a target about the spec's robot, where the spec names it."""
+    if item.span is not None or item.where != "robot.model":
+        return item
+    return replace(item, span=spec.span("robot", "model"))
 
 
 def sample(

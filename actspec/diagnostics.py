@@ -108,6 +108,10 @@ class EmitError(ActspecError):
     """A target cannot be written."""
 
 
+class AuditError(ActspecError):
+    """The audit cannot start: its settings, its baseline or its options are wrong."""
+
+
 @dataclass(slots=True)
 class Collector:
     """Collects the diagnostics of one stage, so that all are shown at once."""

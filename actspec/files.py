@@ -52,8 +52,12 @@ def read_regular(path: str, most: int) -> bytes:
     with open(os.open(path, flags), "rb") as stream:
         info = os.fstat(stream.fileno())
         _refuse_irregular(info)
-        # The file may grow after fstat, so the read is bounded too.
-        data = b"" if info.st_size > most else stream.read(most + 1)
+        data = b""
+        if info.st_size <= most:
+            data = stream.read(info.st_size + 1)
+        if len(data) > info.st_size:
+            # It has grown after fstat, or the system does not tell its size; the read is bounded too.
+            data += stream.read(most + 1 - len(data))
     size = max(info.st_size, len(data))
     if size > most:
         raise TooLarge(size)

@@ -302,6 +302,7 @@ class Source:
     title: str
     url: str | None = None
     page: str | None = None
+    commit: str | None = None
     accessed: str | None = None
     note: str | None = None
 
@@ -314,6 +315,7 @@ class ActuatorSet:
         robot: Name of the robot.
         joints: One entry a managed joint, in the robot's joint order.
         unmanaged: Joints that the spec leaves as they are, in the robot's joint order.
+        default_pose: The author's patterns of the default pose, in order.
         physics_dt: Simulation step [s].
         decimation: Physics steps in one control step; None when not stated.
         delta_action: Robot-wide delta action; None without one.
@@ -333,6 +335,7 @@ class ActuatorSet:
     sources: tuple[Source, ...]
     spec_sha256: str
     diagnostics: tuple[Diagnostic, ...] = ()
+    default_pose: tuple[str, ...] = ()
 
     def joint(self, name: str) -> JointActuator | None:
         """The actuator of a joint, or None if the spec does not manage it."""

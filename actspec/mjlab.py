@@ -7,11 +7,7 @@ EntityCfg(spec_fn=get_spec, articulation=articulation("robots/a1.yaml"))
 from __future__ import annotations
 
 import os
-from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
-
-if TYPE_CHECKING:
-    from actspec.targets.base import EmittedFile
+from typing import Any
 
 __all__ = ["articulation", "module"]
 
@@ -45,15 +41,12 @@ def module(path: str | os.PathLike[str]) -> dict[str, Any]:
     Raises: as `articulation`.
     """
     from actspec.api import compile as compile_spec
+    from actspec.live import network_files, run_module
 
-    compiled = compile_spec(path, targets=[f"mjlab=={installed_version()}"])
-    names = _run(compiled.emissions[0].files[0], os.fspath(path))
+    compiled = compile_spec(path, targets=[f"mjlab=={_installed_release()}"])
+    names = run_module(compiled.emissions[0].files[0], path, "mjlab")
     # The text looks for networks beside itself, and it is nowhere: the spec's own files are the same.
-    files = {
-        os.path.basename(actuator.network.file): os.path.abspath(actuator.network.file)
-        for actuator in compiled.actuators.joints
-        if actuator.network is not None
-    }
+    files = network_files(compiled)
     for value in names.values():
         cfg = getattr(value, "base_cfg", value)
         if hasattr(cfg, "network_file"):
@@ -61,32 +54,13 @@ def module(path: str | os.PathLike[str]) -> dict[str, Any]:
     return names
 
 
-def installed_version() -> str:
-    """The installed mjlab, as a version to compile for; one that is newer than the table counts as its last.
-
-    Raises:
-        ModuleNotFoundError: there is none.
-    """
-    from importlib.metadata import version
-
+def _installed_release() -> str:
+    """The installed mjlab, as a version to compile for."""
+    from actspec.live import distribution_version, find_package, known_release
     from actspec.targets.mjlab.versions import MJLAB_RELEASES
 
-    if find_spec("mjlab") is None:
-        raise ModuleNotFoundError(
-            "mjlab is not installed here: pip install mjlab, or write the module with"
-            " `actspec compile --target mjlab`",
-            name="mjlab",
-        )
-    text = ".".join(version("mjlab").split(".")[:2])
-    numbers = tuple(int(part) for part in text.split(".") if part.isdigit())
-    return "{}.{}".format(*MJLAB_RELEASES[-1]) if numbers > MJLAB_RELEASES[-1] else text
-
-
-def _run(file: EmittedFile, spec: str) -> dict[str, Any]:
-    title = f"<{file.path} of {os.path.basename(spec)}>"
-    names: dict[str, Any] = {"__name__": file.path.removesuffix(".py"), "__file__": os.path.abspath(spec)}
-    try:
-        exec(compile(file.data, title, "exec"), names)
-    except ImportError as err:
-        raise ModuleNotFoundError(f"mjlab is installed here, but cannot be imported: {err}") from err
-    return names
+    find_package("mjlab", "pip install mjlab")
+    version = distribution_version("mjlab")
+    if version is None:
+        raise ModuleNotFoundError("nothing here tells which mjlab this is: install it with pip", name="mjlab")
+    return known_release(version, MJLAB_RELEASES)

@@ -224,6 +224,10 @@ FAULTS = {
         "armature: {scale: [0.9, 1.1]}", ", armature: unknown",
         "RND001 armature: hip, calf: armature is unknown, and the range is a factor on it",
     ),
+    "offset on a nominal unknown": (
+        "armature: {add: [-0.1, 0.1]}", ", armature: unknown",
+        "RND001 armature: hip, calf: armature is unknown, and the range is an offset on it",
+    ),
     "gain that is not there": (
         "kp: {abs: [1, 2]}", ", command: velocity",
         "RND002 kp: hip, calf: a drive of level ideal_pd and command velocity has no kp",

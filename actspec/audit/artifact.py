@@ -53,6 +53,52 @@ class Setting:
 
 
 @dataclass(frozen=True, slots=True)
+class NetworkConventions:
+    """What the manifest of an actuator network says.
+
+    Attributes:
+        path: The manifest.
+        kind: `mlp`, `lstm` or `gru`.
+        velocity_first: Whether the velocities come before the position errors.
+        taps: Which past samples, in order; 0 is now.
+        tap_period: Time between samples [s]; None: unknown.
+        position_scale: Factor on target - measured.
+        velocity_scale: Factor on the measured velocity.
+        torque_scale: Factor on the output.
+    """
+
+    path: str
+    kind: str
+    velocity_first: bool
+    taps: tuple[int, ...]
+    tap_period: float | None
+    position_scale: float
+    velocity_scale: float
+    torque_scale: float
+
+
+@dataclass(frozen=True, slots=True)
+class NetworkReading:
+    """The network that a group names; its file is never opened.
+
+    Attributes:
+        file: As written; `{NAME}` stands for what is not known.
+        span: Where it is written.
+        local: Whether it is the path of a local file, and all of it is known.
+        path: Where that file is; None: not found.
+        manifest: What the manifest beside it says; None without one.
+        problem: Why that manifest cannot be read; None when it can, or when there is none.
+    """
+
+    file: str
+    span: Span
+    local: bool
+    path: str | None = None
+    manifest: NetworkConventions | None = None
+    problem: str | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class ActuatorGroup:
     """One actuator cfg: a group of joints with one class and its settings.
 
@@ -63,6 +109,8 @@ class ActuatorGroup:
         joints: Patterns that select its joints, as written; None when they could not be folded.
         settings: Field of the class as written (`effort_limit_sim`, `stiffness`) to its value. A field that
             is not written is not here.
+        bases: Classes that `cls` derives from, as far as they could be read, nearest first.
+        network: The network that it names; None without one.
     """
 
     name: str
@@ -70,6 +118,8 @@ class ActuatorGroup:
     span: Span
     joints: tuple[str, ...] | None
     settings: Mapping[str, Setting]
+    bases: tuple[str, ...] = ()
+    network: NetworkReading | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,6 +135,7 @@ class RandomizedRange:
         joints: Patterns; None: all joints.
         span: Where it is written.
         distribution: `uniform`, `log_uniform` or `gaussian` (then low, high are mean and deviation).
+        actuators: Patterns of mjlab's `actuator_names`; None: not given.
     """
 
     field: str
@@ -94,6 +145,7 @@ class RandomizedRange:
     joints: tuple[str, ...] | None
     span: Span
     distribution: str = "uniform"
+    actuators: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
@@ -48,7 +49,7 @@ class Case:
     Attributes:
         files: Every file that was named, read or not.
         artifacts: All robots of all files.
-        rows: The ledger; rows of an artifact stand together, in its joint order.
+        rows: The ledger, by artifact; those of one in its joint order.
         robots: Artifacts put together; each artifact is in exactly one.
         versions: What the files are meant for.
         options: Rule code to its options (thresholds) from the configuration.
@@ -63,7 +64,8 @@ class Case:
 
     def rows_of(self, artifact: int) -> tuple[LedgerRow, ...]:
         """The rows of one artifact."""
-        return tuple(row for row in self.rows if row.artifact == artifact)
+        start = bisect_left(self.rows, artifact, key=_artifact)
+        return self.rows[start : bisect_right(self.rows, artifact, lo=start, key=_artifact)]
 
     def of_kind(self, *kinds: FileKind) -> Iterator[tuple[int, Artifact]]:
         """Artifacts of these kinds, with their indices."""
@@ -78,3 +80,7 @@ class Case:
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""
         return self.options.get(code, {}).get(name, default)
+
+
+def _artifact(row: LedgerRow) -> int:
+    return row.artifact

@@ -1,4 +1,4 @@
-"""What commands print: diagnostics, tables, JSON; plain where the output is no terminal."""
+"""What commands print: diagnostics and JSON; plain where the output is no terminal."""
 
 from __future__ import annotations
 
@@ -8,9 +8,12 @@ import sys
 from collections.abc import Iterable, Sequence
 from typing import Any, TextIO
 
-from actspec.diagnostics import Diagnostic, Severity, one_line
+from actspec.diagnostics import Diagnostic, Severity
 
 COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
+
+OUTPUT = {"audit": "report", "rule": "rules"}
+"""Commands whose machine output has another name."""
 
 
 def colour(text: str, code: str, stream: TextIO) -> str:
@@ -31,7 +34,8 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic], stream: TextIO | None =
 def print_failure(diagnostics: Sequence[Diagnostic], output_format: str, command: str) -> None:
     """Print why a command could not run."""
     if output_format == "json":
-        print_json({"format": f"actspec-{command}/1", "diagnostics": [record(item) for item in diagnostics]})
+        name = OUTPUT.get(command, command)
+        print_json({"format": f"actspec-{name}/1", "diagnostics": [record(item) for item in diagnostics]})
         return
     print_diagnostics(diagnostics)
     errors = sum(item.severity is Severity.ERROR for item in diagnostics)
@@ -55,33 +59,3 @@ def record(item: Diagnostic) -> dict[str, Any]:
 def print_json(data: Any) -> None:
     """Print machine output to stdout; NaN and infinity are refused, they are no JSON."""
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
-
-
-def table(rows: Sequence[Sequence[str]], indent: str = "  ", headings: int = 1) -> list[str]:
-    """Rows as aligned columns, the first `headings` rows the heading; columns of numbers stand right."""
-    if not rows:
-        return []
-    cells = [[one_line(cell) for cell in row] for row in rows]
-    widths = [max(len(row[column]) for row in cells) for column in range(len(cells[0]))]
-    right = [
-        all(_is_number(row[column]) for row in cells[headings:]) and len(cells) > headings
-        for column in range(len(widths))
-    ]
-    lines = []
-    for row in cells:
-        parts = [
-            cell.rjust(width) if on_right else cell.ljust(width)
-            for cell, width, on_right in zip(row, widths, right, strict=True)
-        ]
-        lines.append((indent + "  ".join(parts)).rstrip())
-    return lines
-
-
-def _is_number(text: str) -> bool:
-    if text in ("", "-", "?"):
-        return True
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True

@@ -9,9 +9,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
-from actspec.cli.report import print_diagnostics, print_json, table
+from actspec.cli.report import print_diagnostics, print_json
 from actspec.diagnostics import EXIT_CLEAN, Diagnostic, ResolveError, Severity, listed
 from actspec.ir import ActuatorSet, JointActuator, Quantity
+from actspec.tables import table
 from actspec.units import format_quantity
 
 

@@ -1,16 +1,21 @@
-"""The summary of a compile: what the robot has, what each target got, what was lost."""
+"""The summary of a compile: what the robot has, where each target went, what was lost."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import os
+import textwrap
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.api import Compilation
-from actspec.cli.report import table
-from actspec.diagnostics import Severity, listed
-from actspec.ir import JointActuator, JointKind, Quantity
-from actspec.output import Output
-from actspec.targets.base import Approximation
+from actspec.diagnostics import Severity, listed, one_line
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
+from actspec.output import MANIFEST, Output
+from actspec.tables import table
+from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_quantity
+
+WIDTH = 120
+"""Columns of running text. Chosen: as the heads of the written files."""
 
 
 def summary(compilation: Compilation, files: Sequence[Output], *, written: bool) -> Iterator[str]:
@@ -21,7 +26,26 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
         files: Its files.
         written: Whether they were written.
     """
-    actuators, robot = compilation.actuators, compilation.robot
+    actuators = compilation.actuators
+    yield from _robot(actuators, compilation.robot.path)
+    yield ""
+    yield from table(list(_files(compilation.targets, files, written)))
+    accept = dict(actuators.accept)
+    taken = [loss for loss in compilation.approximations if loss.key in accept]
+    open_ = compilation.unaccepted
+    if taken:
+        yield ""
+        yield from table(list(_accepted(taken, accept)))
+    if open_:
+        yield ""
+        yield "  approximated"
+        yield from _losses(open_, len(actuators.joints))
+    yield ""
+    warnings = sum(item.severity is Severity.WARNING for item in compilation.diagnostics)
+    yield f"{_count(taken, open_)}; {_many(warnings, 'warning')}"
+
+
+def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     groups = len({a.group for a in actuators.joints})
     step = actuators.physics_dt
     timing = f"physics {format_quantity(step.require() * 1e3, 'ms')}"
@@ -29,27 +53,33 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
         timing += f", control {1.0 / (step.require() * actuators.decimation):g} Hz"
     yield (
         f"{actuators.robot}: {_many(len(actuators.joints), 'joint')} in {_many(groups, 'group')}, "
-        f"{robot.path}, {timing}"
+        f"{path}, {timing}"
     )
     if actuators.unmanaged:
         yield f"  left as they are: {listed(actuators.unmanaged)}"
     yield from table(list(_rows(actuators.joints)), headings=2)
-    for options, emission in zip(compilation.targets, compilation.emissions, strict=True):
-        yield ""
-        yield f"{options.name}: {options.kind} {options.version} -> {options.folder}"
+
+
+def _files(
+    targets: Sequence[TargetOptions], files: Sequence[Output], written: bool
+) -> Iterator[tuple[str, str, str]]:
+    """One row a file; the manifests, one beside each target, share a row."""
+    yield "target", "file", ""
+
+    def state(some: Iterable[Output]) -> str:
+        return ("written" if written else "not written") if any(f.changed for f in some) else "unchanged"
+
+    for options in targets:
+        version = f"{options.kind} {options.version}".rstrip()
+        label = version if options.name == options.kind else f"{options.name} ({version})"
         for file in files:
-            if file.target == options.name:
-                state = "unchanged" if not file.changed else "written" if written else "not written"
-                yield f"  {file.path.removeprefix(options.folder).lstrip('/')}  {state}"
-        yield from _losses(emission.approximations, {key for key, _ in actuators.accept})
-    warnings = sum(item.severity is Severity.WARNING for item in compilation.diagnostics)
-    losses = compilation.approximations
-    yield ""
-    worst = max((loss.max_torque_error or 0.0 for loss in losses), default=0.0)
-    text = "no approximation" if not losses else _many(len({loss.key for loss in losses}), "approximation")
-    if worst:
-        text += f", largest torque error {worst:.4g} {losses[0].unit}"
-    yield f"{text}; {_many(warnings, 'warning')}"
+            if file.target == options.name and os.path.basename(file.path) != MANIFEST:
+                yield label, file.path, state([file])
+                label = ""
+    manifests = [file for file in files if os.path.basename(file.path) == MANIFEST]
+    parent = os.path.dirname(targets[0].folder)
+    folder = targets[0].folder if len(targets) == 1 else os.path.join(parent, "*")
+    yield "", os.path.join(folder, MANIFEST), state(manifests)
 
 
 def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
@@ -101,19 +131,52 @@ def _number(quantity: Quantity | None) -> str:
     return "unknown" if quantity.value is None else f"{quantity.value:.6g}"
 
 
-def _losses(losses: Sequence[Approximation], accepted: set[str]) -> Iterator[str]:
-    if not losses:
-        yield "  nothing is approximated"
-        return
-    merged: dict[tuple[str, str, str, str, str], list[str]] = {}
+def _accepted(losses: Sequence[Approximation], accept: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
+    """One row for each key of `accept` that took something; what was lost in detail is in the manifest."""
+    yield "approximated, as the spec accepts", "torque error", "because"
+    for key in dict.fromkeys(loss.key for loss in losses):
+        yield key, _worst([loss for loss in losses if loss.key == key]) or "-", accept[key]
+
+
+def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
+    """Each key with what is lost under it; joints that differ in the number alone share a line."""
+    merged: dict[tuple[str, str, str], list[Approximation]] = {}
     for loss in losses:
-        size = "-" if loss.max_torque_error is None else f"{loss.max_torque_error:.4g} {loss.unit}"
-        name = f"{loss.field} (accepted)" if loss.key in accepted else loss.field
-        merged.setdefault((name, loss.asked, loss.emitted, size, loss.why), []).append(loss.joint)
-    rows = [("approximated", "joints", "asked", "emitted", "largest torque error", "why")]
-    for (name, asked, emitted, size, why), joints in merged.items():
-        rows.append((name, str(sum(bool(joint) for joint in joints)), asked, emitted, size, why))
-    yield from table(rows)
+        merged.setdefault((loss.key, loss.emitted, loss.why), []).append(loss)
+    said = ""
+    for (key, emitted, why), members in merged.items():
+        if key != said:
+            said = key
+            yield f"    {one_line(key)}"
+        asked = listed(dict.fromkeys(member.asked for member in members), most=4)
+        worst = _worst(members)
+        size = f"; torque error {worst}" if worst else ""
+        named = [member.joint for member in members if member.joint]
+        who = f"{len(named)} of {_many(joints, 'joint')}: " if 0 < len(named) < joints else ""
+        line = one_line(f"{who}{asked} -> {emitted}{size} ({why})")
+        yield from textwrap.wrap(
+            line, WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 8, break_on_hyphens=False
+        )
+
+
+def _worst(losses: Iterable[Approximation]) -> str:
+    """The largest torque error, with its unit; "" where none has one."""
+    sized = [loss for loss in losses if loss.max_torque_error]
+    if not sized:
+        return ""
+    worst = max(sized, key=lambda loss: loss.max_torque_error or 0.0)
+    return f"up to {worst.max_torque_error:.4g} {worst.unit}"
+
+
+def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> str:
+    keys, refused = len({loss.key for loss in (*taken, *open_)}), len({loss.key for loss in open_})
+    if not keys:
+        return "no approximation"
+    text = _many(keys, "approximation")
+    if taken:
+        text += f", {refused} not accepted" if refused else ", accepted"
+    worst = _worst((*taken, *open_))
+    return f"{text}, torque error {worst}" if worst else text
 
 
 def _many(count: int, noun: str) -> str:

@@ -6,7 +6,9 @@ import argparse
 import os
 
 from actspec.cli.report import print_diagnostics, print_json, record
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.spec.read import MAX_BYTES, is_spec
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -16,6 +18,8 @@ def run(arguments: argparse.Namespace) -> int:
     failed = False
     records = []
     for path in arguments.spec:
+        if arguments.skip_other and _is_other(path):
+            continue
         diagnostics: tuple[Diagnostic, ...] = ()
         summary = ""
         try:
@@ -23,7 +27,7 @@ def run(arguments: argparse.Namespace) -> int:
             diagnostics = spec.diagnostics
             model = spec.model
             groups = len(model.actuators)
-            summary = f"{path}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
+            summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
             summary += _skipped(model.robot.model, os.path.dirname(path))
         except ActspecError as err:
             failed = True
@@ -39,6 +43,16 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json({"format": "actspec-validate/1", "files": records})
     return EXIT_FAILED if failed else EXIT_CLEAN
+
+
+def _is_other(path: str) -> bool:
+    """Whether a file is there and is no spec; what cannot be read is told about by who loads it."""
+    try:
+        return not is_spec(read_regular(path, MAX_BYTES))
+    except TooLarge:
+        return True
+    except (NotRegular, OSError, ValueError):
+        return False
 
 
 def _skipped(model: str, folder: str) -> str:

@@ -99,11 +99,12 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         ),
         accept=tuple(model.accept.items()),
         sources=tuple(
-            Source(key, s.title, s.url, None if s.page is None else str(s.page), s.accessed, s.note)
+            Source(key, s.title, s.url, None if s.page is None else str(s.page), s.commit, s.accessed, s.note)
             for key, s in model.sources.items()
         ),
         spec_sha256=spec.document.text_sha256,
         diagnostics=collector.sorted(),
+        default_pose=tuple(model.robot.default_pose),
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector
 from actspec.ir import JointKind, Quantity
@@ -13,10 +13,12 @@ from actspec.spec.derive import DerivedGain
 from actspec.spec.fields import CommandRange
 from actspec.spec.models import Actuators, Motor
 from actspec.spec.paths import Path, dotted
-from actspec.spec.results import JointResult
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind
+
+if TYPE_CHECKING:
+    from actspec.spec.results import JointResult
 
 FIELDS = (
     "motor",

@@ -9,10 +9,11 @@ Source: MuJoCo 3.7, 3.11, 3.12 and 4.0, measured on 23 forms of actuator.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    import mujoco
+    from actspec.robot.model_lists import ModelLists
 
 _TRANSMISSIONS = {
     "mjTRN_JOINT": "joint",
@@ -44,6 +45,7 @@ class Control:
         time_constant: Of the activation's filter [s]; 0 without one.
         offset: Constant force beside gain and feedback [N*m or N].
         line: As `ActuatorView.line`, before the gear.
+        back_emf: As `ActuatorView.back_emf`, before the gear.
     """
 
     kind: str
@@ -53,9 +55,10 @@ class Control:
     time_constant: float
     offset: float = 0.0
     line: tuple[float, float] | None = None
+    back_emf: float = 0.0
 
 
-def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
+def control(model: ModelLists, index: int, tag: str) -> Control:
     """Classify one actuator.
 
     Args:
@@ -68,10 +71,10 @@ def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
     gain_type = _name(mujoco.mjtGain, model.actuator_gaintype[index])
     bias_type = _name(mujoco.mjtBias, model.actuator_biastype[index])
     dynamics = _name(mujoco.mjtDyn, model.actuator_dyntype[index])
-    gain = [float(x) for x in model.actuator_gainprm[index]]
-    bias = [float(x) for x in model.actuator_biasprm[index]]
+    gain: list[float] = model.actuator_gainprm[index]
+    bias: list[float] = model.actuator_biasprm[index]
     filtered = dynamics in ("mjDYN_FILTER", "mjDYN_FILTEREXACT")
-    tau = float(model.actuator_dynprm[index][0]) if filtered else 0.0
+    tau = model.actuator_dynprm[index][0] if filtered else 0.0
 
     offset = bias[0] if bias_type == "mjBIAS_AFFINE" else 0.0
 
@@ -82,8 +85,9 @@ def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
     if model.actuator_plugin[index] >= 0:
         return is_("plugin")
     if gain_type == "mjGAIN_DCMOTOR":
-        found = is_("dcmotor", *_dcmotor_gains(model, index, gain))
-        return replace(found, line=_dcmotor_line(model, index, gain, bias))
+        kp, kd, back_emf = _dcmotor_gains(model, index, gain)
+        line = _dcmotor_line(model, index, gain, bias)
+        return replace(is_("dcmotor", kp, kd), line=line, back_emf=back_emf)
     if gain_type == "mjGAIN_PID":
         return is_("pid", -bias[1], -bias[2])
     if tag in ("cylinder", "adhesion") or dynamics in ("mjDYN_MUSCLE", "mjDYN_USER"):
@@ -107,8 +111,8 @@ def control(model: mujoco.MjModel, index: int, tag: str) -> Control:
     return is_("other")
 
 
-def _dcmotor_gains(model: mujoco.MjModel, index: int, gain: list[float]) -> tuple[float, float]:
-    """kp and kd in torque of a dcmotor, in the linear region, back-EMF included where it acts."""
+def _dcmotor_gains(model: ModelLists, index: int, gain: list[float]) -> tuple[float, float, float]:
+    """kp and kd in torque of a dcmotor in the linear region, and how much of kd is back-EMF without a controller."""
     import mujoco
 
     resistance, constant = gain[0], gain[1]
@@ -118,18 +122,18 @@ def _dcmotor_gains(model: mujoco.MjModel, index: int, gain: list[float]) -> tupl
     if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
         inputs = mujoco.mjtCtrlInput
         closed = int(inputs.mjINPUT_POS) | int(inputs.mjINPUT_VEL) | int(inputs.mjINPUT_FF)
-        if int(model.actuator_ctrlspec[index]) & closed:
-            return gain[4], gain[6]
-        return 0.0, back_emf
+        if model.actuator_ctrlspec[index] & closed:
+            return gain[4], gain[6], 0.0
+        return 0.0, back_emf, back_emf
     if gain[8] == 1.0:
-        return gain[4] * ratio, gain[6] * ratio + back_emf
+        return gain[4] * ratio, gain[6] * ratio + back_emf, 0.0
     if gain[8] == 2.0:
-        return 0.0, gain[4] * ratio + back_emf
-    return 0.0, back_emf
+        return 0.0, gain[4] * ratio + back_emf, 0.0
+    return 0.0, back_emf, back_emf
 
 
 def _dcmotor_line(
-    model: mujoco.MjModel, index: int, gain: list[float], bias: list[float]
+    model: ModelLists, index: int, gain: list[float], bias: list[float]
 ) -> tuple[float, float] | None:
     """Stall torque K V/R and no-load speed V/K of a dcmotor that is a PD within its voltage, nothing else."""
     import mujoco
@@ -139,7 +143,7 @@ def _dcmotor_line(
         return None
     if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
         # One input: a position, or a velocity without any stiffness left.
-        inputs = int(model.actuator_ctrlspec[index])
+        inputs = model.actuator_ctrlspec[index]
         speed = inputs == int(mujoco.mjtCtrlInput.mjINPUT_VEL) and gain[4] == 0.0
         if inputs != int(mujoco.mjtCtrlInput.mjINPUT_POS) and not speed:
             return None
@@ -148,7 +152,7 @@ def _dcmotor_line(
     return constant * voltage / resistance, voltage / constant
 
 
-def transmission(model: mujoco.MjModel, index: int) -> tuple[str, str]:
+def transmission(model: ModelLists, index: int) -> tuple[str, str]:
     """Kind of an actuator's transmission and the name of its target.
 
     Args:
@@ -158,14 +162,13 @@ def transmission(model: mujoco.MjModel, index: int) -> tuple[str, str]:
     import mujoco
 
     kind = _TRANSMISSIONS.get(_name(mujoco.mjtTrn, model.actuator_trntype[index]), "other")
-    target = int(model.actuator_trnid[index, 0])
-    objects = getattr(mujoco.mjtObj, _TARGETS.get(kind, "mjOBJ_SITE"))
-    name = mujoco.mj_id2name(model, objects, target) if target >= 0 else None
-    return kind, name or ""
+    target = model.actuator_trnid[index][0]
+    return kind, model.name(_TARGETS.get(kind, "mjOBJ_SITE"), target) if target >= 0 else ""
 
 
-def _name(enum: Any, value: Any) -> str:
+@lru_cache(maxsize=256)
+def _name(enum: Any, value: int) -> str:
     try:
-        return str(enum(int(value)).name)
+        return str(enum(value).name)
     except (ValueError, TypeError):
         return ""

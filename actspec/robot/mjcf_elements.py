@@ -16,6 +16,14 @@ if TYPE_CHECKING:
 
 _MAIN = "main"
 
+ACTUATORS = frozenset(
+    {
+        "general", "motor", "position", "velocity", "intvelocity", "damper", "cylinder", "muscle",
+        "adhesion", "dcmotor", "orientation", "pid", "plugin",
+    }
+)  # fmt: skip
+"""Tags of actuators. Source: MuJoCo 4.0, mjcf.schema."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointElement:
@@ -23,13 +31,33 @@ class JointElement:
 
     Attributes:
         element: The `joint` or `freejoint`.
-        stated: Names of its attributes and of those of its default classes.
+        owners: Each of its attributes and of those of its default classes, with the element that states it.
         span: Its line; for a copy by `replicate` the line of the outermost `replicate`.
     """
 
     element: Element
-    stated: frozenset[str]
+    owners: Mapping[str, Element]
     span: Span
+
+
+@dataclass(frozen=True, slots=True)
+class DefaultClass:
+    """What a default class and those above it say of joints and actuators.
+
+    Attributes:
+        joint: Attribute to the `joint` element in a `default` that states it last.
+        actuators: Elements of actuators of each class on the way to it, the outermost first, in the
+            order in which they act: MuJoCo keeps one actuator for a class, and each element changes it.
+    """
+
+    joint: Mapping[str, Element]
+    actuators: tuple[tuple[Element, ...], ...]
+
+
+_WALKED = frozenset({"joint", "freejoint", "attach", "body", "frame", "replicate"})
+"""What is looked at inside the world; a `worldbody` is its root only."""
+
+NO_CLASS = DefaultClass({}, ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -41,12 +69,14 @@ class Written:
         replicated: Joints inside a `replicate`, whose copies have names that begin with theirs.
         attached: Prefix, suffix and place of each `attach`.
         actuators: Elements of all `actuator` sections, in order.
+        defaults: Default classes by name.
     """
 
     joints: Mapping[str, JointElement]
     replicated: tuple[tuple[str, JointElement], ...]
     attached: tuple[tuple[str, str, Span], ...]
     actuators: tuple[Element, ...]
+    defaults: Mapping[str, DefaultClass]
 
     def joint(self, name: str) -> JointElement | None:
         """The joint of a compiled name: itself, or the one that it is a copy of."""
@@ -55,6 +85,10 @@ class Written:
             return found
         copies = [item for item in self.replicated if name.startswith(item[0])]
         return max(copies, key=lambda item: len(item[0]))[1] if copies else None
+
+    def defaults_of(self, actuator: Element) -> DefaultClass:
+        """The default class of an actuator."""
+        return self.defaults.get(actuator.get("class") or _MAIN, NO_CLASS)
 
     def attachment(self, name: str) -> Span | None:
         """The `attach` that a compiled name comes from."""
@@ -84,9 +118,10 @@ def read_elements(document: XmlDocument) -> Written:
             name = element.get("name")
             if name is not None:
                 own = element.get("class") or inherited
-                base = frozenset() if element.tag == "freejoint" else defaults.get(own, frozenset())
+                base = {} if element.tag == "freejoint" else defaults.get(own, NO_CLASS).joint
                 span = document.span(element if copied is None else copied)
-                written = JointElement(element, base.union(element.attributes), span)
+                owners = {**base, **dict.fromkeys(element.values, element)}
+                written = JointElement(element, owners, span)
                 if copied is None:
                     joints.setdefault(name, written)
                 else:
@@ -96,35 +131,37 @@ def read_elements(document: XmlDocument) -> Written:
             prefix, suffix = element.get("prefix") or "", element.get("suffix") or ""
             attached.append((prefix, suffix, document.span(element)))
             continue
-        if element.tag not in ("worldbody", "body", "frame", "replicate"):
-            continue
         inherited = element.get("childclass") or inherited
         if element.tag == "replicate" and copied is None:
             copied = element
-        stack.extend((child, inherited, copied) for child in reversed(element.children))
+        stack += [(child, inherited, copied) for child in reversed(element.children) if child.tag in _WALKED]
     actuators = [child for section in document.sections("actuator") for child in section.children]
-    return Written(joints, tuple(replicated), tuple(attached), tuple(actuators))
+    return Written(joints, tuple(replicated), tuple(attached), tuple(actuators), defaults)
 
 
-def _defaults(document: XmlDocument) -> dict[str, frozenset[str]]:
-    """Names of the joint attributes of each default class, those of the classes above it included."""
-    found: dict[str, frozenset[str]] = {}
-    stack: list[tuple[Element, str, frozenset[str]]] = [
-        (section, _MAIN, frozenset()) for section in reversed(document.sections("default"))
+def _defaults(document: XmlDocument) -> dict[str, DefaultClass]:
+    """Each default class with what the classes above it say."""
+    found: dict[str, DefaultClass] = {}
+    stack: list[tuple[Element, str, DefaultClass]] = [
+        (section, _MAIN, NO_CLASS) for section in reversed(document.sections("default"))
     ]
     while stack:
         element, name, above = stack.pop()
         # Several top-level sections add to one main class.
-        names = above | found.get(name, frozenset())
+        before = found.get(name)
+        joint = dict((before or above).joint)
+        actuators = list(before.actuators[-1]) if before is not None else []
         for child in element.children:
             if child.tag == "joint":
-                names = names.union(child.attributes)
-        found[name] = names
+                joint.update(dict.fromkeys(child.values, child))
+            elif child.tag in ACTUATORS:
+                actuators.append(child)
+        made = found[name] = DefaultClass(joint, (*above.actuators, tuple(actuators)))
         if name == _MAIN and element.get("class"):
             # The author may name the main class otherwise.
-            found[element.get("class") or _MAIN] = names
+            found[element.get("class") or _MAIN] = made
         stack.extend(
-            (child, child.get("class") or "", names)
+            (child, child.get("class") or "", made)
             for child in reversed(element.children)
             if child.tag == "default"
         )

@@ -76,7 +76,9 @@ def quiet() -> Iterator[list[str]]:
         mujoco.set_mju_user_warning(old)
 
 
-def open_spec(files: Sequence[ModelFile], *, format: ModelFormat, real_assets: bool = False) -> mujoco.MjSpec:
+def open_spec(
+    files: Sequence[ModelFile], *, format: ModelFormat, real_assets: bool = False, parsed: bool = False
+) -> mujoco.MjSpec:
     """Open a model from its files' bytes, uncompiled.
 
     Mesh files that MuJoCo has no decoder for (`.dae`) get `.obj` appended to their name in the
@@ -87,6 +89,7 @@ def open_spec(files: Sequence[ModelFile], *, format: ModelFormat, real_assets: b
         format: MJCF or URDF; MuJoCo tells them apart by the root tag.
         real_assets: Read mesh files from the main file's folder where they exist; other assets,
             which no number of an actuator depends on, are stand-ins in any case.
+        parsed: `parse_document` has taken these very files.
 
     Raises: RobotError: MuJoCo refuses the text.
     """
@@ -104,7 +107,7 @@ def open_spec(files: Sequence[ModelFile], *, format: ModelFormat, real_assets: b
                 )
             ]
         )
-    text = splice(files)
+    text = splice(files, parsed=parsed)
     folder = os.path.dirname(os.path.abspath(files[0].path))
     opened = _opened_while_parsing(text, folder, format)
     with quiet(), _engine(text.span):

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import fields, replace
+from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, fields
 from math import isnan
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span
 from actspec.ir import JointKind
 from actspec.robot.classify import control, transmission
-from actspec.robot.mjcf_elements import JointElement, Written, read_elements
-from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, PoseInertia, RobotView
+from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
+from actspec.robot.mjcf_elements import Written, read_elements
+from actspec.robot.model_lists import ModelLists
+from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
 if TYPE_CHECKING:
     import mujoco
@@ -22,16 +25,31 @@ _STATED = {
     "damping": ("damping",),
     "armature": ("armature",),
     "frictionloss": ("frictionloss",),
-    "effort": ("actuatorfrcrange", "actuatorfrclimited"),
+    # 2.3 has the words in full.
+    "effort": ("actuatorfrcrange", "actuatorfrclimited", "actuatorforcerange", "actuatorforcelimited"),
     "range": ("range", "limited"),
 }
 """Field of `JointView.stated` to the attributes that state it."""
+
+_NUMBERS = (
+    "jnt_range", "jnt_actfrcrange", "jnt_stiffness", "dof_damping", "dof_dampingpoly", "dof_armature",
+    "dof_frictionloss", "qpos0", "key_qpos", "actuator_gear", "actuator_gainprm", "actuator_biasprm",
+    "actuator_dynprm", "actuator_forcerange", "actuator_ctrlrange", "actuator_damping",
+    "actuator_dampingpoly", "actuator_armature", "actuator_delay",
+)  # fmt: skip
+"""Fields of a compiled model that a view is made from."""
 
 _INTEGRATORS = {"mjINT_EULER": "Euler", "mjINT_RK4": "RK4"}
 
 
 def read_mjcf(
-    files: Sequence[ModelFile], document: XmlDocument | None = None, *, inertia: bool = True
+    files: Sequence[ModelFile],
+    document: XmlDocument | None = None,
+    *,
+    inertia: bool = True,
+    matrices: bool = True,
+    poses: int = POSES,
+    shapes: bool = True,
 ) -> RobotView:
     """Read an MJCF.
 
@@ -42,46 +60,46 @@ def read_mjcf(
     Args:
         files: The main file, then its includes in document order.
         document: The same files parsed, if the caller has it.
+        inertia: Take the joints' inertia.
+        matrices: Keep whole mass matrices, for other armatures than the file's; else `joint_inertia` alone.
+        poses: Sampled poses beside the reference pose.
+        shapes: Show MuJoCo geoms that nothing here depends on, too. Without them it takes a third of the
+            time, and what it would refuse in them goes unnoticed.
 
     Raises: RobotError: MuJoCo refuses the model, or a number in it is nan.
     """
-    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
     from actspec.robot.xml import parse_document
 
     if document is None:
         document = parse_document(tuple(files))
-    spec = open_spec(files, format=ModelFormat.MJCF)
-    meshes = mesh_dependence(spec)
-    if meshes is not None and not meshes.missing:
-        spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True)
-    said: list[str] = []
-    model = compile_spec(spec, files, said=said)
+    compiled = _compiled(files) if shapes else _compiled_without_shapes(document)
+    spec, model = compiled.spec, compiled.model
 
     main = Span(files[0].path)
     out = Collector()
-    for text in said:
+    for text in compiled.said:
         out.warning("ROBOT112", f"MuJoCo warns: {text}", span=main)
     written = read_elements(document)
-    masses, reason = (
-        inertia_of(model, meshes.body if meshes and meshes.missing else None)
-        if inertia
-        else (None, "not asked for")
-    )
-    if inertia and masses is None and any(e.get("dampratio") for e in written.actuators):
-        out.warning("ROBOT114", f"a dampratio is not resolved: {reason}", span=main)
-    joints = _joints(model, spec, written, main)
+    masses = Masses(None, {}, "not asked for")
+    if inertia:
+        masses = masses_of(model, compiled.missing, poses, matrices)
+    if inertia and masses.reason and any(e.get("dampratio") for e in written.actuators):
+        out.warning("ROBOT114", f"a dampratio is not resolved: {masses.reason}", span=main)
+    lists = ModelLists(model)
+    joints = _joints(lists, spec, written, document, main, not masses.reason)
     unnamed = model.njnt - len(joints)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
     actuators = tuple(
-        _actuator(model, index, element, document, main)
-        for index, element in enumerate(_actuator_elements(model, written))
+        _actuator(lists, index, element, written, document, main)
+        for index, element in enumerate(_actuator_elements(lists, written))
     )
     for actuator in actuators:
         if actuator.transmission == "joint" and not actuator.target:
             what = f"actuator {actuator.name or actuator.index} drives a joint without a name"
             out.info("ROBOT113", what, where=actuator.name, span=actuator.span)
-    _refuse_nan((*joints, *actuators), out)
+    if not _is_finite(model):
+        _refuse_nan((*joints, *actuators), out)
     return RobotView(
         name=spec.modelname,
         path=files[0].path,
@@ -90,121 +108,167 @@ def read_mjcf(
         actuators=actuators,
         timestep=float(model.opt.timestep),
         integrator=_integrator(model),
-        keyframes=tuple(_object_name(model, "mjOBJ_KEY", i) for i in range(model.nkey)),
-        inertia=masses,
-        inertia_reason=reason,
+        keyframes=tuple(lists.name("mjOBJ_KEY", i) for i in range(model.nkey)),
+        inertia=masses.matrices,
+        inertia_reason=masses.reason,
         files=tuple(files),
         diagnostics=tuple(out),
+        eulerdamp=not _is_off(model, "EULERDAMP"),
+        joint_inertia=masses.by_name(joints),
     )
 
 
-def inertia_of(model: mujoco.MjModel, mesh_body: str | None) -> tuple[PoseInertia | None, str]:
-    """Mass matrices, or why there are none.
+@dataclass(frozen=True, slots=True)
+class _Compiled:
+    """A model and its spec, a body whose mass needs mesh files that are not there, and MuJoCo's warnings."""
 
-    Args:
-        model: Compiled.
-        mesh_body: Name of a body whose mass needs mesh files that are not there; None: no such body.
-    """
-    from actspec.robot.inertia import InertiaUnknown, pose_inertia
-    from actspec.robot.mjspec import quiet
+    spec: mujoco.MjSpec
+    model: mujoco.MjModel
+    missing: str | None
+    said: tuple[str, ...]
 
-    if mesh_body is not None:
-        return None, f"the mass of body {mesh_body!r} comes from mesh files that are not there"
-    try:
-        with quiet():
-            return pose_inertia(model), ""
-    except InertiaUnknown as err:
-        return None, str(err)
+
+def _compiled(files: Sequence[ModelFile]) -> _Compiled:
+    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
+
+    spec = open_spec(files, format=ModelFormat.MJCF, parsed=True)
+    meshes = mesh_dependence(spec)
+    if meshes is not None and not meshes.missing:
+        spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True, parsed=True)
+    said: list[str] = []
+    model = compile_spec(spec, files, said=said)
+    return _Compiled(spec, model, meshes.body if meshes and meshes.missing else None, tuple(said))
+
+
+def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
+    """Without what no joint depends on; what does not compile so is compiled whole, which tells why."""
+    from actspec.robot.shapes import without_shapes
+
+    files = without_shapes(document)
+    if files is not document.files:
+        with suppress(RobotError):
+            return _compiled(files)
+    return _compiled(document.files)
 
 
 def _joints(
-    model: mujoco.MjModel, spec: mujoco.MjSpec, written: Written, main: Span
+    model: ModelLists,
+    spec: mujoco.MjSpec,
+    written: Written,
+    document: XmlDocument,
+    main: Span,
+    masses: bool,
 ) -> tuple[JointView, ...]:
     import mujoco
 
-    from actspec.robot.inertia import reference_pose
-
-    reference = reference_pose(model)
+    reference = reference_pose(model.model).tolist()
     kinds = {
         int(mujoco.mjtJoint.mjJNT_HINGE): JointKind.HINGE,
         int(mujoco.mjtJoint.mjJNT_SLIDE): JointKind.SLIDE,
         int(mujoco.mjtJoint.mjJNT_BALL): JointKind.BALL,
         int(mujoco.mjtJoint.mjJNT_FREE): JointKind.FREE,
     }
+    dofs, limited, effort_limited = model.jnt_dofadr, model.jnt_limited, model.jnt_actfrclimited
+    held, mobility = model.dof_M0, model.dof_invweight0
+    names = [model.name("mjOBJ_JOINT", index) for index in range(model.model.njnt)]
+    parents = _parents(model, names)
     found = []
-    for index in range(model.njnt):
-        name = _object_name(model, "mjOBJ_JOINT", index)
+    for index, name in enumerate(names):
         if not name:
             continue
-        dof = int(model.jnt_dofadr[index])
-        kind = kinds[int(model.jnt_type[index])]
+        dof = dofs[index]
+        kind = kinds[model.jnt_type[index]]
         scalar = kind in (JointKind.HINGE, JointKind.SLIDE)
         element = written.joint(name)
-        authored = spec.joint(name)
-        springdamper = authored is not None and bool((authored.springdamper > 0).all())
+        springdamper = (element is None or "springdamper" in element.owners) and _is_sprung(spec, name)
+        if element is not None:
+            stated, places = stated_fields(element.element, element.owners, document)
+        else:
+            # From an attached model, whose text is not in the document: what is not the engine's
+            # default must be stated somewhere.
+            values = {
+                "damping": model.dof_damping[dof],
+                "armature": model.dof_armature[dof],
+                "frictionloss": model.dof_frictionloss[dof],
+                "effort": effort_limited[index],
+                "range": limited[index],
+            }
+            stated, places = {field for field, value in values.items() if value}, {}
+        if springdamper:
+            stated.add("damping")
         view = JointView(
             name=name,
             kind=kind,
             span=element.span if element else written.attachment(name) or main,
-            body=_object_name(model, "mjOBJ_BODY", int(model.jnt_bodyid[index])),
+            body=model.name("mjOBJ_BODY", model.jnt_bodyid[index]),
             dof=dof,
-            range=_pair(model.jnt_range[index]) if model.jnt_limited[index] else None,
-            damping=float(model.dof_damping[dof]),
+            range=_pair(model.jnt_range[index]) if limited[index] else None,
+            damping=model.dof_damping[dof],
             damping_polynomial=_pair(model.dof_dampingpoly[dof]),
-            stiffness=float(model.jnt_stiffness[index]),
-            armature=float(model.dof_armature[dof]),
-            frictionloss=float(model.dof_frictionloss[dof]),
-            effort_range=_pair(model.jnt_actfrcrange[index]) if model.jnt_actfrclimited[index] else None,
+            stiffness=model.jnt_stiffness[index],
+            armature=model.dof_armature[dof],
+            frictionloss=model.dof_frictionloss[dof],
+            effort_range=_pair(model.jnt_actfrcrange[index]) if effort_limited[index] else None,
             velocity_limit=None,
-            stated=frozenset(),
+            stated=frozenset(stated),
             springdamper=springdamper,
             mimic=None,
-            reference_position=float(reference[model.jnt_qposadr[index]]) if scalar else 0.0,
-            parent=_parent(model, index),
+            reference_position=reference[model.jnt_qposadr[index]] if scalar else 0.0,
+            parent=parents[index],
+            places=places,
+            # For a hinge or slide MuJoCo's `invweight0` is the diagonal of M^-1 itself.
+            zero_inertia=(held[dof], 1.0 / mobility[dof])
+            if masses and scalar and mobility[dof] > 0.0
+            else None,
         )
-        found.append(_with_stated(view, element))
+        found.append(view)
     return tuple(found)
 
 
-def _parent(model: mujoco.MjModel, index: int) -> str:
-    """The nearest named joint before this one on the way to the world; "" when there is none."""
-    body = int(model.jnt_bodyid[index])
-    above = index - 1
-    while True:
-        first = int(model.body_jntadr[body])
-        for joint in range(above, first - 1, -1) if first >= 0 else ():
-            name = _object_name(model, "mjOBJ_JOINT", joint)
-            if name:
-                return name
-        if body == 0:
-            return ""
-        body = int(model.body_parentid[body])
-        above = int(model.body_jntadr[body]) + int(model.body_jntnum[body]) - 1
+def _is_sprung(spec: mujoco.MjSpec, name: str) -> bool:
+    authored = spec.joint(name)
+    return authored is not None and bool((authored.springdamper > 0).all())
 
 
-def _with_stated(view: JointView, element: JointElement | None) -> JointView:
-    if element is not None:
-        stated = {f for f, names in _STATED.items() if not element.stated.isdisjoint(names)}
-    else:
-        # From an attached model, whose text is not in the document: what is not the engine's
-        # default must be stated somewhere.
-        values = {
-            "damping": view.damping,
-            "armature": view.armature,
-            "frictionloss": view.frictionloss,
-            "effort": view.effort_range,
-            "range": view.range,
-        }
-        stated = {field for field, value in values.items() if value}
-    if view.springdamper:
-        stated.add("damping")
-    return replace(view, stated=frozenset(stated))
+def _parents(model: ModelLists, names: Sequence[str]) -> list[str]:
+    """For each joint the nearest named one before it on the way to the world; "" where there is none."""
+    first, count = model.body_jntadr, model.body_jntnum
+    found = [""] * len(names)
+    # The nearest named joint at or above each body; a body comes after its parent.
+    last = [""] * len(first)
+    for body, parent in enumerate(model.body_parentid):
+        above = last[parent]
+        for joint in range(first[body], first[body] + count[body]):
+            found[joint] = above
+            above = names[joint] or above
+        last[body] = above
+    return found
 
 
-def _actuator_elements(model: mujoco.MjModel, written: Written) -> list[Element | None]:
+def stated_fields(
+    element: Element, owners: Mapping[str, Element], document: XmlDocument
+) -> tuple[set[str], dict[str, Span]]:
+    """Fields of `JointView.stated`, and the places of those that a default class states.
+
+    Args:
+        element: The joint.
+        owners: As in `JointElement`.
+        document: What they are in.
+    """
+    stated, places = set(), {}
+    for field, names in _STATED.items():
+        owner = next((owners[name] for name in names if name in owners), None)
+        if owner is not None:
+            stated.add(field)
+            if owner is not element:
+                places[field] = document.span(owner)
+    return stated, places
+
+
+def _actuator_elements(model: ModelLists, written: Written) -> list[Element | None]:
     """The element of each compiled actuator: by order, or by name where copies were made."""
     count = len(model.actuator_trntype)
-    names = [_object_name(model, "mjOBJ_ACTUATOR", index) for index in range(count)]
+    names = [model.name("mjOBJ_ACTUATOR", index) for index in range(count)]
     elements = written.actuators
     if len(elements) == count and all(
         (e.get("name") or "") == n for e, n in zip(elements, names, strict=True)
@@ -220,17 +284,25 @@ def _copied(name: str, named: dict[str | None, Element]) -> Element | None:
 
 
 def _actuator(
-    model: mujoco.MjModel, index: int, element: Element | None, document: XmlDocument, main: Span
+    model: ModelLists,
+    index: int,
+    element: Element | None,
+    written: Written,
+    document: XmlDocument,
+    main: Span,
 ) -> ActuatorView:
     tag = element.tag if element is not None else ""
     kind = control(model, index, tag)
     transmitted, target = transmission(model, index)
-    gear = float(model.actuator_gear[index, 0])
+    gear = model.actuator_gear[index][0]
     # From 3.11 on an actuator may have several controls, and its own are found by address.
-    address = int(model.actuator_ctrladr[index]) if hasattr(model, "actuator_ctrladr") else index
+    address = model.actuator_ctrladr[index] if hasattr(model.model, "actuator_ctrladr") else index
+    stated, places = stated_attributes(element, written, document) if element is not None else (set(), {})
     limited = 0 <= address < len(model.actuator_ctrllimited) and bool(model.actuator_ctrllimited[address])
+    limited = limited and not _is_off(model.model, "CLAMPCTRL")
+    group = model.actuator_group[index]
     return ActuatorView(
-        name=_object_name(model, "mjOBJ_ACTUATOR", index),
+        name=model.name("mjOBJ_ACTUATOR", index),
         index=index,
         span=document.span(element) if element is not None else main,
         tag=tag,
@@ -243,14 +315,52 @@ def _actuator(
         gain=kind.gain,
         force_range=_pair(model.actuator_forcerange[index]) if model.actuator_forcelimited[index] else None,
         control_range=_pair(model.actuator_ctrlrange[address]) if limited else None,
-        damping=(float(model.actuator_damping[index]), *_pair(model.actuator_dampingpoly[index])),
-        armature=float(model.actuator_armature[index]),
+        damping=(model.actuator_damping[index], *_pair(model.actuator_dampingpoly[index])),
+        armature=model.actuator_armature[index],
         time_constant=kind.time_constant,
-        delay=float(model.actuator_delay[index]),
-        group=int(model.actuator_group[index]),
+        delay=model.actuator_delay[index],
+        group=group,
         offset=kind.offset,
         line=None if kind.line is None or not gear else (abs(gear) * kind.line[0], kind.line[1] / abs(gear)),
+        back_emf=gear**2 * kind.back_emf,
+        stated=frozenset(stated),
+        places=places,
+        disabled=_is_disabled(model.model, group),
     )
+
+
+def _is_disabled(model: mujoco.MjModel, group: int) -> bool:
+    # Groups beyond 30 cannot be switched off.
+    off = 0 <= group <= 30 and int(model.opt.disableactuator) >> group & 1
+    return bool(off) or _is_off(model, "ACTUATION")
+
+
+def _is_off(model: mujoco.MjModel, flag: str) -> bool:
+    """Whether `option/flag` switches something off."""
+    import mujoco
+
+    return bool(model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")))
+
+
+def stated_attributes(
+    element: Element, written: Written, document: XmlDocument
+) -> tuple[set[str], dict[str, Span]]:
+    """Attributes of an actuator and its default class, and the places of those that the class states.
+
+    A class may also hold an actuator of another tag; its gains are counted, although MuJoCo from 3.16
+    on does not pass them on.
+    """
+    classes = written.defaults_of(element).actuators
+    owners = {name: other for elements in classes for other in elements for name in other.values}
+    places = {name: document.span(other) for name, other in owners.items() if name not in element.values}
+    return {*owners, *element.values}, places
+
+
+def _is_finite(model: mujoco.MjModel) -> bool:
+    """Whether every number that a view is made from is finite."""
+    import numpy as np
+
+    return all(np.isfinite(getattr(model, name)).all() for name in _NUMBERS)
 
 
 def _refuse_nan(views: tuple[JointView | ActuatorView, ...], out: Collector) -> None:
@@ -272,11 +382,5 @@ def _integrator(model: mujoco.MjModel) -> str:
     return _INTEGRATORS.get(name, name.removeprefix("mjINT_").lower())
 
 
-def _object_name(model: mujoco.MjModel, kind: str, index: int) -> str:
-    import mujoco
-
-    return mujoco.mj_id2name(model, getattr(mujoco.mjtObj, kind), index) or ""
-
-
-def _pair(values: Any) -> tuple[float, float]:
-    return float(values[0]), float(values[1])
+def _pair(values: Sequence[float]) -> tuple[float, float]:
+    return values[0], values[1]

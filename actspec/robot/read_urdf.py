@@ -11,12 +11,14 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.ir import JointKind
-from actspec.robot.view import JointView, ModelFile, ModelFormat, PoseInertia, RobotView
+from actspec.robot.inertia import POSES, Masses, masses_of
+from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 
 if TYPE_CHECKING:
     import mujoco
@@ -36,7 +38,15 @@ _NUMBER = re.compile(
 )
 
 
-def read_urdf(files: Sequence[ModelFile], document: XmlDocument | None = None) -> RobotView:
+def read_urdf(
+    files: Sequence[ModelFile],
+    document: XmlDocument | None = None,
+    *,
+    refusal: str | None = None,
+    matrices: bool = True,
+    poses: int = POSES,
+    shapes: bool = True,
+) -> RobotView:
     """Read a URDF.
 
     An absent attribute is not in `stated`; its value in the view is the URDF default, 0 or no
@@ -45,6 +55,10 @@ def read_urdf(files: Sequence[ModelFile], document: XmlDocument | None = None) -
     Args:
         files: The one file.
         document: The same file parsed, if the caller has it.
+        refusal: Why MuJoCo must not see it, which is wanted for order and inertia; None: it may.
+        matrices: As in `read_mjcf`.
+        poses: Likewise.
+        shapes: Likewise.
 
     Raises: RobotError: a joint is malformed; all such places at once.
     """
@@ -55,8 +69,18 @@ def read_urdf(files: Sequence[ModelFile], document: XmlDocument | None = None) -
     out = Collector()
     joints = _joints(document, out)
     out.raise_if_failed(RobotError)
-    order, inertia, reason = _compiled(files)
-    if order is not None:
+    model = None
+    masses = Masses(None, {}, refusal or "")
+    if refusal is None:
+        try:
+            model, missing = _compiled(document.files) if shapes else _compiled_without_shapes(document)
+            masses = masses_of(model, missing, poses, matrices)
+        except RobotError as err:
+            # Other tools may take it.
+            refusal = err.diagnostics[0].message
+            masses = Masses(None, {}, refusal)
+    if model is not None:
+        order = _order(model)
         known = {name: index for index, name in enumerate(order)}
         joints = [
             replace(joint, dof=order[joint.name][0], reference_position=order[joint.name][1])
@@ -75,10 +99,12 @@ def read_urdf(files: Sequence[ModelFile], document: XmlDocument | None = None) -
         timestep=None,
         integrator="",
         keyframes=(),
-        inertia=inertia,
-        inertia_reason=reason,
+        inertia=masses.matrices,
+        inertia_reason=masses.reason,
         files=tuple(files),
         diagnostics=tuple(out),
+        joint_inertia=masses.by_name(joints),
+        refusal=refusal,
     )
 
 
@@ -190,6 +216,12 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
         "range": lower if lower is not None else upper,
     }  # fmt: skip
     stated = {field for field, value in values.items() if value is not None}
+    places = {
+        field: document.span(part)
+        for part, names in ((limit, ("effort", "velocity", "range")), (dynamics, ("damping", "frictionloss")))
+        for field in names
+        if part is not None and field in stated
+    }
     _judge_limit(effort, velocity, joint_kind, name, place, out)
     child = parts.get("child")
     return JointView(
@@ -210,6 +242,7 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
         springdamper=False,
         mimic=mimic.get("joint") if mimic is not None else None,
         reference_position=0.0,
+        places=places,
     )
 
 
@@ -267,26 +300,26 @@ def _range(
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
 
 
-def _compiled(
-    files: Sequence[ModelFile],
-) -> tuple[dict[str, tuple[int, float]] | None, PoseInertia | None, str]:
-    """Joints in MuJoCo's order with dof and reference position, and the inertia.
-
-    Returns: None, None and the reason where MuJoCo refuses the file, which other tools may take.
-    """
+def _compiled(files: Sequence[ModelFile]) -> tuple[mujoco.MjModel, str | None]:
+    """The model, and a body whose mass comes from mesh files that are not there."""
     from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
-    from actspec.robot.read_mjcf import inertia_of
 
-    try:
-        spec, files = open_urdf(files)
-        meshes = mesh_dependence(spec)
-        if meshes is not None and not meshes.missing:
-            spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
-        model = compile_spec(spec, files)
-    except RobotError as err:
-        return None, None, err.diagnostics[0].message
-    inertia, reason = inertia_of(model, meshes.body if meshes and meshes.missing else None)
-    return _order(model), inertia, reason
+    spec, files = open_urdf(files)
+    meshes = mesh_dependence(spec)
+    if meshes is not None and not meshes.missing:
+        spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
+    return compile_spec(spec, files), meshes.body if meshes and meshes.missing else None
+
+
+def _compiled_without_shapes(document: XmlDocument) -> tuple[mujoco.MjModel, str | None]:
+    """As in `read_mjcf`."""
+    from actspec.robot.shapes import without_shapes
+
+    files = without_shapes(document)
+    if files is not document.files:
+        with suppress(RobotError):
+            return _compiled(files)
+    return _compiled(document.files)
 
 
 def open_urdf(files: Sequence[ModelFile]) -> tuple[mujoco.MjSpec, Sequence[ModelFile]]:

@@ -17,6 +17,9 @@ from actspec.robot.view import ModelFile
 MOST_COPIES = 100_000
 """Chosen: nested `replicate` counts beyond this exhaust the memory before MuJoCo can refuse them."""
 
+_MARKS = (b"<include", b"<replicate", b"<flexcomp", b"<model")
+"""What makes more of a file than its text."""
+
 
 @dataclass(frozen=True, slots=True)
 class SplicedText:
@@ -43,15 +46,19 @@ class SplicedText:
         return Span(path, first + line - self.starts[index])
 
 
-def splice(files: Sequence[ModelFile]) -> SplicedText:
+def splice(files: Sequence[ModelFile], *, parsed: bool = False) -> SplicedText:
     """Put the text of every include in the place of its element.
 
     Args:
         files: The main file, then its includes in document order, as `read_model_files` gives them.
+        parsed: `parse_document` has taken these very files, so that a plain one needs no second look.
 
     Raises: RobotError: a file is not UTF-8 or not well-formed, holds a DOCTYPE, has an include
         without its file, or replicates beyond `MOST_COPIES`.
     """
+    if parsed and len(files) == 1 and not any(mark in files[0].data for mark in _MARKS):
+        data = files[0].data.removeprefix(b"\xef\xbb\xbf") + b"\n"
+        return SplicedText(data, (1,), ((files[0].path, 1),), ())
     pieces: list[bytes] = []
     starts: list[int] = []
     origins: list[tuple[str, int]] = []

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import struct
 import zlib
+from functools import lru_cache
 
 _CORNERS = ((0.0, 0.0, 0.0), (10.0, 0.0, 0.0), (0.0, 10.0, 0.0), (0.0, 0.0, 10.0))
 """A tetrahedron [m]; large, so that a small `scale` does not take its mass below MuJoCo's least."""
@@ -33,6 +34,7 @@ def stand_in(kind: str, name: str, *, content_type: str = "", grid: tuple[int, i
     return _mesh(form.lower())
 
 
+@lru_cache(maxsize=8)
 def _mesh(form: str) -> bytes:
     if form == "stl":
         facets = (
@@ -49,6 +51,7 @@ def _mesh(form: str) -> bytes:
     return ("\n".join(lines) + "\n").encode("ascii")
 
 
+@lru_cache(maxsize=8)
 def _png(width: int, height: int) -> bytes:
     # Shades differ: MuJoCo refuses a height field without height.
     rows = b"".join(

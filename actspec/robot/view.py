@@ -7,7 +7,7 @@ target can edit the author's text without going back to the disk.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -67,6 +67,11 @@ class JointView:
         mimic: Joint that this one follows (URDF); None.
         reference_position: Position in the reference pose (first keyframe, else qpos0) [rad or m].
         parent: The named joint that it hangs on, over fixed bodies; "" for a joint of the base.
+        places: Name in `stated` to the element that states it (of a default class, or a part of a URDF's
+            joint); the others are at `span`.
+        unknown: Fields whose value the text alone does not tell; what stands in them means nothing.
+        zero_inertia: M_jj and 1/(M^-1)_jj at qpos0, armature included [kg*m^2 or kg], of a compiled hinge or
+            slide; None: unknown.
     """
 
     name: str
@@ -87,6 +92,9 @@ class JointView:
     mimic: str | None
     reference_position: float
     parent: str = ""
+    places: Mapping[str, Span] = field(default_factory=dict)
+    unknown: frozenset[str] = frozenset()
+    zero_inertia: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +115,7 @@ class ActuatorView:
         kd: Drive velocity gain at the joint, gear included [N*m*s/rad]; 0 when it has none.
         gain: gainprm[0] as compiled; for a motor, force per control.
         force_range: `forcerange` as in the file, actuator side; None: unlimited.
-        control_range: `ctrlrange`; None: unlimited.
+        control_range: `ctrlrange` in force; None: unlimited, or the file switches `clampctrl` off.
         damping: Actuator-level damping (linear, quadratic, cubic), actuator side; zeros before 3.7.
         armature: Actuator-level armature, actuator side.
         time_constant: Filter time constant of the activation [s]; 0 without.
@@ -117,6 +125,12 @@ class ActuatorView:
         line: Torque-speed line of a dcmotor at the joint, gear included: (stall torque [N*m],
             no-load speed [rad/s]); None for others, and where no voltage limits it or it has more
             than a PD (an integral, states, cogging).
+        back_emf: Part of `kd` that is back-EMF of a dcmotor in voltage or passive mode; 0 for others.
+        stated: Attributes that the element or its default class states, by their names in the file.
+        places: Attribute to the default class's element that states it; the others are at `span`.
+        unknown: Fields whose value the text alone does not tell; what stands in them means nothing.
+        disabled: Whether the file's `option` switches it off: it gives no force, but its damping and
+            armature stay. Source: MuJoCo 3.7, 3.11 and 4.0, measured.
     """
 
     name: str
@@ -139,6 +153,11 @@ class ActuatorView:
     group: int
     offset: float = 0.0
     line: tuple[float, float] | None = None
+    back_emf: float = 0.0
+    stated: frozenset[str] = frozenset()
+    places: Mapping[str, Span] = field(default_factory=dict)
+    unknown: frozenset[str] = frozenset()
+    disabled: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +181,8 @@ class PoseInertia:
         Returns: degree of freedom to its inertia over the poses, for every key of `armature`.
         """
         diagonal = self.matrices.diagonal(axis1=1, axis2=2)
-        return {dof: _range(diagonal[:, dof] + value) for dof, value in armature.items()}
+        values = diagonal[:, list(armature)] + list(armature.values())
+        return dict(zip(armature, pose_ranges(values), strict=True))
 
     def free(self, armature: Mapping[int, float]) -> dict[int, InertiaRange]:
         """1/(M^-1)_jj with the other joints free, armature included; see `held`."""
@@ -179,11 +199,27 @@ class PoseInertia:
             least = 1e-12 * max(float(np.abs(total).max(initial=0.0)), 1e-300)
             inverse = np.linalg.inv(total + least * np.eye(len(full)))
         diagonal = inverse.diagonal(axis1=1, axis2=2)
-        return {dof: _range(np.reciprocal(diagonal[:, dof])) for dof in armature}
+        values = np.reciprocal(diagonal[:, list(armature)])
+        return dict(zip(armature, pose_ranges(values), strict=True))
 
 
-def _range(values: NDArray[np.float64]) -> InertiaRange:
-    return InertiaRange(float(values[0]), float(values.min()), float(values.max()))
+@dataclass(frozen=True, slots=True)
+class JointInertia:
+    """Inertia of one joint over the poses, armature included [kg*m^2 or kg].
+
+    Attributes:
+        held: M_jj with the other joints held.
+        free: 1/(M^-1)_jj with the other joints free.
+    """
+
+    held: InertiaRange
+    free: InertiaRange
+
+
+def pose_ranges(values: NDArray[np.float64]) -> list[InertiaRange]:
+    """Range of each column over the poses, from values of shape (n_pose, n); the first is the reference."""
+    columns = (values[0].tolist(), values.min(axis=0).tolist(), values.max(axis=0).tolist())
+    return [InertiaRange(*column) for column in zip(*columns, strict=True)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -203,6 +239,9 @@ class RobotView:
         inertia_reason: Why `inertia` is None; "" otherwise.
         files: The main file first, then its includes in order.
         diagnostics: Warnings of the reader.
+        eulerdamp: Whether the Euler integrator takes joint damping implicitly (MuJoCo's flag).
+        joint_inertia: Inertia of each hinge and slide with the file's armature; None: not taken.
+        refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
     """
 
     name: str
@@ -217,6 +256,9 @@ class RobotView:
     inertia_reason: str
     files: tuple[ModelFile, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
+    eulerdamp: bool = True
+    joint_inertia: Mapping[str, JointInertia] | None = None
+    refusal: str | None = None
 
     def joint(self, name: str) -> JointView | None:
         """The joint of that name, or None."""

@@ -30,10 +30,18 @@ from actspec.diagnostics import Collector, Diagnostic, RobotError, Severity, Spa
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_errors import Malformed
 from actspec.robot.xml_include import Missing, Unreadable, candidates_for, read_file, tried
-from actspec.robot.xml_scan import Raw, scan
+from actspec.robot.xml_scan import scan
 from actspec.robot.xml_tree import Attribute, Element, Include, XmlDocument
 
-__all__ = ["Attribute", "Element", "Include", "XmlDocument", "parse_document", "read_model_files"]
+__all__ = [
+    "Attribute",
+    "Element",
+    "Include",
+    "XmlDocument",
+    "open_document",
+    "parse_document",
+    "read_model_files",
+]
 
 MOST_BYTES = 64 * 1024 * 1024
 """Chosen: all files of a model together; the largest real one known is 0.2 MB."""
@@ -57,23 +65,43 @@ def read_model_files(path: str) -> tuple[ModelFile, ...]:
 
     Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
     """
-    try:
-        main = ModelFile(path, "", read_file(path, MOST_BYTES))
-    except Unreadable as err:
-        raise _error("ROBOT001", f"{err}", Span(path)) from err
+    main = read_main(path)
     if b"<include" not in main.data:
         return (main,)
+    return _assemble(main, _on_disk).files
 
-    def find(main: str, including: str, name: str) -> ModelFile:
-        candidates = candidates_for(main, including, name)
-        for candidate in candidates:
-            try:
-                return ModelFile(candidate, name, read_file(candidate, MOST_BYTES))
-            except Missing:
-                continue
-        raise Missing(f"there is no file {name!r}", tried(name, candidates))
 
-    return _assemble(main, find).files
+def open_document(path: str) -> XmlDocument:
+    """Read a model's files from disk and parse them, each once.
+
+    Args:
+        path: The main file.
+
+    Raises: RobotError: as `read_model_files` and `parse_document`.
+    """
+    return _assemble(read_main(path), _on_disk)
+
+
+def read_main(path: str) -> ModelFile:
+    """Read a model's main file from disk, unparsed.
+
+    Raises: RobotError: it cannot be read.
+    """
+    try:
+        return ModelFile(path, "", read_file(path, MOST_BYTES))
+    except Unreadable as err:
+        raise _error("ROBOT001", f"{err}", Span(path)) from err
+
+
+def _on_disk(main: str, including: str, name: str) -> ModelFile:
+    """The file that an include names."""
+    candidates = candidates_for(main, including, name)
+    for candidate in candidates:
+        try:
+            return ModelFile(candidate, name, read_file(candidate, MOST_BYTES))
+        except Missing:
+            continue
+    raise Missing(f"there is no file {name!r}", tried(name, candidates))
 
 
 def parse_document(files: Sequence[ModelFile]) -> XmlDocument:
@@ -146,39 +174,26 @@ class _Assembly:
             limit = f"the model's files are larger than {MOST_BYTES >> 20} MiB together"
             raise _error("ROBOT002", limit, site or Span(file.path))
         try:
-            raws = scan(file, depth, self._elements, MOST_ELEMENTS)
+            elements = scan(file, index, depth, self._elements, MOST_ELEMENTS)
         except Malformed as err:
             if site is not None and err.diagnostic.code == "ROBOT004" and err.root not in _ROOTS:
                 self._not_mjcf(file, site)
             else:
                 self.out.add(err.diagnostic)
             return None
-        self._elements += len(raws)
-        if site is not None and raws[0].tag not in _ROOTS:
+        root = elements[0]
+        self._elements += len(elements)
+        if site is not None and root.tag not in _ROOTS:
             self._not_mjcf(file, site)
             return None
-        if site is not None and len(raws) == 1:
+        if site is not None and len(elements) == 1:
             self.out.error("ROBOT008", f"the included file {file.include!r} has no elements", span=site)
             return None
         chain = (*chain, os.path.normpath(file.path))
-        inner: dict[int, tuple[Element, ...]] = {}
-        if site is not None or raws[0].tag == "mujoco":
-            # In document order, because `files` is; the elements below are made from the end.
-            for at, raw in enumerate(raws):
-                if raw.tag == "include" and raw.parent >= 0:
-                    inner[at] = self._include(raw, index, chain)
-        children: list[list[Element]] = [[] for _ in raws]
-        root: Element | None = None
-        for at in range(len(raws) - 1, -1, -1):
-            raw = raws[at]
-            if at in inner:
-                children[raw.parent].extend(reversed(inner[at]))
-                continue
-            element = raw.finish(index, tuple(reversed(children[at])))
-            if raw.parent < 0:
-                root = element
-            else:
-                children[raw.parent].append(element)
+        if b"<include" in file.data and (site is not None or root.tag == "mujoco"):
+            for parent, element, inside in _includes(root, depth):
+                at = parent.children.index(element)
+                parent.children[at : at + 1] = self._include(element, index, chain, inside)
         return root
 
     def _not_mjcf(self, file: ModelFile, site: Span) -> None:
@@ -190,30 +205,31 @@ class _Assembly:
             help="an included file is XML with the root <mujoco> or <mujocoinclude>",
         )
 
-    def _include(self, raw: Raw, index: int, chain: tuple[str, ...]) -> tuple[Element, ...]:
+    def _include(self, element: Element, index: int, chain: tuple[str, ...], depth: int) -> list[Element]:
         """Elements that take the place of an include; none after an error."""
         file = self.files[index]
-        site = Span(file.path, raw.line, raw.column)
+        site = Span(file.path, element.line, element.column)
         self._sites += 1
         if self._sites > MOST_FILES or len(chain) > MOST_CHAIN:
             raise _error("ROBOT002", f"more than {MOST_FILES} includes, or {MOST_CHAIN} in a chain", site)
-        if "file" not in raw.attributes or not raw.attributes["file"].value:
+        name = element.get("file")
+        if not name:
             self.out.error("ROBOT006", "an include without a file", span=site, help='write file="..."')
-            return ()
-        name = raw.attributes["file"].value
-        if not raw.self_closing and file.data[raw.open_end : file.data.rindex(b"</", 0, raw.end)].strip():
+            return []
+        # Of `<include/>` nothing is left here, of `<include></include>` the end tag is taken away.
+        if file.data[element.open_end : element.end].rpartition(b"</")[0].strip():
             self.out.error("ROBOT006", "an include cannot have content", span=site)
-            return ()
+            return []
         try:
             included = self.find(self.main, file.path, name)
         except Unreadable as err:
             self.out.error("ROBOT006", f"the include cannot be followed: {err}", span=site, help=err.help)
-            return ()
+            return []
         path = os.path.normpath(included.path)
         if path in chain:
             names = " -> ".join((*chain[chain.index(path) :], path))
             self.out.error("ROBOT007", f"the includes go in a circle: {names}", span=site)
-            return ()
+            return []
         key = candidates_for(self.main, self.main, name)[0]
         if key in self._direct:
             self.out.error(
@@ -222,12 +238,26 @@ class _Assembly:
                 span=site,
                 help="include a file once",
             )
-            return ()
+            return []
         if len(chain) == 1:
             self._direct.add(key)
-        self.includes.append(Include(raw.finish(index, ()), name, len(self.files)))
-        root = self.add(included, site, chain, raw.depth - 2)
-        return root.children if root is not None else ()
+        element.children.clear()
+        self.includes.append(Include(element, name, len(self.files)))
+        root = self.add(included, site, chain, depth)
+        return root.children if root is not None else []
+
+
+def _includes(root: Element, depth: int) -> list[tuple[Element, Element, int]]:
+    """Includes of a file in document order, each with its parent and the elements round its root's place."""
+    found = []
+    stack = [(root, depth)]
+    while stack:
+        element, inside = stack.pop()
+        for child in reversed(element.children):
+            if child.tag == "include":
+                found.append((element, child, inside))
+            stack.append((child, inside + 1))
+    return sorted(found, key=lambda item: item[1].start)
 
 
 def _error(code: str, message: str, span: Span, help: str | None = None) -> RobotError:

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
 from actspec.robot.view import ModelFile
@@ -30,39 +31,139 @@ class Attribute:
     value_end: int
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+_PLAIN = re.compile(r'''([^\s="]+)\s*=\s*"([^"]*)"''', re.ASCII)
+"""An attribute in a tag without single quotes."""
+_ATTRIBUTE = re.compile(r"""\s*([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""", re.ASCII)
+_REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));", re.ASCII)
+_BREAK = re.compile(r"\r\n|[\r\n\t]")
+_ENTITIES = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
+
+
+class Attributes(Mapping[str, Attribute]):
+    """Attributes of an element by name, in the author's order.
+
+    Values and places in the text are looked for when they are asked for.
+    """
+
+    __slots__ = ("_element",)
+
+    def __init__(self, element: Element) -> None:
+        """Keep the element.
+
+        Args:
+            element: Whose attributes these are.
+        """
+        self._element = element
+
+    def __getitem__(self, name: str) -> Attribute:
+        values = self._element.values
+        value = values[name]
+        position = self._element.name_end
+        for other in values:
+            found = _ATTRIBUTE.match(self._element.text, position)
+            # expat has checked the tag, so the pattern cannot fail here.
+            assert found is not None
+            position = found.end()
+            if other == name:
+                first, last = found.span(found.lastindex or 0)
+                return Attribute(name, value, found.start(1), position, first, last)
+        raise KeyError(name)
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._element.values)
+
+    def __len__(self) -> int:
+        return len(self._element.values)
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._element.values
+
+
+@dataclass(slots=True, eq=False)
 class Element:
-    """One element; compared by identity.
+    """One element; compared by identity, and not changed once its document is there.
+
+    It is not frozen because hundreds are made for a file, of which few are looked at: attributes and
+    column are worked out when they are asked for.
 
     Attributes:
         tag: Tag, with its prefix.
-        attributes: By name, in the author's order.
+        text: The file that it is in, well-formed, one character a byte.
         file: Index into `XmlDocument.files`.
         start: The `<` of the start tag [byte].
+        name_end: Just after the tag's name.
         open_end: Just after the `>` of the start tag.
         end: Just after the whole element; `open_end` for `<a/>`.
-        self_closing: Whether it is written `<a/>`.
         line: Line of `start`, from 1.
-        column: Column of `start` in characters, from 1.
         children: Child elements; in the place of an include those of the included root, which are
             in another file.
     """
 
     tag: str
-    attributes: Mapping[str, Attribute]
+    text: str = field(repr=False)
     file: int
     start: int
+    name_end: int
     open_end: int
     end: int
-    self_closing: bool
     line: int
-    column: int
-    children: tuple[Element, ...]
+    children: list[Element]
+    _values: dict[str, str] | None = field(default=None, init=False, repr=False)
+
+    @property
+    def attributes(self) -> Attributes:
+        """By name, in the author's order."""
+        return Attributes(self)
+
+    @property
+    def values(self) -> dict[str, str]:
+        """Attribute to value, as XML means it, in the author's order; not to be changed."""
+        if self._values is None:
+            self._values = _values(self.text[self.name_end : self.open_end])
+        return self._values
+
+    @property
+    def self_closing(self) -> bool:
+        """Whether it is written `<a/>`."""
+        return self.end == self.open_end
+
+    @property
+    def column(self) -> int:
+        """Column of `start` in characters, from 1."""
+        begin = max(self.text.rfind("\n", 0, self.start), self.text.rfind("\r", 0, self.start)) + 1
+        return len(as_unicode(self.text[begin : self.start]).removeprefix("\ufeff")) + 1
 
     def get(self, name: str, default: str | None = None) -> str | None:
         """Value of an attribute, or `default`."""
-        found = self.attributes.get(name)
-        return default if found is None else found.value
+        return self.values.get(name, default)
+
+
+def as_unicode(text: str) -> str:
+    """What UTF-8 means that is held with one character a byte."""
+    return text if text.isascii() else text.encode("latin-1").decode()
+
+
+def _values(tag: str) -> dict[str, str]:
+    """Attributes of a well-formed start tag, from after its name."""
+    if "'" in tag:
+        found = {name: double or single for name, double, single in _ATTRIBUTE.findall(tag)}
+    else:
+        found = dict(_PLAIN.findall(tag))
+    if "&" in tag or "\n" in tag or "\r" in tag or "\t" in tag or not tag.isascii():
+        return {as_unicode(name): _meaning(as_unicode(value)) for name, value in found.items()}
+    return found
+
+
+def _meaning(value: str) -> str:
+    """The value of an attribute as XML means it: a break is a space, references are resolved."""
+    return _REFERENCE.sub(_character, _BREAK.sub(" ", value))
+
+
+def _character(reference: re.Match[str]) -> str:
+    hexadecimal, decimal, entity = reference.groups()
+    if entity:
+        return _ENTITIES[entity]
+    return chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 
 from actspec.diagnostics import Collector, Span, listed, nearest
 from actspec.files import NotRegular, TooLarge, read_regular
@@ -10,6 +11,15 @@ from actspec.spec.yaml_text import cut
 
 MAX_BYTES = 1024 * 1024
 """Largest file [bytes]. Chosen: a hand-written spec has a few kilobytes."""
+
+_SPEC_KEY = re.compile(
+    rb"""^(?:\xef\xbb\xbf)?(?:\{[ \t]*)?(?:actspec|"actspec"|'actspec')[ \t]*:""", re.MULTILINE
+)
+
+
+def is_spec(data: bytes) -> bool:
+    """Whether a YAML text says that it is a spec: its own key `actspec` stands at the beginning of a line."""
+    return _SPEC_KEY.search(data) is not None
 
 
 def read_file(

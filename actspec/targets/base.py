@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from actspec.diagnostics import Diagnostic, Span
@@ -16,7 +17,8 @@ class TargetOptions:
         name: The target's name in the spec, also the name of its folder.
         kind: Kind of target, e.g. `mujoco`.
         version: Version of the simulator as text, e.g. `3.12`.
-        version_span: Where the version is written; None when it was chosen on the command line.
+        spans: Where each option is written, by its name in the spec: `version`, `joint_order[3]`. What was
+            chosen on the command line is not in it; None: nothing is written.
         folder: Folder that the files will be written to, for relative paths inside them.
         canonical: Write the simulator's own form of the model instead of the author's text (MuJoCo).
         isaac_sim: Isaac Sim version as text, for Isaac Lab; None: that which the Isaac Lab version goes with.
@@ -24,12 +26,13 @@ class TargetOptions:
         actuator_class: `auto`, `implicit` or `custom`, for Isaac Lab.
         stacks: What to write randomisation for: `isaaclab`, `mjlab`, `playground`, `json`; empty: the target's default.
         joint_order: Joint order of the robot's SDK, for deploy; empty: none is stated.
+        siblings: MuJoCo and Isaac Lab targets of the same spec, for randomization.
     """
 
     name: str
     kind: str
     version: str
-    version_span: Span | None
+    spans: Mapping[str, Span] | None
     folder: str
     canonical: bool = False
     isaac_sim: str | None = None
@@ -37,6 +40,15 @@ class TargetOptions:
     actuator_class: str = "auto"
     stacks: tuple[str, ...] = ()
     joint_order: tuple[str, ...] = ()
+    siblings: tuple[TargetOptions, ...] = ()
+
+    def where(self, option: str) -> str:
+        """An option's place in the spec, for messages: `targets.isaaclab.version`."""
+        return f"targets.{self.name}.{option}"
+
+    def span(self, option: str) -> Span | None:
+        """Where an option is written; None: nowhere."""
+        return None if self.spans is None else self.spans.get(option)
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,8 +103,10 @@ class Emission:
         files: Files, the main one first.
         approximations: What was lost, joint by joint.
         diagnostics: Warnings and notes.
+        explicit: Joints whose drive the simulator integrates explicitly.
     """
 
     files: tuple[EmittedFile, ...]
     approximations: tuple[Approximation, ...]
     diagnostics: tuple[Diagnostic, ...] = ()
+    explicit: frozenset[str] = frozenset()

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, SpecError, nearest, one_line
+from actspec.diagnostics import Collector, Span, SpecError, nearest, one_line
 from actspec.spec.rules import TARGETS
 from actspec.targets.base import Emission, TargetOptions
+from actspec.targets.isaaclab.versions import UnknownDialect, isaaclab_dialect
 from actspec.targets.versions import DEFAULT_VERSIONS
 
 if TYPE_CHECKING:
@@ -40,9 +41,13 @@ def emitter(kind: str) -> Emit:
 
 
 def choose_targets(
-    spec: Spec, asked: Sequence[str], output: str | None, canonical: bool, collector: Collector
+    spec: Spec,
+    asked: Sequence[str | TargetOptions],
+    output: str | None,
+    canonical: bool,
+    collector: Collector,
 ) -> tuple[TargetOptions, ...]:
-    """Which targets to compile: those of the spec, or those asked for.
+    """Which targets to compile: those of the spec, or those asked for by name or with their options.
 
     Raises:
         SpecError: a target that is asked for is unknown, or nothing is left to compile.
@@ -60,7 +65,7 @@ def choose_targets(
             name=name,
             kind=kind,
             version=entry.version or DEFAULT_VERSIONS.get(kind, ""),
-            version_span=spec.span("targets", name, "version"),
+            spans=_spans(spec, name),
             folder=os.path.join(folder, name),
             canonical=canonical,
             isaac_sim=entry.isaac_sim,
@@ -73,6 +78,9 @@ def choose_targets(
         named["mujoco"] = bare("mujoco")
     chosen: list[TargetOptions] = []
     for text in asked or tuple(named):
+        if isinstance(text, TargetOptions):
+            chosen.append(text)
+            continue
         name, equals, version = text.partition("==")
         if name in named:
             options = named[name]
@@ -89,7 +97,7 @@ def choose_targets(
             )
             continue
         if equals:
-            options = replace(options, version=version, version_span=None)
+            options = _at_version(options, version)
         if options.kind not in EMITTERS:
             message = (
                 f"the target '{options.name}' ({options.kind}) cannot be compiled by this version of actspec"
@@ -115,4 +123,48 @@ def choose_targets(
             "CLI003", "none of the spec's targets can be compiled", where="targets", help="add `mujoco`"
         )
         raise SpecError(collector.sorted())
-    return tuple(chosen)
+    return tuple(_beside(options, chosen, named.values()) for options in chosen)
+
+
+def _at_version(options: TargetOptions, version: str) -> TargetOptions:
+    """A target at the command line's version, without what the spec states for another one that does not fit."""
+    options = replace(options, version=version, spans=_without(options.spans, "version"))
+    if options.kind not in ("isaaclab", "randomization"):
+        return options
+    for _ in ("isaac_sim", "backend"):
+        try:
+            isaaclab_dialect(version, options.isaac_sim, options.backend)
+        except UnknownDialect as err:
+            if err.key == "isaac_sim":
+                options = replace(options, isaac_sim=None, spans=_without(options.spans, "isaac_sim"))
+            elif err.key == "backend":
+                options = replace(options, backend=None, spans=_without(options.spans, "backend"))
+    return options
+
+
+def _without(spans: Mapping[str, Span] | None, option: str) -> dict[str, Span]:
+    return {key: span for key, span in (spans or {}).items() if key != option}
+
+
+def _beside(
+    options: TargetOptions, chosen: Sequence[TargetOptions], named: Iterable[TargetOptions]
+) -> TargetOptions:
+    """A randomization target with the simulators that it is for: those that are compiled, else the spec's."""
+    if options.kind != "randomization" or options.siblings:
+        return options
+    found = []
+    for kind in ("mujoco", "isaaclab"):
+        found += [o for o in chosen if o.kind == kind] or [o for o in named if o.kind == kind]
+    return replace(options, siblings=tuple(found))
+
+
+def _spans(spec: Spec, name: str) -> dict[str, Span]:
+    """Where each option of a target is written, the entries of a list one by one too."""
+    found = {}
+    for key, value in spec.document.data["targets"][name].items():
+        found[key] = spec.span("targets", name, key)
+        if isinstance(value, list):
+            found |= {
+                f"{key}[{index}]": spec.span("targets", name, key, index) for index in range(len(value))
+            }
+    return found

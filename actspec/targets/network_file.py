@@ -94,7 +94,13 @@ def _bytes(path: str, where: str, span: Span | None, collector: Collector) -> by
         message = f"there is no file {shown}"
     except (OSError, ValueError) as err:
         message = f"{shown} cannot be read: {getattr(err, 'strerror', None) or 'bad path'}"
-    collector.error("NET003", message, where=where, span=span)
+    collector.error(
+        "NET003",
+        message,
+        where=where,
+        span=span,
+        help="network.file names the network itself (TorchScript), relative to the spec's folder",
+    )
     return None
 
 
@@ -114,7 +120,8 @@ def _manifest(path: str, where: str, span: Span | None, collector: Collector) ->
                 f"the manifest cannot be read: {item.message}",
                 where=item.where or where,
                 span=item.span if placed else span,
-                help=item.help,
+                # Of the file as a whole the reader speaks as of a spec.
+                help=item.help if placed else "`actspec schema network` has the manifest's keys",
             )
         return None
     manifest = checked(NetworkManifest, document, collector)

@@ -31,7 +31,8 @@ def source_lines(actuators: ActuatorSet, shown: Iterable[Quantity]) -> Iterator[
     used = {quantity.source for quantity in shown}
     for source in actuators.sources:
         if source.key in used:
-            parts = (source.title, source.url, source.page)
+            commit = f"commit {source.commit}" if source.commit else None
+            parts = (source.title, source.url, source.page, commit)
             yield f"{source.key}: " + ", ".join(part for part in parts if part)
 
 

@@ -110,7 +110,9 @@ def comment_lines(text: str, *, indent: str = "", hang: str = "", width: int = W
     return [f"{head}{line}".rstrip() for line in wrapped or [""]]
 
 
-def joint_patterns(actuators: Sequence[JointActuator], names: Sequence[str]) -> tuple[str, ...]:
+def joint_patterns(
+    actuators: Sequence[JointActuator], names: Sequence[str], first: Sequence[str] = ()
+) -> tuple[str, ...]:
     """Patterns that match exactly these actuators' joints, each joint once.
 
     The author's patterns where all that they match is meant and not matched before, the rest joint by
@@ -119,10 +121,11 @@ def joint_patterns(actuators: Sequence[JointActuator], names: Sequence[str]) -> 
     Args:
         actuators: The joints that are meant.
         names: All of the robot's joints.
+        first: More patterns of the author, tried before those of the joints' groups.
     """
     left = {actuator.joint for actuator in actuators}
     found = []
-    for pattern in dict.fromkeys(actuator.pattern for actuator in actuators):
+    for pattern in dict.fromkeys((*first, *(actuator.pattern for actuator in actuators))):
         try:
             matched = set(match_names(pattern, names))
         except PatternError:

@@ -83,7 +83,7 @@ def _attempt(project: str, version: str, folder: Path) -> Path | str:
     if (folder / name).is_dir():
         return folder / name
     folder.mkdir(parents=True, exist_ok=True)
-    with _lock(folder / f"{name}.lock"):
+    with locked(folder / f"{name}.lock"):
         if not (folder / name).is_dir():
             work = Path(tempfile.mkdtemp(prefix=f".{name}-", dir=folder))
             try:
@@ -98,7 +98,7 @@ def _attempt(project: str, version: str, folder: Path) -> Path | str:
 
 
 @contextmanager
-def _lock(path: Path) -> Iterator[None]:
+def locked(path: Path) -> Iterator[None]:
     """Hold a file's lock; the system lets go of it when the process dies."""
     with open(path, "w", encoding="utf-8") as file:
         if os.name == "posix":

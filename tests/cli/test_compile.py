@@ -79,7 +79,7 @@ def test_unchanged_files_are_not_touched(spec: Path, capsys: Any) -> None:
     os.utime(OUT, ns=(1, 1))
     assert main(["compile", "arm.yaml"]) == 0
     assert OUT.stat().st_mtime_ns == 1
-    assert "arm.xml  unchanged" in capsys.readouterr().out
+    assert "build/arm/mujoco/arm.xml        unchanged" in capsys.readouterr().out
 
 
 def test_check_and_diff_tell_stale_files(spec: Path, capsys: Any) -> None:

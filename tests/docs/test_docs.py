@@ -9,10 +9,20 @@ How a block is read:
 - `xml` with `<mujoco`: leg.xml for the rest of its section. Else, after a spec: lines of the written model.
 - `python`: executed; what each `print` line prints stands behind it as a comment.
 - `console`: run by bash, in order; a line `...` stands for any lines.
+- A fence with a file behind its language, ```` ```python leg_cfg.py ````: lines of that file as the spec above
+  compiles to it; a line `...` stands for any lines. More words name another spec and one target:
+  ```` ```python unitree_a1_cfg.py robots/a1.yaml isaaclab==2.3 ````.
+- Named after a file of a user's project: ```` ```toml actspec.toml ```` must be settings that the audit takes,
+  ```` ```yaml .pre-commit-config.yaml ```` hooks that there are, ```` ```yaml .github/workflows/audit.yml ````
+  commands that the parser takes.
+- ```` ```python needs mjlab robots/a1.yaml ````: for a machine with that framework, beside the module that the
+  spec compiles to for it (or for a target that is named behind): what it takes from the module is there; with
+  mjlab it is executed in the real package.
 """
 
 from __future__ import annotations
 
+import ast
 import os
 import re
 import shlex
@@ -20,6 +30,7 @@ import shutil
 import stat
 import subprocess
 import sys
+import sysconfig
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -28,10 +39,16 @@ import pytest
 import yaml
 
 from actspec import api
+from actspec.audit.rules.registry import all_rules
+from actspec.audit.settings import Settings, load_settings
 from actspec.cli.main import parser
 from actspec.diagnostics import ActspecError, Diagnostic, Severity
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
+from actspec.targets.isaaclab.versions import SIMS, FrictionUnit, isaaclab_dialect
+from actspec.targets.mjlab.versions import MJLAB_RELEASES, mjlab_dialect
+from tests.agree.engines import EngineUnavailableError
+from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "benchmarks" / "README.md"]
@@ -46,12 +63,23 @@ class Block:
     line: int
     section: int
     language: str
+    words: tuple[str, ...]
     text: str
 
     @property
     def id(self) -> str:
         """Where it stands."""
         return f"{self.page.name}:{self.line}"
+
+    @property
+    def needs(self) -> bool:
+        """Whether it is for a machine with a framework."""
+        return self.words[:1] == ("needs",)
+
+    @property
+    def project(self) -> bool:
+        """Whether it is a file of a user's project."""
+        return self.language == "toml" or " ".join(self.words).startswith(".")
 
     @property
     def file(self) -> str | None:
@@ -63,7 +91,7 @@ class Block:
 def _blocks(page: Path) -> list[Block]:
     found: list[Block] = []
     section = 0
-    fence: tuple[int, str] | None = None
+    fence: tuple[int, list[str]] | None = None
     body: list[str] = []
     for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
         if fence is None and line.startswith("#"):
@@ -71,9 +99,10 @@ def _blocks(page: Path) -> list[Block]:
         if not line.startswith("```"):
             body.append(line)
         elif fence is None:
-            fence, body = (number, line[3:].strip()), []
+            fence, body = (number, line[3:].split() or [""]), []
         else:
-            found.append(Block(page, fence[0], section, fence[1], "\n".join(body) + "\n"))
+            language, *words = fence[1]
+            found.append(Block(page, fence[0], section, language, tuple(words), "\n".join(body) + "\n"))
             fence = None
     assert fence is None, f"{page.name}: a fence is not closed"
     return found
@@ -83,7 +112,12 @@ BLOCKS = [block for page in PAGES for block in _blocks(page)]
 
 
 def _of(*languages: str) -> list[Block]:
-    return [block for block in BLOCKS if block.language in languages]
+    return [block for block in BLOCKS if block.language in languages and not block.words]
+
+
+SHOWN = [block for block in BLOCKS if block.words and not block.needs and not block.project]
+PROJECT = [block for block in BLOCKS if block.project]
+NEEDING = [block for block in BLOCKS if block.needs]
 
 
 def _before(block: Block) -> list[Block]:
@@ -120,8 +154,8 @@ def _spec_data(block: Block) -> Any:
 
 @pytest.fixture
 def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A working folder with the example robot and spec, and this repository's robots and schemas."""
-    for name in ("robots", "schemas"):
+    """A working folder with the example robot and spec, and this repository's robots, schemas and docs/example."""
+    for name in ("robots", "schemas", "docs/example"):
         shutil.copytree(ROOT / name, tmp_path / name)
     (tmp_path / "leg.xml").write_text(_example("xml", "<mujoco").text)
     (tmp_path / "leg.yaml").write_text(_example("yaml", "actspec: 1").text)
@@ -163,7 +197,7 @@ def test_specs_compile_as_the_page_says(block: Block, folder: Path) -> None:
     following = _after(block)
     if following is None or following.section != block.section:
         return
-    if following.language == "text":
+    if following.language == "text" and not following.words:
         lines = "".join(f"{replace(d, span=None)}\n" for d in told)
         assert lines == following.text
     if following.language == "xml" and not _is_model(following):
@@ -253,6 +287,7 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
                 shown.append((line[2:], []))
             else:
                 shown[-1][1].append(line)
+        _prepare(block, folder)
         for command, lines in shown:
             done = subprocess.run(
                 ["bash", "-c", command],
@@ -267,13 +302,244 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
             assert re.fullmatch(pattern, done.stdout, re.DOTALL), f"{block.id}: $ {command}\n{done.stdout}"
 
 
-@pytest.mark.parametrize("family", ["CLI", "DMP", "FRC", "MJC", "OUT", "RTP", "STB"])
+@pytest.fixture
+def model_there(block: Block, request: pytest.FixtureRequest) -> None:
+    """The model that a block's spec names; it may be one of mjlab's."""
+    spec = next((ROOT / word for word in block.words[1:] if word.endswith(".yaml")), None)
+    if spec is not None and "package://mjlab" in spec.read_text(encoding="utf-8"):
+        request.getfixturevalue("mjlab_installed")
+
+
+def _compiled(block: Block, folder: Path, targets: list[str]) -> dict[str, str]:
+    """The files that a block's spec compiles to, by path: the spec that it names, else the one above it."""
+    spec = next((word for word in block.words[1:] if word.endswith(".yaml")), "spec.yaml")
+    if spec == "spec.yaml":
+        above = [b for b in _before(block) if b.language == "yaml" and not b.words]
+        source = next(b for b in reversed(above) if not b.file or "actspec: 1" in b.text)
+        _prepare(source, folder)
+        (folder / spec).write_text(yaml.safe_dump(_spec_data(source), sort_keys=False))
+    done = api.compile(spec, output="out", targets=targets)
+    found: dict[str, str] = {}
+    for file in (file for emission in done.emissions for file in emission.files):
+        assert file.path not in found, f"{block.id}: two targets write {file.path}: name one behind the spec"
+        found[file.path] = file.data.decode("utf-8")
+    return found
+
+
+@pytest.mark.usefixtures("model_there")
+@pytest.mark.parametrize("block", SHOWN, ids=lambda b: b.id)
+def test_shown_files_are_what_is_compiled(block: Block, folder: Path) -> None:
+    """Lines of a compiled file stand in it as the page shows them, without a gap that is not marked."""
+    text = _compiled(block, folder, list(block.words[2:]))[block.words[0]]
+    lines = block.text.splitlines()
+    pattern = "".join("(?s:.*?)" if line.strip() == "..." else re.escape(line + "\n") for line in lines)
+    assert re.search(f"(?m)^{pattern}", text), text
+
+
+LAYOUT = {"isaaclab": ("line-length=120",), "mjlab": ("line-length=88", "indent-width=2")}
+"""How each framework formats its own code."""
+
+
+@pytest.mark.usefixtures("model_there")
+@pytest.mark.parametrize(
+    "block",
+    [b for b in SHOWN if b.language == "python" and b.page.stem == "generated-text"],
+    ids=lambda b: b.id,
+)
+def test_generated_python_is_formatted_as_its_framework_s(block: Block, folder: Path) -> None:
+    """The formatter of a framework's own code has nothing to change in what is written for it."""
+    ruff = shutil.which("ruff", path=os.path.dirname(sys.executable))
+    if ruff is None:
+        pytest.skip("ruff is not installed")
+    kind = block.words[2].partition("==")[0]
+    (folder / "shown.py").write_text(_compiled(block, folder, [block.words[2]])[block.words[0]])
+    options = [part for option in LAYOUT[kind] for part in ("--config", option)]
+    command = [ruff, "format", "--isolated", *options, "--diff", "shown.py"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout
+
+
+def _beside(block: Block, folder: Path) -> None:
+    """Write the module that a block needs into the folder that it runs in."""
+    for name, text in _compiled(block, folder, list(block.words[3:] or block.words[1:2])).items():
+        (folder / name).write_text(text)
+
+
+@pytest.mark.usefixtures("model_there")
+@pytest.mark.parametrize("block", NEEDING, ids=lambda b: b.id)
+def test_snippets_for_a_framework_fit_the_module(block: Block, folder: Path) -> None:
+    """What a snippet takes from the compiled module, or from actspec, is there."""
+    _beside(block, folder)
+    for node in ast.walk(ast.parse(block.text)):
+        if not isinstance(node, ast.ImportFrom) or node.module is None:
+            continue
+        source = folder / f"{node.module}.py"
+        if node.module.partition(".")[0] == "actspec":
+            source = ROOT / f"{node.module.replace('.', '/')}.py"
+        elif not source.is_file():
+            continue
+        names = _top_level(source.read_text(encoding="utf-8"))
+        assert {alias.name for alias in node.names} <= names, node.module
+
+
+def _top_level(text: str) -> set[str]:
+    found: set[str] = set()
+    for node in ast.parse(text).body:
+        if isinstance(node, ast.FunctionDef | ast.ClassDef):
+            found.add(node.name)
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        found |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.engine
+@pytest.mark.usefixtures("model_there")
+@pytest.mark.parametrize("block", [b for b in NEEDING if b.words[1] == "mjlab"], ids=lambda b: b.id)
+def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
+    """A snippet for mjlab prints in the real package what the page says."""
+    try:
+        frameworks = prepare()
+    except EngineUnavailableError as err:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(f"no frameworks: {err}")
+    _beside(block, folder)
+    # Behind the framework's own packages, which have another MuJoCo.
+    paths = ["", str(ROOT), sysconfig.get_paths()["purelib"]]
+    env = {**os.environ, "PYTHONPATH": "", "MUJOCO_GL": "disabled", "PYTHONDONTWRITEBYTECODE": "1"}
+    env["WARP_CACHE_PATH"] = str(frameworks.folder / "warp")
+    done = subprocess.run(
+        [str(frameworks.python()), "-c", f"import sys\nsys.path += {paths!r}\n{block.text}"],
+        env=env,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    asked = [line.partition("  # ")[2] for line in block.text.splitlines() if line.startswith("print(")]
+    assert done.stdout.splitlines()[-len(asked) :] == asked
+
+
+@pytest.mark.parametrize("block", [b for b in PROJECT if b.language == "toml"], ids=lambda b: b.id)
+def test_settings_are_taken(block: Block, folder: Path) -> None:
+    """Settings of a page are without an error, and say something."""
+    (folder / block.words[0]).write_text(block.text)
+    assert load_settings(all_rules(), block.words[0]) != Settings()
+
+
+@pytest.mark.parametrize(
+    "block", [b for b in PROJECT if b.words[0] == ".pre-commit-config.yaml"], ids=lambda b: b.id
+)
+def test_hooks_of_a_page_are_there(block: Block, folder: Path) -> None:
+    """pre-commit takes a page's configuration, and actspec what its hooks are called with."""
+    (folder / block.words[0]).write_text(block.text)
+    clientlib = pytest.importorskip("pre_commit.clientlib")
+    assert clientlib.load_config(block.words[0])
+    known = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
+    for hook in (hook for repo in yaml.safe_load(block.text)["repos"] for hook in repo["hooks"]):
+        called = {**known[hook["id"]], **hook}
+        names = ["-x.xml"] if called.get("pass_filenames", True) else []
+        assert (
+            parser().parse_args([*shlex.split(called["entry"])[1:], *called.get("args", []), *names]).command
+        )
+
+
+WORKFLOWS = [b for b in PROJECT if b.words[0].startswith(".github/workflows/")]
+
+
+@pytest.mark.parametrize("block", WORKFLOWS, ids=lambda b: b.id)
+def test_workflows_call_what_there_is(block: Block) -> None:
+    """Every step of a workflow that runs actspec runs a command that the parser takes."""
+    (job,) = yaml.safe_load(block.text)["jobs"].values()
+    commands = [command for step in job["steps"] for command in _commands(step.get("run", ""))]
+    assert commands
+    for command in commands:
+        assert parser().parse_args(shlex.split(command)[1:]).command
+
+
+CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "OUT", "RND", "RTP", "STB"]
+"""Families of docs/checks.md."""
+AUDIT = ["AUD", "CFG", "DEPLOY"]
+"""Families of docs/audit.md."""
+RULES = {rule.code for rule in all_rules()}
+
+
+@pytest.mark.parametrize("family", [*CHECKS, *AUDIT])
 def test_every_check_has_its_line(family: str) -> None:
-    """docs/checks.md names exactly the codes of the checks that the source gives."""
+    """docs/checks.md, for the audit docs/audit.md, names exactly the codes that the source gives and no rule has."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
-    given = set(re.findall(rf'"({family}\d{{3}})"', sources))
-    page = (ROOT / "docs" / "checks.md").read_text(encoding="utf-8")
-    assert set(re.findall(rf"\b{family}\d{{3}}\b", page)) == given
+    given = set(re.findall(rf'"({family}\d{{3}})"', sources)) - RULES
+    name = "audit.md" if family in AUDIT else "checks.md"
+    page = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    # As an entry, a heading or the first cell of a row: a code that a sentence mentions is not explained by it.
+    entries = re.findall(rf"^(?:## |\| )({family}\d{{3}})\b", page, re.MULTILINE)
+    assert sorted(entries) == sorted(given)
+
+
+def test_every_rule_has_its_page() -> None:
+    """Codes of the audit's rules are explained in docs/rules, and there alone."""
+    assert {path.stem for path in (ROOT / "docs" / "rules").glob("*[0-9].md")} == RULES
+
+
+def _rows(page: str, start: str) -> list[list[str]]:
+    """Cells of the rows of a page whose first cell begins so."""
+    text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+    lines = [line for line in text.splitlines() if re.match(rf"\| {start}", line)]
+    return [[cell.strip() for cell in line.strip("|").split("|")] for line in lines]
+
+
+def test_isaaclab_versions_are_the_capability_rows() -> None:
+    """The table of docs/isaaclab-target.md is what the versions' rows say, for every combination."""
+    friction = {
+        FrictionUnit.EFFORT: "N·m",
+        FrictionUnit.EFFORT_ONE: "N·m, one number",
+        FrictionUnit.COEFFICIENT: "coefficient: left out",
+        FrictionUnit.COEFFICIENT_VISCOUS: "coefficient: left out",
+        FrictionUnit.DEAD: "not written by it: left out",
+    }
+    rows = []
+    for release, sims in SIMS.items():
+        for sim in sims:
+            for backend in ("PhysX", "Newton", "OVPhysX") if release >= (3, 0) else ("PhysX",):
+                d = isaaclab_dialect(f"{release[0]}.{release[1]}", f"{sim[0]}.{sim[1]}", backend.lower())
+                row = [
+                    d.text,
+                    d.sim_text,
+                    d.backend_text,
+                    ", ".join(f"`{name}`" for name in (d.limits.effort, d.limits.solver_effort)),
+                    friction[d.friction],
+                    "`viscous_friction`" if d.viscous else "in `damping`",
+                    "four quadrants" if d.four_quadrants else "two: approximation",
+                    "dict" if d.dict_saturation else "one a group",
+                    "drawn at reset" if d.lag_range else "fixed",
+                    "yes" if d.custom else "no",
+                    "yes" if d.executed else "no",
+                ]
+                rows.append(row)
+    merged: list[list[str]] = []
+    for row in sorted(rows, key=lambda r: (r[0], r[2] != "PhysX", r[2], r[1])):
+        if merged and merged[-1][:1] + merged[-1][2:] == row[:1] + row[2:]:
+            merged[-1][1] += f", {row[1]}"
+        else:
+            merged.append(row)
+    assert _rows("isaaclab-target.md", r"\d\.\d \|") == merged
+
+
+def test_mjlab_versions_are_the_capability_rows() -> None:
+    """The table of docs/mjlab-target.md is what the versions' rows say."""
+    rows = []
+    for release in MJLAB_RELEASES:
+        d = mjlab_dialect(f"{release[0]}.{release[1]}")
+        rows.append(
+            [
+                d.text,
+                d.mujoco,
+                "`delay_*` of each cfg" if d.delay_fields else "`DelayedActuatorCfg` round a cfg",
+                "the model's" if d.keeps_model else "written out",
+                "`viscous_damping`" if d.viscous_damping else "the model's: approximation",
+                "yes" if d.run else "no",
+            ]
+        )
+    assert _rows("mjlab-target.md", r"\d\.\d \|") == rows
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))

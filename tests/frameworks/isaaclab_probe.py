@@ -8,6 +8,7 @@ Job:
     seed: of torch's generator.
     networks: names of arrays that are files beside the module, as bytes.
     make: instead of all that, networks to make: name to its description.
+    live: instead of text and constant, a spec for `actspec.isaaclab`; paths: for sys.path, behind all others.
 Arrays: positions, velocities, efforts (the action), q, qd; each (n_step, n_env, n_joint).
 
 Answers: version; per joint its group, class and numbers; array `torque` (n_step, n_env, n_joint) after a reset,
@@ -184,6 +185,36 @@ def run(job: dict, arrays: dict) -> tuple[dict, dict]:
     return {"joints": joints}, {"torque": torque, "fresh": fresh, "again": again}
 
 
+def live(job: dict) -> dict:
+    """What `actspec.isaaclab` gives for a spec, in a Python that has both, and the actuators that it makes."""
+    enable(job["root"])
+    # Behind the package itself, for its metadata; and what actspec imports.
+    sys.path += job["paths"]
+    from isaaclab.utils.string import callable_to_string, resolve_matching_names, string_to_callable
+
+    from actspec.isaaclab import actuators
+
+    found = {}
+    for key, cfg in actuators(job["live"]).items():
+        _, mine = resolve_matching_names(cfg.joint_names_expr, job["joints"])
+        actuator = cfg.class_type(
+            cfg=copy.deepcopy(cfg),
+            joint_names=mine,
+            joint_ids=slice(None),
+            num_envs=1,
+            device="cpu",
+            **{name: torch.full((1, len(mine)), float(job["usd"])) for name in USD},
+        )
+        found[key] = {
+            "cfg": type(cfg).__name__,
+            "joints": mine,
+            "network_file": getattr(cfg, "network_file", None),
+            "by_name": string_to_callable(callable_to_string(cfg.class_type)) is cfg.class_type,
+            **{name: getattr(actuator, name)[0].tolist() for name in NUMBERS},
+        }
+    return found
+
+
 def main() -> None:
     job = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
     with np.load(sys.argv[2]) as found:
@@ -191,6 +222,8 @@ def main() -> None:
     if "make" in job:
         said: dict = {}
         out = {name: np.frombuffer(make(what), dtype=np.uint8) for name, what in job["make"].items()}
+    elif "live" in job:
+        said, out = live(job), {}
     else:
         said, out = run(job, arrays)
     Path(sys.argv[3]).write_text(json.dumps(said), encoding="utf-8")

@@ -55,7 +55,8 @@ def run(name: str, job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[st
                 EntityCfg(
                     spec_fn=lambda: prepare(mujoco.MjSpec.from_string(job["model"])),
                     articulation=articulation,
-                    sort_actuators=job.get("sort", False),
+                    # mjlab 1.0 has no such field.
+                    **({"sort_actuators": True} if job.get("sort") else {}),
                 )
             )
             model = entity.compile()

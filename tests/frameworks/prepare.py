@@ -3,9 +3,9 @@
     frameworks = prepare()
     said, arrays = frameworks.run_probe(Path("probe.py"), {"text": text}, {"q": q})
 
-The environment (2 GB, most of it torch) is made once, in a folder named after its pins, and holds mjlab
-with what it needs, and Isaac Lab's wheels unpacked beside it: their package cannot be imported from where
-it is installed, because its first line looks for a simulator that needs a GPU.
+The environment (2.4 GB, most of it torch, warp and jaxlib) is made once, in a folder named after its pins, and
+holds mjlab with what it needs, MJX, and Isaac Lab's wheels unpacked beside it: their package cannot be imported
+from where it is installed, because its first line looks for a simulator that needs a GPU.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tests.agree.engines import EngineError, EngineUnavailableError, _lock, cache_folder
+from tests.agree.engines import EngineError, EngineUnavailableError, cache_folder, locked
 
 HERE = Path(__file__).parent
 CONSTRAINTS = HERE.parents[1] / "constraints.txt"
@@ -70,7 +70,7 @@ class Frameworks:
     folder: Path
 
     def python(self) -> Path:
-        """Its interpreter, in which torch, mujoco 3.11, mujoco-warp and mjlab can be imported."""
+        """Its interpreter, in which torch, mujoco 3.11 with MJX, mujoco-warp and mjlab can be imported."""
         scripts = "Scripts" if os.name == "nt" else "bin"
         return self.folder / "venv" / scripts / "python"
 
@@ -166,7 +166,7 @@ def _attempt(folder: Path) -> Path | str:
     if made.is_dir():
         return made
     folder.mkdir(parents=True, exist_ok=True)
-    with _lock(folder / f"{made.name}.lock"):
+    with locked(folder / f"{made.name}.lock"):
         if not made.is_dir():
             work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=folder))
             try:

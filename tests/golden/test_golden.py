@@ -12,6 +12,7 @@ import difflib
 import hashlib
 import json
 import os
+import shutil
 from pathlib import Path
 
 import pytest
@@ -51,6 +52,7 @@ def test_tree_is_what_it_was(robot: str, request: pytest.FixtureRequest, tmp_pat
             found[f"{name}.lines"] = _written_lines(original, found.pop(name).splitlines())
     tree = TREES / robot
     if request.config.getoption("--regen"):
+        shutil.rmtree(tree, ignore_errors=True)
         for name, text in found.items():
             (tree / name).parent.mkdir(parents=True, exist_ok=True)
             (tree / name).write_text(text, encoding="utf-8")

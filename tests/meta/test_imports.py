@@ -15,15 +15,16 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources", "files"},
+    {"units", "diagnostics", "resources", "files", "tables"},
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
     {"resolution", "lift"},
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"verify", "report", "draft"},
-    {"api", "output", "mjlab", "isaaclab"},
-    {"mjlab"},
+    {"api", "output"},
+    {"live"},
+    {"mjlab", "isaaclab"},
     {"cli", "__main__", ""},
 )
 """Lowest first. A part imports lower layers, and its own as long as the parts form no circle. "" is `actspec`

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from actspec.robot import inertia
-from actspec.robot.inertia import InertiaUnknown, latin_hypercube, pose_inertia
+from actspec.robot.inertia import InertiaUnknown, dof_inertia, latin_hypercube, pose_inertia
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
@@ -161,6 +161,61 @@ def test_singular_matrix_gives_zero() -> None:
 
     free = PoseInertia(matrices, np.zeros(2)).free({0: 0.0})
     assert free[0].high == pytest.approx(0.0, abs=1e-9)
+
+
+ACTUATORS = (
+    '<tendon><fixed name="t" armature="0.3"><joint joint="a" coef="1"/><joint joint="b" coef="-1"/></fixed></tendon>'
+    '<actuator><motor joint="a" gear="3" armature="0.02"/><motor joint="b" armature="0.05"/></actuator>'
+)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        arm('armature="0.5"', 'range="-1 2" limited="true"'),
+        arm('armature="0.5"', "", '<keyframe><key qpos="0.3 1.1"/></keyframe>'),
+        arm('armature="0.5"', 'armature="0.1"', ACTUATORS),
+        """<mujoco><worldbody><body><freejoint/><inertial mass="2" pos="0.1 0 0" diaginertia="1 2 2"/>
+        <body pos="0 0 1"><joint name="s" type="slide" axis="1 0 0" range="-1 1"/>
+        <inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/><body pos="0 1 0"><joint type="ball"/>
+        <inertial mass="1" pos="0 0 0.5" diaginertia="1 1 1"/><body pos="1 0 0"><joint name="h" armature="0.1"/>
+        <inertial mass="1" pos="0 0 0.5" diaginertia="1 1 1"/></body></body></body></body></worldbody></mujoco>""",
+        '<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody></mujoco>',
+        "<mujoco/>",
+    ],
+    ids=["limits", "keyframe", "tendon-and-actuator-armature", "slide-ball-free", "no-hinge", "nothing"],
+)
+def test_the_short_way_gives_what_whole_matrices_give(text: str) -> None:
+    """From MuJoCo's factors as from inverses, with the file's own armature; the model is left as it was."""
+    model = compiled(text)
+    before = (model.dof_armature.copy(), model.actuator_armature.copy(), model.dof_M0.copy())
+    found = dof_inertia(model, 16)
+    after = (model.dof_armature, model.actuator_armature, model.dof_M0)
+    assert all(np.array_equal(one, other) for one, other in zip(before, after, strict=True))
+    whole = pose_inertia(model, 16)
+    scalar = [int(model.jnt_dofadr[j]) for j in range(model.njnt) if model.jnt_type[j] in (2, 3)]
+    armature = {dof: float(whole.armature[dof]) for dof in scalar}
+    assert sorted(found) == scalar
+    held, free = whole.held(armature), whole.free(armature)
+    for dof, one in found.items():
+        for ours, theirs in ((one.held, held[dof]), (one.free, free[dof])):
+            assert (ours.reference, ours.low, ours.high) == pytest.approx(
+                (theirs.reference, theirs.low, theirs.high), rel=1e-12
+            )
+
+
+def test_the_short_way_counts_actuator_armature() -> None:
+    """Joint 2 of the arm with 0.05 of its actuator's armature: 0.68 + 0.05; a tendon couples, so 0.3 more."""
+    found = dof_inertia(compiled(arm(rest=ACTUATORS)))
+    assert found[1].held.reference == pytest.approx(0.68 + 0.05 + 0.3, rel=1e-12)
+
+
+def test_the_short_way_refuses_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As whole matrices do."""
+    model = compiled(arm())
+    monkeypatch.setattr(inertia, "MOST_BYTES", 31)
+    with pytest.raises(InertiaUnknown, match="2 degrees of freedom are too many"):
+        dof_inertia(model)
 
 
 def test_memory_bounds_the_poses(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -221,6 +221,20 @@ def test_refused_by_mujoco_is_still_read() -> None:
     assert view.inertia_reason == (
         "MuJoCo refuses the model: mass and inertia of moving bodies must be larger than mjMINVAL"
     )
+    assert view.refusal == view.inertia_reason
+
+
+def test_figures_have_the_place_of_their_element() -> None:
+    """A limit is at `limit`, friction at `dynamics`; what is not stated has no place."""
+    view = read(robot(joint('\n<limit effort="5" upper="1"/>\n<dynamics friction="1"/>')))
+    (found,) = view.joints
+    line = found.span.line
+    assert view.refusal is None
+    assert {field: place.line - line for field, place in found.places.items()} == {
+        "effort": 1,
+        "range": 1,
+        "frictionloss": 2,
+    }
 
 
 def test_meshes_are_not_needed() -> None:

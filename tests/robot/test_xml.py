@@ -6,6 +6,7 @@ import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
+from xml.parsers import expat
 
 import pytest
 from hypothesis import given
@@ -87,6 +88,71 @@ def test_lines_and_columns_count_from_one_in_characters() -> None:
     # "  <!-- é -->" is 12 characters, 13 bytes.
     assert document.span(joint) == Span("r.xml", 6, 13)
     assert document.span(document.root) == Span("r.xml", 3, 1)
+
+
+ATTRIBUTES = st.lists(
+    st.sampled_from(
+        [
+            " a='1\"2'",
+            ' b="&lt;&#x41;&#66;\t\r\n\r;"',
+            ' c = "\'>/"',
+            " \u00e9='\u20ac&quot;'",
+            '\n d="\u0085\u00a0/"',
+            "\r\n",
+            "\re=''",
+        ]
+    ),
+    max_size=4,
+    unique=True,
+).map("".join)
+BETWEEN = st.sampled_from(
+    [
+        "",
+        "\n",
+        "\r",
+        "\r\n",
+        "<!-- <b> > ' -->",
+        "<!-- \u00e9\n-->",
+        "<?p <b>\n?>",
+        "<![CDATA[<b>]]>",
+        "&amp;>\u00e9\u0085",
+    ]
+)
+TAGS = st.sampled_from(["a", "b:c", "\u00e9"])
+INSIDE = st.recursive(
+    st.builds("{}<{}{}/>{}".format, BETWEEN, TAGS, ATTRIBUTES, BETWEEN),
+    lambda inner: st.builds(
+        lambda tag, attributes, parts, blank: f"<{tag}{attributes}>{''.join(parts)}</{tag}{blank}>",
+        TAGS,
+        ATTRIBUTES,
+        st.lists(st.one_of(inner, BETWEEN), max_size=3),
+        st.sampled_from(["", " \n"]),
+    ),
+    max_leaves=6,
+)
+
+
+@given(INSIDE, st.sampled_from(["", "\ufeff", "\ufeff<!-- x --> ", "<?xml version='1.0'?>"]))
+def test_elements_are_those_of_expat(inside: str, head: str) -> None:
+    """Tags, values, places and children are what expat's own calls say."""
+    data = f"{head}<r>{inside}</r>".encode()
+    expected = []
+    ends: list[str] = []
+    parser = expat.ParserCreate("utf-8")
+
+    def start(tag: str, attributes: dict[str, str]) -> None:
+        # A byte order mark is no character of the first line.
+        column = parser.CurrentColumnNumber + (parser.CurrentLineNumber > 1 or not head.startswith("\ufeff"))
+        place = parser.CurrentLineNumber, column
+        expected.append((tag, list(attributes.items()), parser.CurrentByteIndex, *place))
+
+    parser.StartElementHandler = start
+    parser.EndElementHandler = ends.append
+    parser.Parse(data, True)
+    elements = list(parsed(data).walk())
+    assert [(e.tag, list(e.values.items()), e.start, e.line, e.column) for e in elements] == expected
+    # Ends come in the order in which elements close: by their end, the inner one of two before the outer.
+    assert [e.tag for e in sorted(elements, key=lambda e: (e.end, -e.start))] == ends
 
 
 def test_walk_and_sections() -> None:

@@ -144,10 +144,35 @@ def test_effort_words(motor: str, word: str, expected: list[str]) -> None:
         pytest.param("accept: {mujoco.delay: ' '}", ["SPEC162 accept.mujoco.delay"], id="no reason"),
         pytest.param("targets: {'': {target: mujoco}}", ["SPEC161 targets."], id="empty name"),
         pytest.param("targets: {..: {target: mujoco}}", ["SPEC161 targets..."], id="dots"),
+        pytest.param(
+            "targets: {mjlab: {class: custom}}", ["SPEC163 targets.mjlab.class"], id="another's class"
+        ),
+        pytest.param(
+            "targets: {a: {target: mujoco, for: [json]}}", ["SPEC163 targets.a.for"], id="another's for"
+        ),
+        pytest.param(
+            'targets: {deploy: {version: "1"}}', ["SPEC163 targets.deploy.version"], id="no version"
+        ),
+        pytest.param(
+            'targets: {isaaclab: {joint_order: [hip]}, mjlab: {isaac_sim: "5.1", backend: newton}}',
+            [
+                "SPEC163 targets.isaaclab.joint_order",
+                "SPEC163 targets.mjlab.isaac_sim",
+                "SPEC163 targets.mjlab.backend",
+            ],
+            id="three",
+        ),
+        pytest.param(
+            'targets: {isaaclab: {version: "3.0", isaac_sim: "6.0", backend: newton, class: auto}, '
+            'randomization: {for: [isaaclab], version: "3.0", isaac_sim: "6.0", backend: newton}, '
+            'deploy: {joint_order: [hip]}, mujoco: {version: "3.12"}, mjlab: {version: "1.6"}}',
+            [],
+            id="one's own",
+        ),
     ],
 )
 def test_targets(more: str, expected: list[str]) -> None:
-    """`accept` names a target of the spec; a target's name is a folder's name."""
+    """`accept` names a target of the spec; a target's name is a folder's name, and its options are its kind's."""
     assert said(more=more) == expected
 
 

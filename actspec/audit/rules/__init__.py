@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection, Mapping
+
 from actspec.audit.rules.damping import model_damping_beside_kd
 from actspec.audit.rules.friction import implausible_friction
 from actspec.audit.rules.stability import explicit_stability
@@ -10,17 +12,16 @@ from actspec.ir import ActuatorSet
 
 
 def check_actuators(
-    actuators: ActuatorSet, integrator: str, explicit_targets: tuple[str, ...]
+    actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]
 ) -> tuple[Diagnostic, ...]:
     """Run the rules that need no file.
 
     Args:
         actuators: What is to be compiled.
-        integrator: The model's integrator, MuJoCo's name; "" when there is none.
-        explicit_targets: Names of targets that apply the drive's torque explicitly.
+        explicit: What it is compiled to, in words, to the joints whose drive is integrated explicitly there.
     """
     return (
         *model_damping_beside_kd(actuators),
         *implausible_friction(actuators),
-        *explicit_stability(actuators, integrator, explicit_targets),
+        *explicit_stability(actuators, explicit),
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.diagnostics import Diagnostic, Severity
@@ -50,25 +50,24 @@ def explicit_margin(actuator: JointActuator, step: float) -> Margin | None:
 
 
 def explicit_stability(
-    actuators: ActuatorSet, integrator: str, explicit_targets: tuple[str, ...]
+    actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]
 ) -> Iterator[Diagnostic]:
     """STB001: kd (and kp) too high for the step where the drive is integrated explicitly.
 
-    Explicit are: MuJoCo's drives under the Euler integrator, and the torque classes of Isaac Lab
-    and mjlab (ideal PD, DC motor, networks) under any.
+    Args:
+        actuators: What is compiled.
+        explicit: What it is compiled to, in words, to the joints whose drive is explicit there: those of
+            MuJoCo under the Euler integrator, and the torque classes of Isaac Lab and mjlab under any.
     """
     step = actuators.physics_dt.value
     if step is None:
-        return
-    classes = list(explicit_targets)
-    if integrator == "Euler":
-        classes.insert(0, "MuJoCo with the Euler integrator")
-    if not classes:
         return
     worst: dict[str, tuple[Margin, JointActuator]] = {}
     for actuator in actuators.joints:
         margin = explicit_margin(actuator, step)
         if margin is None or margin.figure < NEAR:
+            continue
+        if not any(actuator.joint in joints for joints in explicit.values()):
             continue
         if actuator.group not in worst or margin.figure > worst[actuator.group][0].figure:
             worst[actuator.group] = (margin, actuator)
@@ -76,13 +75,15 @@ def explicit_stability(
         assert actuator.kd is not None
         unstable = margin.figure >= LIMIT
         state = "unstable" if unstable else "near its stability limit"
+        concerned = [name for name, joints in explicit.items() if actuator.joint in joints]
         yield Diagnostic(
             "STB001",
             Severity.WARNING,
             f"{actuator.joint}: an explicit drive is {state}: h*kd/I + h^2*kp/(2I) = {margin.figure:.3g} "
             f"(limit {LIMIT:g}) with h {step * 1e3:g} ms, kd {format_quantity(actuator.kd.value, actuator.kd.unit)}, "
-            f"free inertia {format_quantity(margin.inertia, actuator.armature.unit)}; concerns {', '.join(classes)}",
+            f"free inertia {format_quantity(margin.inertia, actuator.armature.unit)}; concerns {', '.join(concerned)}",
             f"actuators.{group}",
             actuator.kd.span or actuator.span,
-            "use the implicitfast integrator (MuJoCo), a smaller physics_dt, a lower kd, or state the true armature",
+            "use the implicitfast integrator (MuJoCo) or `class: implicit` (Isaac Lab), a smaller physics_dt, a lower "
+            "kd, or state the true armature",
         )

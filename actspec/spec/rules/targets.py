@@ -11,9 +11,19 @@ from actspec.spec.rules.breaches import Breaches, is_folder_name
 TARGETS = ("mujoco", "isaaclab", "mjlab", "deploy", "randomization", "urdf", "newton")
 """Kinds of target that the spec language knows."""
 
+OPTIONS = {
+    "version": ("mujoco", "isaaclab", "mjlab", "randomization", "newton"),
+    "isaac_sim": ("isaaclab", "randomization"),
+    "backend": ("isaaclab", "randomization"),
+    "class": ("isaaclab",),
+    "for": ("randomization",),
+    "joint_order": ("deploy",),
+}
+"""Key of a target to the kinds of target that have it."""
+
 
 def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
-    """Every target is of a kind that there is, and its name can be a folder's."""
+    """Every target is of a kind that there is and has that kind's options, and its name can be a folder's."""
     for name, target in targets.items():
         kind = target.target or name
         if kind not in TARGETS:
@@ -25,6 +35,8 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
                 (f"did you mean '{guess}'? " if guess else "") + f"known targets: {', '.join(TARGETS)}",
                 key=target.target is None,
             )
+        else:
+            _check_options(name, kind, target, breaches)
         if not is_folder_name(name):
             breaches.error(
                 "SPEC161",
@@ -33,6 +45,22 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
                 "use letters, digits, '-', '_' and '.'",
                 key=True,
             )
+
+
+def _check_options(name: str, kind: str, target: Target, breaches: Breaches) -> None:
+    """A target's options are those of its kind: another kind's would do nothing."""
+    stated = target.model_dump(by_alias=True, exclude_none=True)
+    for option, kinds in OPTIONS.items():
+        if option not in stated or kind in kinds:
+            continue
+        own = [other for other, of in OPTIONS.items() if kind in of]
+        breaches.error(
+            "SPEC163",
+            f"a target of kind {kind} has no option `{option}`",
+            ("targets", name, option),
+            f"`{option}` is for {', '.join(kinds)}; {kind} has {', '.join(own) or 'none'}",
+            key=True,
+        )
 
 
 def check_accept(accept: Mapping[str, str], targets: Mapping[str, Target], breaches: Breaches) -> None:

@@ -13,11 +13,13 @@ from collections.abc import Callable, Iterator, Sequence
 
 import actspec
 from actspec.diagnostics import Collector, EmitError, listed
-from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
+from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
+from actspec.robot.joint_order import isaac_order
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
-from actspec.targets.deploy.order import check_sdk_order, index_map, isaac_order
+from actspec.targets.deploy.order import check_sdk_order, index_map
 from actspec.targets.deploy.text import comment, entry, scalar
+from actspec.targets.provenance import source_lines
 from actspec.targets.python_text import environment, grouped, identifier, provenance
 
 FORMAT = "actspec-deploy/1"
@@ -40,7 +42,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     own = tuple(actuator.joint for actuator in actuators.joints)
     sdk = options.joint_order or None
     if sdk is not None:
-        check_sdk_order(sdk, own, f"targets.{options.name}.joint_order", collector)
+        check_sdk_order(options, own, collector)
     collector.raise_if_failed(EmitError)
     isaac = isaac_order(robot, own)
     orders = {"robot": own, "isaac": isaac, "sdk": sdk}
@@ -68,12 +70,20 @@ def _header(actuators: ActuatorSet, robot: RobotView) -> Iterator[str]:
         yield f"model {os.path.basename(robot.path)}"
     if actuators.unmanaged:
         yield f"Not managed by the spec, and in no order below: {listed(actuators.unmanaged)}"
-    used = {q.source for a in actuators.joints for value in _VALUES.values() if (q := value(a)) and q.known}
-    used |= {a.delay.nominal.source for a in actuators.joints if a.delay is not None}
-    for source in actuators.sources:
-        if source.key in used:
-            parts = (source.title, source.url, source.page)
-            yield f"{source.key}: " + ", ".join(part for part in parts if part)
+    yield from source_lines(actuators, _shown(actuators))
+
+
+def _shown(actuators: ActuatorSet) -> Iterator[Quantity]:
+    """Every known number of the file."""
+    yield actuators.physics_dt
+    for actuator in actuators.joints:
+        for value in _VALUES.values():
+            quantity = value(actuator)
+            if quantity is not None and quantity.known:
+                yield quantity
+        if actuator.delay is not None and actuator.delay.nominal.known:
+            yield actuator.delay.nominal
+        yield from (end for end in actuator.command_range or () if end.known)
 
 
 def _known(name: str, order: Sequence[str] | None) -> list[str]:
@@ -109,8 +119,9 @@ _MEANING = {
     "effort_limit": "clamp of the torque",
     "velocity_limit": "speed limit of the joint",
     "default_position": "pose at zero action",
-    "action_scale": "command = default_position + action_scale x action",
 }
+_OFFSET = {Command.POSITION: "default_position + ", Command.VELOCITY: "", Command.EFFORT: ""}
+"""What an action is added to, by command."""
 
 
 def _rows(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
@@ -120,7 +131,8 @@ def _rows(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
     for name, value in _VALUES.items():
         quantities = [value(joint) for joint in joints]
         numbers = [None if q is None else q.value for q in quantities]
-        about = [_MEANING[name], *_units(joints, quantities), *_origins(joints, quantities)]
+        meaning = [_MEANING[name]] if name in _MEANING else _commands(joints)
+        about = [*meaning, *_units(joints, quantities), *_origins(joints, quantities)]
         yield "; ".join(about), entry(name, numbers)
         if name == "velocity_limit":
             ranges = [joint.position_range for joint in joints]
@@ -128,15 +140,55 @@ def _rows(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
             said = "; ".join(["the joint's own range", *units, "null: none is stated"])
             for side, index in (("position_lower", 0), ("position_upper", 1)):
                 yield said, entry(side, [None if ends is None else ends[index] for ends in ranges])
+    yield from _command_range(joints)
+    yield _policy_delay(joints)
+
+
+def _commands(joints: Sequence[JointActuator]) -> list[str]:
+    """What a command is made of, or each kind of it with its joints."""
+    pairs = [(f"command = {_OFFSET[j.command]}action_scale x action", j.joint) for j in joints]
+    kinds = grouped(pairs, lambda pair: pair[0])
+    if len(kinds) == 1:
+        return [kinds[0][0]]
+    return [f"{text} at {listed((name for _, name in members), 4)}" for text, members in kinds]
+
+
+def _command_range(joints: Sequence[JointActuator]) -> Iterator[tuple[str, list[str]]]:
+    """The clamp of the command, which the robot's side has to apply as the simulators do."""
+    meaning = "clamp of the command before it is sent"
+    if all(joint.command_range is None for joint in joints):
+        yield f"{meaning}; none", ["command_range: null"]
+        return
+    ends = [joint.command_range or (None, None) for joint in joints]
+    lows = [low for low, _ in ends]
+    about = [meaning, *_units(joints, lows), *_origins(joints, lows, none="none")]
+    lines = ["command_range:"]
+    for name, index in (("low", 0), ("high", 1)):
+        values = [None if (end := pair[index]) is None else end.value for pair in ends]
+        lines += entry(name, values, "  ")
+    yield "; ".join(about), lines
+
+
+def _policy_delay(joints: Sequence[JointActuator]) -> tuple[str, list[str]]:
+    meaning = "delay of the command that the policy was trained with"
     delays = [joint.delay for joint in joints]
+    if all(delay is None for delay in delays):
+        return f"{meaning}; not stated", ["policy_delay: null"]
     known = [None if delay is None else delay.nominal for delay in delays]
+    # An unknown delay without a range has no ends either.
+    ends = [
+        (None, None)
+        if delay is None or not (delay.nominal.known or delay.high > 0.0)
+        else (delay.low, delay.high)
+        for delay in delays
+    ]
     lists = {
         "nominal": [None if delay is None else delay.nominal.value for delay in delays],
-        "low": [None if delay is None else delay.low for delay in delays],
-        "high": [None if delay is None else delay.high for delay in delays],
+        "low": [low for low, _ in ends],
+        "high": [high for _, high in ends],
     }
-    about = ["delay of the command that the policy was trained with", "s", *_origins(joints, known)]
-    yield (
+    about = [meaning, "s", *_origins(joints, known)]
+    return (
         "; ".join(about),
         [
             "policy_delay:",
@@ -154,12 +206,14 @@ def _units(joints: Sequence[JointActuator], quantities: Sequence[Quantity | None
     return [f"{unit} at {listed((name for _, name in members), 4)}" for unit, members in kinds]
 
 
-def _origins(joints: Sequence[JointActuator], quantities: Sequence[Quantity | None]) -> list[str]:
-    """Where the numbers come from, and which are not there."""
+def _origins(
+    joints: Sequence[JointActuator], quantities: Sequence[Quantity | None], none: str = "not stated"
+) -> list[str]:
+    """Where the numbers come from, and which are not there: `none` says how."""
     said = []
     for quantity, joint in zip(quantities, joints, strict=True):
         if quantity is None:
-            said.append(("not stated", joint.joint))
+            said.append((none, joint.joint))
         elif not quantity.known:
             said.append(("unknown", joint.joint))
         else:

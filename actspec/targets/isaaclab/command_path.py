@@ -13,10 +13,10 @@ from actspec.units import format_quantity
 
 
 def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
-    """Least and largest lag in physics steps, with what the rounding loses."""
+    """Least and largest lag in physics steps, with what is lost; 0 and 0 without a delay."""
     delay = joint.actuator.delay
-    assert delay is not None
-    nominal = delay.nominal.require()
+    if delay is None or delay.high == 0.0:
+        return 0, 0
     ranged = delay.low != delay.high
     if ranged and joint.dialect.lag_range:
         low, high = delay_steps(delay.low, joint.step), delay_steps(delay.high, joint.step)
@@ -29,7 +29,7 @@ def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
                 f"a delay is a whole number of physics steps; at most {worst * 1e3:g} ms off",
                 held_step_error(joint.law, filtered=filtered, late=worst),
             )
-        if delay.sampling != "episode":
+        if delay.sampling != "episode" and low.steps != high.steps:
             joint.approximate(
                 "delay.sampling",
                 f"drawn each {delay.sampling}",
@@ -38,6 +38,16 @@ def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
                 held_step_error(joint.law, filtered=filtered, late=delay.high - delay.low),
             )
         return low.steps, high.steps
+    nominal = delay.nominal.value if ranged else delay.high
+    if nominal is None:
+        joint.approximate(
+            "delay.range",
+            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
+            "none",
+            f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay, and the nominal is unknown",
+            held_step_error(joint.law, filtered=filtered, late=delay.high),
+        )
+        return 0, 0
     steps, loss = delay_steps(nominal, joint.step)
     if abs(loss) > 1e-9:
         joint.approximate(
@@ -65,7 +75,9 @@ def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
     """Least and largest lag of a class that delays."""
     delay = joint.actuator.delay
     assert delay is not None
-    first = f"physics steps of {joint.step * 1e3:g} ms; {provenance(delay.nominal)}"
+    first = f"physics steps of {joint.step * 1e3:g} ms"
+    if delay.nominal.known:
+        first += f"; {provenance(delay.nominal)}"
     return [
         Field("min_delay", steps[0], first, scalar=True),
         Field("max_delay", steps[1], f"{steps[1] * joint.step * 1e3:g} ms", scalar=True),
@@ -75,9 +87,9 @@ def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
 def no_delay(joint: Joint, why: str) -> None:
     """Report the delay as lost, if there is one."""
     delay = joint.actuator.delay
-    if delay is None or not delay.nominal.known or delay.high == 0.0:
+    if delay is None or delay.high == 0.0:
         return
-    asked = f"{delay.nominal.require() * 1e3:g} ms"
+    asked = "unknown" if delay.nominal.value is None else f"{delay.nominal.value * 1e3:g} ms"
     if delay.low != delay.high:
         asked += f" ({delay.low * 1e3:g} to {delay.high * 1e3:g} ms)"
     joint.approximate("delay", asked, "none", why, joint.lost_step())
@@ -103,7 +115,7 @@ def no_bias(joint: Joint) -> None:
     if not bias.value or (joint.network is None and joint.actuator.command is not Command.POSITION):
         return
     error = 2.0 * joint.limit
-    if joint.network is None:
+    if not joint.opaque:
         error = static_error(joint.law, replace(joint.law, encoder_bias=0.0).torque)
     joint.approximate(
         "encoder_bias",
@@ -120,7 +132,7 @@ def no_range(joint: Joint) -> None:
     if ends is None or not any(end.known for end in ends):
         return
     error = 2.0 * joint.limit
-    if joint.network is None:
+    if not joint.opaque:
         error = command_range_error(joint.law, joint.actuator.position_range)
     low, high = (format_quantity(end.value, end.unit) for end in ends)
-    joint.approximate("command_range", f"{low} to {high}", "none", "no class clamps the command", error)
+    joint.approximate("command_range", f"{low} to {high}", "none", "no stock class clamps the command", error)

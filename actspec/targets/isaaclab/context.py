@@ -58,15 +58,13 @@ class Joint:
         self.unit = actuator.effort_limit.unit
         self.speed_unit = actuator.velocity_limit.unit
         self.limit = actuator.effort_limit.require()
+        self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
         self.lost: list[Approximation] = []
         self.remarks: list[str] = []
         self.law = self._law()
 
     def _law(self) -> TorqueLaw:
-        """The law; unknown gains, which stay the USD's own, count as 0 in the sizes of losses.
-
-        Of a network: its clamp, as a drive whose command is the torque.
-        """
+        """The law; of a network or unknown gains its clamp, as a drive whose command is the torque."""
         actuator = self.actuator
         if actuator.level is Level.ACTUATOR_NET:
             lines = (actuator.stall_torque, actuator.no_load_speed)
@@ -75,12 +73,7 @@ class Joint:
             return law_of(
                 replace(actuator, level=level, command=Command.EFFORT, delay=None, filter_cutoff=None)
             )
-        filled = {
-            name: replace(quantity, value=0.0)
-            for name, quantity in (("kp", actuator.kp), ("kd", actuator.kd))
-            if quantity is not None and not quantity.known
-        }
-        return law_of(replace(actuator, **filled) if filled else actuator)  # type: ignore[arg-type]
+        return law_of(actuator if self.gains_known else replace(actuator, command=Command.EFFORT))
 
     def approximate(self, field: str, asked: str, emitted: str, why: str, error: float | None) -> None:
         """Record a loss; see `Approximation`."""
@@ -110,7 +103,16 @@ class Joint:
         plural = "" if steps == 1 else "s"
         return f"{steps * self.step * 1e3:g} ms ({steps} step{plural} of {self.step * 1e3:g} ms)"
 
+    @property
+    def speed_limit(self) -> float | None:
+        """The joint's speed limit [rad/s or m/s]; None: unknown."""
+        return self.actuator.velocity_limit.value
+
+    @property
+    def opaque(self) -> bool:
+        """Whether the torque of a command is not known here; it is at most from one limit to the other."""
+        return self.network is not None or not self.gains_known
+
     def lost_step(self) -> float:
         """Size of a lost delay or filter [N*m or N]."""
-        # What a network answers to a step is not known here: at most from one limit to the other.
         return held_step_error(self.law) if self.network is None else 2.0 * self.limit

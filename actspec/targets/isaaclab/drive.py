@@ -6,19 +6,19 @@ of our own with the whole law. Torque limits are kept first, then delay, then th
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw
-from actspec.targets.approximation import lined, static_error
+from actspec.targets.approximation import Torque, lined, static_error
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.command_path import lag_fields, lags, no_bias, no_delay, no_filter, no_range
 from actspec.targets.isaaclab.context import Field, Joint
 from actspec.targets.isaaclab.gains import gain_fields, joint_fields
-from actspec.targets.isaaclab.losses import boxed, two_quadrants
+from actspec.targets.isaaclab.losses import at_standstill, boxed, two_quadrants, unclipped
 from actspec.targets.isaaclab.versions import IsaacLabDialect
 from actspec.targets.python_text import provenance, stated
 from actspec.units import format_quantity
@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 OUT_OF_THE_WAY = 1e9
 """Torque and speed that no joint reaches [N*m, rad/s]: a torque-speed line that never acts."""
+
+IMPLICIT = "ImplicitActuator"
+"""The solver's own drive; every other class computes a torque from the state before the step."""
 
 CUSTOM = "custom"
 """Stands for the name of our own class, which depends on the robot."""
@@ -64,7 +67,7 @@ def drive_of(
     """Choose the class and fields of one joint; None after an error.
 
     Args:
-        actuator: What the spec asks for.
+        actuator: What the spec asks for, with a known effort limit.
         dialect: Version that is written.
         actuator_class: `auto`, `implicit` or `custom`.
         step: Physics step [s].
@@ -72,22 +75,13 @@ def drive_of(
         network: The network and the physics steps between its taps, for level actuator_net.
         collector: Takes errors.
     """
-    where = f"actuators.{actuator.group}"
-    if actuator.effort_limit.value is None:
-        collector.error(
-            "ISL010",
-            f"{actuator.joint}: effort_limit is unknown, and Isaac Lab must have a number: without one, versions "
-            "before 2.3.1 do not clip at all and later ones clip at the USD's",
-            where=f"{where}.effort_limit",
-            span=actuator.effort_limit.span or actuator.span,
-            help="state effort_limit",
-        )
-        return None
     try:
         return _choose(Joint(actuator, dialect, step, target, network), actuator_class)
     except ValueError as err:
-        # The law itself says which number it lacks.
-        collector.error("ISL011", str(err), where=where, span=actuator.span)
+        # The law itself says which number it lacks; a delay that is too long is so for all joints of a group.
+        where = f"actuators.{actuator.group}"
+        if not any((item.where, item.message) == (where, str(err)) for item in collector):
+            collector.error("ISL011", str(err), where=where, span=actuator.span)
         return None
 
 
@@ -119,13 +113,11 @@ def _choose(joint: Joint, actuator_class: str) -> Drive:
 
 def _ideal(joint: Joint) -> tuple[str, list[Field]]:
     fields = [*_limits(joint, joint.limit), *gain_fields(joint), *joint_fields(joint)]
-    delay = joint.actuator.delay
     cls = "IdealPDActuator"
-    if delay is not None and delay.nominal.known:
-        steps = lags(joint, filtered=False)
-        if steps[1]:
-            cls = "DelayedPDActuator"
-            fields += lag_fields(joint, steps)
+    steps = lags(joint, filtered=False)
+    if steps[1]:
+        cls = "DelayedPDActuator"
+        fields += lag_fields(joint, steps)
     no_filter(joint)
     no_bias(joint)
     no_range(joint)
@@ -134,9 +126,7 @@ def _ideal(joint: Joint) -> tuple[str, list[Field]]:
 
 def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
     law = lined(joint.law)
-    if joint.law.curve is not None:
-        _no_curve(joint, law, "DCMotor has one line for driving and braking")
-    _quadrants(joint, law)
+    _one_line(joint, law, "DCMotor")
     fields = [*_limits(joint, law.effort_limit, law), *gain_fields(joint), *joint_fields(joint)]
     no_delay(joint, "DCMotor has no delay; the torque-speed line is kept instead")
     no_filter(joint)
@@ -146,8 +136,18 @@ def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
 
 
 def _implicit(joint: Joint) -> tuple[str, list[Field]]:
+    limited = boxed(joint.law)
+    clip = f"a clip at {format_quantity(joint.limit, joint.unit)}"
+    why = "the solver's drive has one limit at all speeds"
+    if joint.actuator.command is Command.EFFORT:
+        clip, why = "none", "the solver limits its own drive, not a torque that is commanded"
+        free = unclipped(joint.law)
+        error = static_error(limited, free.torque)
+        joint.approximate("effort_limit", format_quantity(joint.limit, joint.unit), clip, why, error)
+        limited = free
     if joint.actuator.level is Level.DC_MOTOR:
-        _no_curve(joint, boxed(joint.law), "the solver's drive has one limit at all speeds")
+        error = static_error(joint.law, limited.torque)
+        joint.approximate("torque_speed_curve", joint.curve_text(joint.law), clip, why, error)
     names = joint.dialect.limits
     fields = [Field(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
@@ -155,7 +155,7 @@ def _implicit(joint: Joint) -> tuple[str, list[Field]]:
     no_filter(joint)
     no_bias(joint)
     no_range(joint)
-    return "ImplicitActuator", fields
+    return IMPLICIT, fields
 
 
 def _custom(joint: Joint) -> tuple[str, list[Field]]:
@@ -184,10 +184,9 @@ def _custom(joint: Joint) -> tuple[str, list[Field]]:
         for name, end in zip(("command_low", "command_high"), actuator.command_range, strict=True):
             if end.known:
                 fields.append(Field(name, end.require(), joint.note(end)))
-    if actuator.delay is not None and actuator.delay.nominal.known:
-        steps = lags(joint, filtered=filtered)
-        if steps[1]:
-            fields += lag_fields(joint, steps)
+    steps = lags(joint, filtered=filtered)
+    if steps[1]:
+        fields += lag_fields(joint, steps)
     if filtered:
         assert actuator.filter_cutoff is not None
         fields.append(
@@ -203,22 +202,11 @@ def _net(joint: Joint) -> tuple[str, list[Field]]:
     manifest = file.manifest
     line = lined(joint.law)
     lstm = manifest.kind == "lstm"
-    if joint.law.curve is not None:
-        _no_curve(joint, line, "the network's class has one line for driving and braking")
     if line.stall_torque is None:
         joint.remarks.append("No torque-speed line is known: it is put out of the way.")
         line = replace(line, stall_torque=OUT_OF_THE_WAY, no_load_speed=OUT_OF_THE_WAY)
-    elif lstm:
-        still = line.torque
-        joint.approximate(
-            "torque_speed_curve",
-            joint.curve_text(joint.law),
-            f"a clip at {format_quantity(line.effort_limit, joint.unit)}",
-            "ActuatorNetLSTM clips as if the joint stood still",
-            static_error(line, lambda command, q, qd: still(command, q, 0.0 * qd)),
-        )
     else:
-        _quadrants(joint, line)
+        _one_line(joint, line, "ActuatorNetLSTM" if lstm else "ActuatorNetMLP")
     fields = [Field("network_file", file.name, scalar=True, file=True)]
     if not lstm:
         order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
@@ -285,27 +273,27 @@ def _solver_velocity(joint: Joint) -> list[Field]:
     return [Field(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
 
 
-def _no_curve(joint: Joint, emitted: TorqueLaw, why: str) -> None:
-    text = f"a clip at {format_quantity(emitted.effort_limit, joint.unit)}"
-    if emitted.stall_torque is not None:
-        text = f"{joint.curve_text(emitted)}, cut at {format_quantity(emitted.effort_limit, joint.unit)}"
-    joint.approximate(
-        "torque_speed_curve",
-        joint.curve_text(joint.law),
-        text,
-        why,
-        static_error(joint.law, emitted.torque),
-    )
+def _one_line(joint: Joint, line: TorqueLaw, cls: str) -> None:
+    """Report what a class with one torque-speed line loses of the law, as one loss.
 
-
-def _quadrants(joint: Joint, law: TorqueLaw) -> None:
-    if joint.dialect.four_quadrants:
-        return
-    emitted: Callable[[Any, Any, Any], Any] = two_quadrants(law)
-    joint.approximate(
-        "torque_speed_curve",
-        f"{joint.curve_text(law)} in four quadrants",
-        "the same in two: no braking torque is forced above no-load speed",
-        f"DCMotor of Isaac Lab {joint.dialect.text} ends its limits at 0",
-        static_error(law, emitted),
-    )
+    Args:
+        joint: The joint.
+        line: The line that it gets.
+        cls: The class.
+    """
+    emitted: Torque = line.torque
+    text = f"{joint.curve_text(line)}, cut at {format_quantity(line.effort_limit, joint.unit)}"
+    reasons = []
+    if joint.law.curve is not None:
+        reasons.append(f"{cls} has one line for driving and braking")
+    if cls == "ActuatorNetLSTM":
+        emitted = at_standstill(line)
+        text = f"a clip at {format_quantity(float(emitted(math.inf, 0.0, 0.0)), joint.unit)}"
+        reasons.append(f"{cls} clips as if the joint stood still")
+    elif not joint.dialect.four_quadrants:
+        emitted = two_quadrants(line)
+        text += " and at 0: no braking torque is forced above no-load speed"
+        reasons.append(f"{cls} of Isaac Lab {joint.dialect.text} ends its limits at 0")
+    if reasons:
+        error = static_error(joint.law, emitted)
+        joint.approximate("torque_speed_curve", joint.curve_text(joint.law), text, "; ".join(reasons), error)

@@ -6,15 +6,15 @@ import os
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, EmitError, Span, listed
-from actspec.ir import ActuatorSet, JointActuator, Level
+from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab.drive import Drive, drive_of
+from actspec.targets.isaaclab.drive import IMPLICIT, Drive, drive_of
 from actspec.targets.isaaclab.groups import groups_of
 from actspec.targets.isaaclab.text import module_name, module_text
 from actspec.targets.isaaclab.versions import IsaacLabDialect, UnknownDialect, isaaclab_dialect
 from actspec.targets.network_file import NetworkFile, read_network, tap_stride
-from actspec.targets.python_text import identifier
+from actspec.targets.python_text import grouped, identifier
 
 CLASSES = ("auto", "implicit", "custom")
 """Kinds of actuator class."""
@@ -34,18 +34,19 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector = Collector()
     dialect = _dialect(options, collector)
     _check_class(actuators, dialect, options, collector)
+    _check_limits(actuators, collector)
     networks = _networks(actuators, collector)
     step = actuators.physics_dt.require()
     drives = []
     for actuator in actuators.joints:
         network = networks.get(actuator.group)
-        if actuator.level is Level.ACTUATOR_NET and network is None:
+        if not actuator.effort_limit.known or (actuator.level is Level.ACTUATOR_NET and network is None):
             continue
         drive = drive_of(actuator, dialect, options.actuator_class, step, options.name, network, collector)
         if drive is not None:
             drives.append(drive)
     collector.raise_if_failed(EmitError)
-    _warn(actuators, dialect, drives, collector)
+    _warn(actuators, robot, dialect, drives, collector)
 
     approximations = [loss for drive in drives for loss in drive.approximations]
     if actuators.delta_action is not None:
@@ -54,19 +55,22 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
                 options.name,
                 "",
                 "delta_action",
-                actuators.delta_action.network,
+                os.path.basename(actuators.delta_action.network),
                 "none",
                 "no actuator class sees the whole robot: wrap the environment with the runtime",
                 None,
             )
         )
-    groups = groups_of(drives, [joint.name for joint in robot.joints])
+    # A floating base is no joint of an articulation.
+    names = [joint.name for joint in robot.joints if joint.kind is not JointKind.FREE]
+    groups = groups_of(drives, names)
     model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
     text = module_text(actuators, groups, approximations, dialect, model)
     files = [EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))]
     written = {file.name: file.data for file, _ in networks.values()}
     files += [EmittedFile(name, data) for name, data in sorted(written.items())]
-    return Emission(tuple(files), tuple(approximations), collector.sorted())
+    explicit = frozenset(drive.actuator.joint for drive in drives if drive.cls != IMPLICIT)
+    return Emission(tuple(files), tuple(approximations), collector.sorted(), explicit)
 
 
 def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
@@ -76,8 +80,8 @@ def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
         collector.error(
             "ISL001",
             err.message,
-            where=f"targets.{options.name}.{err.key}",
-            span=options.version_span,
+            where=options.where(err.key),
+            span=options.span(err.key),
             help=err.help,
         )
         raise EmitError(collector.sorted()) from None
@@ -86,14 +90,14 @@ def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
 def _check_class(
     actuators: ActuatorSet, dialect: IsaacLabDialect, options: TargetOptions, collector: Collector
 ) -> None:
-    where = f"targets.{options.name}.class"
+    where, span = options.where("class"), options.span("class")
     chosen = options.actuator_class
     if chosen not in CLASSES:
         collector.error(
             "ISL002",
             f"no actuator class is named '{chosen}'",
             where=where,
-            span=options.version_span,
+            span=span,
             help=f"write {', '.join(CLASSES)}",
         )
         raise EmitError(collector.sorted())
@@ -102,7 +106,7 @@ def _check_class(
             "ISL003",
             f"Isaac Lab {dialect.text} runs its actuators natively and refuses classes of one's own",
             where=where,
-            span=options.version_span,
+            span=span,
             help='write class: auto, or version: "2.3"',
         )
     networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
@@ -111,8 +115,22 @@ def _check_class(
             "ISL004",
             f"the solver's own drive runs no network: {listed(networks)}",
             where=where,
-            span=options.version_span,
+            span=span,
             help="write class: auto",
+        )
+
+
+def _check_limits(actuators: ActuatorSet, collector: Collector) -> None:
+    """Every joint has an effort limit."""
+    unlimited = [actuator for actuator in actuators.joints if not actuator.effort_limit.known]
+    for (group, span), members in grouped(unlimited, lambda a: (a.group, a.effort_limit.span or a.span)):
+        collector.error(
+            "ISL010",
+            f"{listed(member.joint for member in members)}: effort_limit is unknown, and Isaac Lab must have a "
+            "number: without one, versions before 2.3.1 do not clip at all and later ones clip at the USD's",
+            where=f"actuators.{group}.effort_limit",
+            span=span,
+            help="state effort_limit",
         )
 
 
@@ -153,6 +171,15 @@ def _check_network(
 ) -> None:
     """What Isaac Lab's classes take for granted."""
     manifest = file.manifest
+    commands = {a.command for a in actuators.joints if a.group == group} - {Command.POSITION}
+    for command in commands:
+        collector.error(
+            "ISL022",
+            f"the network's classes take the error of a position, got command {command.value}",
+            where=f"actuators.{group}.command",
+            span=span,
+            help="write command: position, or leave this target out",
+        )
     if manifest.kind == "gru":
         collector.error(
             "ISL020",
@@ -197,7 +224,11 @@ def _check_network(
 
 
 def _warn(
-    actuators: ActuatorSet, dialect: IsaacLabDialect, drives: list[Drive], collector: Collector
+    actuators: ActuatorSet,
+    robot: RobotView,
+    dialect: IsaacLabDialect,
+    drives: list[Drive],
+    collector: Collector,
 ) -> None:
     unmeasured = [a for a in actuators.joints if a.armature.value is None]
     if unmeasured:
@@ -225,6 +256,8 @@ def _warn(
             "ISL032",
             f"USD importers rename joints that are no identifiers, and the cfg has the model's names: "
             f"{listed(renamed)}",
+            where=renamed[0],
+            span=next((joint.span for joint in robot.joints if joint.name == renamed[0]), None),
             help="rename them in the model, or check the names in the USD",
         )
     networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]

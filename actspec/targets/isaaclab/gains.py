@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from actspec.ir import Command, Quantity
-from actspec.targets.approximation import lined
+from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.targets.approximation import viscous_error
 from actspec.targets.isaaclab.context import Field, Joint
-from actspec.targets.isaaclab.losses import lost_viscous, summed_viscous_error
-from actspec.targets.isaaclab.versions import FrictionUnit
+from actspec.targets.isaaclab.losses import summed_viscous_error
+from actspec.targets.isaaclab.versions import FrictionUnit, IsaacLabDialect
 from actspec.targets.python_text import stated
 from actspec.units import format_quantity
 
@@ -23,9 +23,9 @@ def gain_fields(joint: Joint) -> list[Field]:
         return [stiffness, damping]
     value, asked = viscous.require(), format_quantity(viscous.value, viscous.unit)
     why = _no_field(joint, "viscous")
-    # With a speed command the sum would follow the command too.
-    if actuator.command is Command.VELOCITY or damping.value is None:
-        joint.approximate("friction.viscous", asked, "none", why, lost_viscous(joint.law, value))
+    if not viscous_in_damping(actuator, joint.dialect):
+        error = viscous_error(joint.law, value, joint.speed_limit)
+        joint.approximate("friction.viscous", asked, "none", why, error)
         return [stiffness, damping]
     assert isinstance(damping.value, float)
     total = damping.value + value
@@ -34,10 +34,21 @@ def gain_fields(joint: Joint) -> list[Field]:
         asked,
         f"in damping, {total:g} in all, inside the torque limit",
         why,
-        summed_viscous_error(joint.law, value),
+        summed_viscous_error(joint.law, value, joint.speed_limit),
     )
     note = f"{viscous.unit}; kd {damping.value:g} + passive viscous {value:g}"
     return [stiffness, replace(damping, value=total, note=note)]
+
+
+def viscous_in_damping(actuator: JointActuator, dialect: IsaacLabDialect) -> float:
+    """The passive viscous friction that is written as a part of `damping` [N*m*s/rad or N*s/m]."""
+    viscous = actuator.friction_viscous
+    if dialect.viscous or not stated(viscous) or actuator.level is Level.ACTUATOR_NET:
+        return 0.0
+    # With a speed command the sum would follow the command too.
+    if actuator.command is Command.VELOCITY or (actuator.kd is not None and not actuator.kd.known):
+        return 0.0
+    return viscous.require()
 
 
 def _gain(joint: Joint, name: str, quantity: Quantity | None, absent: str) -> Field:
@@ -69,7 +80,7 @@ def joint_fields(joint: Joint, *, summed: bool = True) -> list[Field]:
                 format_quantity(viscous.value, viscous.unit),
                 "none",
                 _no_field(joint, "viscous"),
-                lost_viscous(lined(joint.law), viscous.require()),
+                viscous_error(joint.law, viscous.require(), joint.speed_limit),
             )
     return fields
 
@@ -80,12 +91,13 @@ def _dry_friction(joint: Joint) -> list[Field]:
     sticking = static.require() if static is not None and static.known else None
     if kinetic is None and sticking is None:
         return []
-    largest = max(kinetic or 0.0, sticking or 0.0)
     unit = joint.dialect.friction
+    stuck = static if sticking is not None else None
+    _no_stribeck(joint, sticking, kinetic)
     if unit is FrictionUnit.EFFORT:
-        return _effort_friction(joint, coulomb, static if sticking is not None else None, kinetic)
+        return _effort_friction(joint, coulomb, stuck, kinetic)
     if unit is FrictionUnit.EFFORT_ONE:
-        named = coulomb if kinetic is not None or static is None else static
+        named = stuck if kinetic is None and stuck is not None else coulomb
         value = named.require()
         if sticking is not None and sticking != value:
             joint.approximate(
@@ -96,6 +108,7 @@ def _dry_friction(joint: Joint) -> list[Field]:
                 sticking - value,
             )
         return [Field("friction", value, joint.note(named))]
+    largest = max(kinetic or 0.0, sticking or 0.0)
     if largest == 0.0 and unit is not FrictionUnit.DEAD:
         # No friction is none in every unit.
         both = ["friction"] + ["dynamic_friction"] * (unit is FrictionUnit.COEFFICIENT_VISCOUS)
@@ -103,7 +116,11 @@ def _dry_friction(joint: Joint) -> list[Field]:
     if largest > 0.0:
         asked = format_quantity(largest, joint.unit)
         why = _no_field(joint, "dry")
-        joint.approximate("friction.coulomb", asked, "left out", why, largest)
+        for name, torque in (("coulomb", kinetic), ("static", sticking)):
+            if torque and not (name == "static" and torque == kinetic):
+                joint.approximate(
+                    f"friction.{name}", format_quantity(torque, joint.unit), "left out", why, torque
+                )
         cure = (
             f"raise `friction` until the joint starts to move at {asked}"
             if unit is not FrictionUnit.DEAD
@@ -121,16 +138,25 @@ def _effort_friction(
     fields = [Field("friction", first.require(), f"static, {joint.note(first)}")]
     if kinetic is not None:
         fields.append(Field("dynamic_friction", kinetic, f"sliding, {joint.note(coulomb)}"))
-    stribeck = joint.actuator.stribeck_velocity
-    if static is not None and stribeck is not None and stribeck.known and static.require() > (kinetic or 0.0):
-        joint.approximate(
-            "friction.stribeck_velocity",
-            format_quantity(stribeck.value, stribeck.unit),
-            "none",
-            "PhysX goes from static to dynamic friction at once",
-            static.require() - (kinetic or 0.0),
-        )
+    else:
+        joint.remarks.append("Nobody states the sliding friction: the USD's own.")
     return fields
+
+
+def _no_stribeck(joint: Joint, sticking: float | None, kinetic: float | None) -> None:
+    """Report the Stribeck effect as lost, if there is one; no solver has it."""
+    stribeck = joint.actuator.stribeck_velocity
+    if sticking is None or stribeck is None or not stribeck.known or sticking <= (kinetic or 0.0):
+        return
+    joint.approximate(
+        "friction.stribeck_velocity",
+        format_quantity(stribeck.value, stribeck.unit),
+        "none",
+        "the solver goes from static to sliding friction at once"
+        if joint.dialect.friction is FrictionUnit.EFFORT
+        else "no solver has a Stribeck effect",
+        sticking - (kinetic or 0.0),
+    )
 
 
 def _no_field(joint: Joint, kind: str) -> str:

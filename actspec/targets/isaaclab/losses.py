@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw
-from actspec.targets.approximation import speed_scale, static_error
-
-Torque = Callable[[Any, Any, Any], Any]
-"""(command, q, qd) to torque."""
+from actspec.targets.approximation import Torque, static_error, widest_speed
 
 
 def unclipped(law: TorqueLaw) -> TorqueLaw:
@@ -47,17 +43,25 @@ def two_quadrants(law: TorqueLaw) -> Torque:
     return torque
 
 
-def summed_viscous_error(law: TorqueLaw, viscous: float) -> float:
-    """Passive friction inside the drive's clamp in place of outside of it."""
+def at_standstill(law: TorqueLaw) -> Torque:
+    """The law with its clamp at speed 0, whatever the speed."""
+    free, clamp = unclipped(law), replace(law, command=Command.EFFORT)
+
+    def torque(command: Any, q: Any, qd: Any) -> Any:
+        return clamp.torque(free.torque(command, q, qd), q, 0.0 * qd)
+
+    return torque
+
+
+def summed_viscous_error(law: TorqueLaw, viscous: float, velocity_limit: float | None) -> float | None:
+    """Passive friction inside the drive's clamp in place of outside of it; None: no speed is known."""
+    widest = widest_speed(law, velocity_limit)
+    if widest is None:
+        return None
     free, clamp = unclipped(law), replace(law, command=Command.EFFORT)
 
     def torque(command: Any, q: Any, qd: Any) -> Any:
         # The friction that the law has beside its drive, on both sides of the comparison.
         return clamp.torque(free.torque(command, q, qd) - viscous * qd, q, qd) + viscous * qd
 
-    return static_error(law, torque)
-
-
-def lost_viscous(law: TorqueLaw, viscous: float) -> float:
-    """Passive friction left out: its torque at twice the no-load speed."""
-    return 2.0 * speed_scale(law) * viscous
+    return static_error(law, torque, speed=widest)

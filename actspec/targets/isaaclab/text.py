@@ -15,8 +15,6 @@ from actspec.targets.provenance import known_quantities, loss_lines, source_line
 from actspec.targets.python_text import WIDTH, comment_lines, environment, identifier, py
 from actspec.units import format_quantity
 
-"""A line's code and what stands behind it."""
-
 
 def module_name(robot: str) -> str:
     """Name of the module: `unitree_a1_cfg`."""
@@ -52,6 +50,7 @@ def module_text(
     stock = {f"{group.cls}Cfg" for group in groups if group.cls != CUSTOM}
     if custom:
         stock |= {"IdealPDActuator", "IdealPDActuatorCfg"}
+    remarks = _shared_remarks(groups)
     return (
         environment("isaaclab")
         .get_template("cfg.py.j2")
@@ -62,22 +61,32 @@ def module_text(
             module=module_name(actuators.robot),
             version=dialect.text,
             timing=_timing(actuators, groups),
-            imports=sorted(stock),
+            imports=list(_imports(sorted(stock))),
             files=any(keyword.file for group in groups for keyword in group.keywords),
             custom=bool(custom),
             own=own,
             features=features,
             stages=_stages(features),
+            remarks=[line for remark in remarks for line in comment_lines(remark)],
             groups=[
                 {
                     "name": group.name,
                     "cls": own if group.cls == CUSTOM else group.cls,
-                    "rows": list(_rows(group)),
+                    "rows": list(_rows(group, remarks)),
                 }
                 for group in groups
             ],
         )
     )
+
+
+def _imports(names: Sequence[str]) -> Iterator[str]:
+    """The import of the stock classes, on one line where it fits."""
+    line = f"from isaaclab.actuators import {', '.join(names)}"
+    if len(line) <= WIDTH:
+        yield line
+    else:
+        yield from ("from isaaclab.actuators import (", *(f"    {name}," for name in names), ")")
 
 
 def _timing(actuators: ActuatorSet, groups: Sequence[Group]) -> str:
@@ -104,13 +113,21 @@ def _stages(features: set[str]) -> list[str]:
     return textwrap.wrap(f"In the order of a physics step: {', '.join(stages)}.", WIDTH - 4)
 
 
-def _rows(group: Group) -> Iterator[str]:
-    """The lines between the cfg's parentheses."""
+def _shared_remarks(groups: Sequence[Group]) -> tuple[str, ...]:
+    """Remarks that hold for every group: said once, above them all."""
+    if len(groups) < 2:
+        return ()
+    return tuple(r for r in groups[0].remarks if all(r in group.remarks for group in groups))
+
+
+def _rows(group: Group, said: Sequence[str]) -> Iterator[str]:
+    """The lines between the cfg's parentheses, without the remarks that are said above."""
     indent = " " * 8
     for remark in group.remarks:
-        yield from comment_lines(remark, indent=indent)
+        if remark not in said:
+            yield from comment_lines(remark, indent=indent)
     one = f"{indent}joint_names_expr={py(list(group.patterns))},"
-    if len(group.patterns) <= 3 and len(one) <= WIDTH:
+    if len(one) <= WIDTH:
         yield one
     else:
         yield f"{indent}joint_names_expr=["

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
+from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.mjlab.actuator import Cfg, cfg_of
@@ -18,6 +19,9 @@ from actspec.targets.mjlab.text import Preparation, module_name, module_text
 from actspec.targets.mjlab.versions import MjlabDialect, mjlab_dialect
 from actspec.targets.python_text import joint_patterns, stated
 from actspec.targets.versions import UnknownVersion
+
+OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
+"""Errors that several joints of a group can have: told once, with their names."""
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
@@ -36,31 +40,38 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     step = actuators.physics_dt.require()
     described = robot.format is not ModelFormat.NONE
     cfgs: list[Cfg] = []
+    reports = Reports()
     for actuator in actuators.joints:
         joint = robot.joint(actuator.joint) if described else None
         # A collector of its own: an error of one joint does not hide the next one's.
         own = Collector()
         cfg = cfg_of(actuator, joint, dialect, step, options.name, own)
         for item in own:
-            collector.add(item)
+            if item.code in OF_A_JOINT:
+                message = item.message.removeprefix(f"{actuator.joint}: ")
+                reports.error(item.code, actuator.joint, message, item.where, item.span, item.help)
+            else:
+                collector.add(item)
         if cfg is not None:
             cfgs.append(cfg)
         _check_springdamper(actuator, robot, collector)
+    reports.tell(collector)
     names = _short_names(actuators, robot, collector)
     files = _networks(cfgs, collector)
     collector.raise_if_failed(EmitError)
 
-    def patterns(members: Sequence[JointActuator]) -> tuple[str, ...]:
+    matched = _matched(actuators, robot)
+
+    def patterns(members: Sequence[JointActuator], first: Sequence[str] = ()) -> tuple[str, ...]:
         if names is not None:
             return tuple(re.escape(names[member.joint]) for member in members)
-        return joint_patterns(members, _matched(actuators, robot))
+        return joint_patterns(members, matched, first)
 
     lost = [loss for cfg in cfgs for loss in cfg.lost]
     if actuators.delta_action is not None:
+        network = os.path.basename(actuators.delta_action.network)
         why = "an actuator cfg holds no residual policy: wrap the environment with the runtime"
-        lost.append(
-            Approximation(options.name, "", "delta_action", actuators.delta_action.network, "none", why, None)
-        )
+        lost.append(Approximation(options.name, "", "delta_action", network, "none", why, None))
     text = module_text(
         actuators,
         cfgs,
@@ -71,7 +82,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         os.path.basename(robot.path) if described else "",
     )
     module = EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))
-    return Emission((module, *files), tuple(lost), collector.sorted())
+    explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.explicit)
+    return Emission((module, *files), tuple(lost), collector.sorted(), explicit)
 
 
 def _dialect(options: TargetOptions, collector: Collector) -> MjlabDialect:
@@ -81,8 +93,8 @@ def _dialect(options: TargetOptions, collector: Collector) -> MjlabDialect:
         collector.error(
             "MJL007",
             err.message,
-            where=f"targets.{options.name}.version",
-            span=options.version_span,
+            where=options.where("version"),
+            span=options.span("version"),
             help=err.help,
         )
         raise EmitError(collector.sorted()) from None

@@ -9,13 +9,16 @@ from typing import Any
 import actspec
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin
 from actspec.targets.base import Approximation
-from actspec.targets.mjlab.actuator import Cfg, Field
+from actspec.targets.mjlab.actuator import Cfg
+from actspec.targets.mjlab.context import Field
 from actspec.targets.mjlab.versions import MjlabDialect
 from actspec.targets.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.python_text import comment_lines, environment, grouped, identifier, py
 
 WIDTH = 88
 """Columns of mjlab's own code."""
+
+Names = Callable[[Sequence[JointActuator], Sequence[str]], tuple[str, ...]]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +54,7 @@ def module_text(
     cfgs: Sequence[Cfg],
     approximations: Sequence[Approximation],
     dialect: MjlabDialect,
-    names: Callable[[Sequence[JointActuator]], tuple[str, ...]],
+    names: Names,
     preparation: Preparation,
     model: str,
 ) -> str:
@@ -62,7 +65,7 @@ def module_text(
         cfgs: One a joint, in the robot's order.
         approximations: What was lost.
         dialect: Version that is written.
-        names: Joints to the patterns that select exactly them.
+        names: Joints to the patterns that select exactly them; patterns to try first.
         preparation: What the model needs.
         model: File name of the robot's model; "" without one.
     """
@@ -70,8 +73,14 @@ def module_text(
     constants = _constants(constant_name(actuators.robot), [key[0] for key, _ in merged])
     blocks = []
     classes = set()
+    said = ""
     for constant, (_, members) in zip(constants, merged, strict=True):
-        blocks.append(list(_block(constant, members, names([m.actuator for m in members]), dialect)))
+        first = members[0].actuator
+        about = f"{first.group}: {first.level.value}, {first.command.value} command."
+        # Once for the parts of a group.
+        head = [] if about == said else comment_lines(about, width=WIDTH)
+        said = about
+        blocks.append([*head, *_block(constant, members, names([m.actuator for m in members], ()), dialect)])
         classes.add(members[0].kind)
         if members[0].delay and not dialect.delay_fields:
             classes.add("DelayedActuatorCfg")
@@ -90,9 +99,11 @@ def module_text(
             removes=preparation.removes,
             widened=preparation.widened,
             constant=constant_name(actuators.robot),
-            names=constants,
-            action_scale=_by_value(actuators, _action_scale, names),
-            default_pose=_by_value(actuators, _default_position, names),
+            actuator_lines=list(_actuator_lines(constants)),
+            action_scale=_by_value(actuators, _action_scale, lambda members: names(members, ())),
+            default_pose=_by_value(
+                actuators, _default_position, lambda members: names(members, actuators.default_pose)
+            ),
         )
     )
 
@@ -120,10 +131,8 @@ def _imports(classes: Sequence[str]) -> Iterator[str]:
 def _block(
     constant: str, members: Sequence[Cfg], names: Sequence[str], dialect: MjlabDialect
 ) -> Iterator[str]:
-    """One constant with its comment."""
+    """One constant."""
     first = members[0]
-    about = f"{first.actuator.group}: {first.actuator.level.value}, {first.actuator.command.value} command."
-    yield from comment_lines(about, width=WIDTH)
     wrapped = bool(first.delay) and not dialect.delay_fields
     indent = "    " if wrapped else "  "
     yield f"{constant} = {'DelayedActuatorCfg' if wrapped else first.kind}("
@@ -144,7 +153,7 @@ def _block(
 
 def _targets(names: Sequence[str], indent: str) -> Iterator[str]:
     line = f"{indent}target_names_expr={py(tuple(names))},"
-    if len(line) <= WIDTH and len(names) <= 3:
+    if len(line) <= WIDTH:
         yield line
         return
     yield f"{indent}target_names_expr=("
@@ -158,6 +167,15 @@ def _agreed(members: Sequence[Cfg], wrapped: bool) -> Iterator[Field]:
     for same in zip(*rows, strict=True):
         notes = {field.note for field in same}
         yield same[0] if len(notes) == 1 else Field(same[0].name, same[0].text)
+
+
+def _actuator_lines(constants: Sequence[str]) -> Iterator[str]:
+    """The articulation's tuple: a single one stays on its line, as the formatter of mjlab's code has it."""
+    line = f"  actuators=({constants[0]},)," if len(constants) == 1 else ""
+    if line and len(line) <= WIDTH:
+        yield line
+    else:
+        yield from ("  actuators=(", *(f"    {constant}," for constant in constants), "  ),")
 
 
 def _row(field: Field, indent: str) -> Iterator[str]:

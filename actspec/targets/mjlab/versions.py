@@ -44,14 +44,22 @@ class MjlabDialect:
         return self.version >= (1, 3)
 
     @property
+    def velocity_unclamped(self) -> bool:
+        """Whether `BuiltinVelocityActuatorCfg` takes any command (1.3).
+
+        Before, it clamps the speed to the joint's range of *positions*, and a joint without one does not compile.
+        """
+        return self.version >= (1, 3)
+
+    @property
     def bias_event(self) -> str:
         """Name of the event that sets an encoder bias."""
         return "dr.encoder_bias" if self.version >= (1, 2) else "randomize_encoder_bias"
 
     @property
     def run(self) -> bool:
-        """Whether actspec's own tests run what is written for it."""
-        return self.version == (1, 6)
+        """Whether actspec's own tests run what is written for it (tests/frameworks)."""
+        return self.version in ((1, 0), (1, 2), (1, 3), (1, 5), (1, 6))
 
 
 _MUJOCO = {

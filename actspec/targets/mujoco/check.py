@@ -6,37 +6,16 @@ every field? Is the edited model the original in every field that the plan does 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
+from actspec.robot.model_fields import DERIVED, differences, model_fields, unequal
 from actspec.robot.view import RobotView
 from actspec.targets.mujoco.plan import Plan
 
 if TYPE_CHECKING:
     import mujoco
 
-NOT_COMPARED = frozenset({"signature", "paths", "npaths", "nbuffer", "narena"})
-"""Not physics: buffer sizes, file paths (assets are re-pointed) and the spec's own signature."""
-
-DERIVED = frozenset(
-    {
-        "actuator_acc0",
-        "actuator_length0",
-        "actuator_lengthrange",
-        "body_invweight0",
-        "dof_M0",
-        "dof_invweight0",
-        "tendon_invweight0",
-        "flexedge_invweight0",
-        "stat.meaninertia",
-        "stat.meanmass",
-        "stat.meansize",
-        "stat.extent",
-        "stat.center",
-        "tree_sleep_policy",
-    }
-)
-"""What MuJoCo computes from masses, armature and whether a tree has actuators."""
+__all__ = ["differences", "outside_plan"]
 
 COUNTS = frozenset(
     {"nu", "na", "nactuator", "nout", "nJmom", "nhistory", "nnames", "nnames_map", "nuser_actuator"}
@@ -55,25 +34,12 @@ REFERENCES = ("sensor_objid", "tuple_objid", "exclude_signature")
 """Fields that hold indices of actuators."""
 
 
-def differences(first: mujoco.MjModel, second: mujoco.MjModel) -> list[str]:
-    """Fields in which two models differ, with the first differing entry; empty: none do."""
-    found = []
-    theirs = dict(_fields(second))
-    for name, value in _fields(first):
-        other = theirs.pop(name, None)
-        text = _unequal(value, other)
-        if text is not None:
-            found.append(f"{name}: {text}")
-    found += [f"{name}: only in one" for name in theirs]
-    return found
-
-
 def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, robot: RobotView) -> list[str]:
     """Fields in which the edited model differs from the original although the plan does not touch them."""
     import mujoco
 
     found = []
-    theirs = dict(_fields(edited))
+    theirs = dict(model_fields(edited))
     touched = {edit.joint for edit in plan.joints}
     joint_names = [
         mujoco.mj_id2name(original, mujoco.mjtObj.mjOBJ_JOINT, index) or "" for index in range(original.njnt)
@@ -89,7 +55,7 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
     kept = _kept_actuators(plan, robot)
     driven = {drive.joint for drive in plan.drives}
     undriven = [index for index, name in enumerate(joint_names) if name not in driven]
-    for name, value in _fields(original):
+    for name, value in model_fields(original):
         other = theirs.get(name)
         if name in DERIVED or name in COUNTS or name in KEY_ROWS or name.startswith(NAME_TABLES):
             continue
@@ -108,7 +74,7 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
             value, other = value[free_dofs], other[free_dofs]
         elif name in JOINT_ROWS and other is not None:
             value, other = value[free_joints], other[free_joints]
-        text = _unequal(value, other)
+        text = unequal(value, other)
         if text is not None:
             found.append(f"{name}: {text}")
     return found
@@ -151,40 +117,7 @@ def _kept_rows(
             value_row, other_row = value[old][:2], other[new][:2]
         else:
             value_row, other_row = value[old], other[new]
-        text = _unequal(value_row, other_row)
+        text = unequal(value_row, other_row)
         if text is not None:
             found.append(f"{name} of '{robot.actuators[old].name}': {text}")
     return found
-
-
-def _fields(model: Any) -> Iterator[tuple[str, Any]]:
-    """Every number and array of a model, its options and statistics included."""
-    import numpy as np
-
-    for prefix, owner in (("", model), ("opt.", model.opt), ("stat.", model.stat)):
-        for name in dir(owner):
-            if name.startswith("_") or name in NOT_COMPARED or name.endswith("pathadr"):
-                continue
-            value = getattr(owner, name)
-            if isinstance(value, (int, float, bytes, np.ndarray, np.generic)):
-                yield prefix + name, value
-
-
-def _unequal(first: Any, second: Any) -> str | None:
-    """What differs, or None."""
-    import numpy as np
-
-    if second is None:
-        return "only in one"
-    if isinstance(first, bytes) or isinstance(second, bytes):
-        return None if first == second else "differs"
-    a, b = np.asarray(first), np.asarray(second)
-    if a.shape != b.shape:
-        return f"shape {a.shape} against {b.shape}"
-    bad = a != b
-    if a.dtype.kind == "f":
-        bad &= ~(np.isnan(a) & np.isnan(b))
-    if not bad.any():
-        return None
-    where = tuple(int(i) for i in np.argwhere(bad)[0]) if a.ndim else ()
-    return f"{a[where]!r} against {b[where]!r} at {list(where)}"

@@ -125,7 +125,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         for file in files
         if os.path.dirname(file.path) == options.folder
     )
-    return Emission(emitted, planned.approximations, collector.sorted())
+    # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
+    explicit = frozenset(drive.joint for drive in plan.drives) if robot.integrator == "Euler" else frozenset()
+    return Emission(emitted, planned.approximations, collector.sorted(), explicit)
 
 
 def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
@@ -135,8 +137,8 @@ def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
         collector.error(
             "MJC007",
             err.message,
-            where=f"targets.{options.name}.version",
-            span=options.version_span,
+            where=options.where("version"),
+            span=options.span("version"),
             help=err.help,
         )
         raise EmitError(collector.sorted()) from None

@@ -37,7 +37,8 @@ def header(
     if approximations:
         lines += ["", "Approximations (what this target cannot hold):"]
         lines += [f"  {line}" for line in loss_lines(approximations)]
-    cited = list(source_lines(actuators, (q for a in actuators.joints for _, q in _shown(a))))
+    shown = [actuators.physics_dt, *(q for a in actuators.joints for _, q in _shown(a))]
+    cited = list(source_lines(actuators, shown))
     if cited:
         lines += ["", "Sources:", *(f"  {line}" for line in cited)]
     body = "\n".join(f"  {line}".rstrip() for line in map(_comment, lines))

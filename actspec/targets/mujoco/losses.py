@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import replace
 from itertools import chain
@@ -44,7 +45,7 @@ def network_losses(actuator: JointActuator, target: str) -> tuple[Approximation,
     """What a plain motor loses of an actuator network."""
     network: Loss = (
         "network",
-        actuator.network.file if actuator.network is not None else "a network",
+        os.path.basename(actuator.network.file) if actuator.network is not None else "a network",
         "<motor>, its control is the torque",
         "MuJoCo runs no network: the runtime computes the torque and writes it",
         None,
@@ -120,16 +121,26 @@ def _bias_losses(actuator: JointActuator, law: TorqueLaw, drive: Drive) -> Itera
 def _delay_losses(
     actuator: JointActuator, law: TorqueLaw, drive: Drive, dialect: MujocoDialect
 ) -> Iterator[Loss]:
-    delay = actuator.delay
-    if delay is None or delay.nominal.value is None:
+    delay, filtered = actuator.delay, drive.form is not Form.DCMOTOR
+    if delay is None:
         return
     nominal = delay.nominal.value
+    if nominal is None:
+        if delay.high > 0.0:
+            yield (
+                "delay.range",
+                f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
+                "none",
+                "a MuJoCo model has one fixed delay, and the nominal is unknown",
+                held_step_error(law, filtered=filtered, late=delay.high),
+            )
+        return
     steps, loss = delay_steps(nominal, drive.step)
-    filtered = drive.form is not Form.DCMOTOR
     asked = f"{nominal * 1e3:g} ms"
     emitted = "none"
     if drive.delay_steps:
-        emitted = f"{drive.delay * 1e3:g} ms ({drive.delay_steps} steps of {drive.step * 1e3:g} ms)"
+        plural = "" if drive.delay_steps == 1 else "s"
+        emitted = f"{drive.delay * 1e3:g} ms ({drive.delay_steps} step{plural} of {drive.step * 1e3:g} ms)"
     if steps and not drive.delay_steps:
         yield (
             "delay",
@@ -175,7 +186,7 @@ def _passive_losses(actuator: JointActuator) -> Iterator[Loss]:
     coulomb = actuator.friction_coulomb.value or 0.0
     static = actuator.friction_static.value if actuator.friction_static is not None else None
     stribeck = actuator.stribeck_velocity
-    if static is not None and static != coulomb:
+    if static is not None and static > coulomb:
         yield (
             "friction.static",
             format_quantity(static, unit),
@@ -183,8 +194,14 @@ def _passive_losses(actuator: JointActuator) -> Iterator[Loss]:
             "frictionloss is one number for sticking and sliding",
             static - coulomb,
         )
-    elif static is not None and stribeck is not None and stribeck.known:
-        yield "friction.stribeck_velocity", "a Stribeck curve", "none", "MuJoCo has none", 0.0
+        if stribeck is not None and stribeck.known:
+            yield (
+                "friction.stribeck_velocity",
+                format_quantity(stribeck.value, stribeck.unit),
+                "none",
+                "MuJoCo has no Stribeck effect",
+                static - coulomb,
+            )
     limit = actuator.velocity_limit
     if limit.known:
         yield (

@@ -5,27 +5,42 @@ Ranges are checked here and in `actspec.sample`, not by `validate`: most checks 
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Any
 
 import actspec
 from actspec.diagnostics import Collector, EmitError, nearest, one_line
-from actspec.ir import ActuatorSet, JointKind
+from actspec.ir import ActuatorSet, JointKind, Level
 from actspec.robot.view import RobotView
 from actspec.sampling import check_ranges
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab.versions import FrictionUnit, isaaclab_dialect
+from actspec.targets.isaaclab.versions import FrictionUnit, UnknownDialect, isaaclab_dialect
+from actspec.targets.mjlab.text import WIDTH as MJLAB_WIDTH
 from actspec.targets.mjlab.versions import mjlab_dialect
-from actspec.targets.python_text import comment_lines, environment, grouped, identifier
-from actspec.targets.randomization.isaaclab import isaaclab_terms
+from actspec.targets.python_text import WIDTH, comment_lines, environment, grouped, identifier
+from actspec.targets.randomization.isaaclab import GAINS, isaaclab_terms
 from actspec.targets.randomization.losses import Losses
 from actspec.targets.randomization.mjlab import configs_of, mjlab_terms
 from actspec.targets.randomization.playground import playground_function
 from actspec.targets.randomization.record import record
-from actspec.targets.versions import DEFAULT_MUJOCO, DEFAULT_VERSIONS, UnknownVersion, mujoco_dialect
+from actspec.targets.versions import (
+    DEFAULT_MUJOCO,
+    DEFAULT_VERSIONS,
+    MujocoDialect,
+    UnknownVersion,
+    mujoco_dialect,
+)
 from actspec.units import format_quantity
 
 STACKS = ("isaaclab", "mjlab", "playground", "json")
 """What randomisation can be written for."""
+
+ADDRESSES = {
+    "jnt": ("index", "np.array(joints)"),
+    "dof": ("degree of freedom", "np.asarray(model.jnt_dofadr)[joints]"),
+    "act": ("actuator", "np.array([target.index(joint) for joint in joints])"),
+}
+"""What Playground's function looks up of a joint: in words, and as it finds it."""
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
@@ -46,18 +61,21 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector.raise_if_failed(EmitError)
     writer = _Writer(actuators, robot, options, stacks, collector)
     files = [made for stack in stacks if (made := writer.file(stack)) is not None]
+    writer.tell_empty()
     collector.raise_if_failed(EmitError)
     return Emission(tuple(files), tuple(writer.lost), collector.sorted())
 
 
 def _stacks(options: TargetOptions, collector: Collector) -> tuple[str, ...]:
-    for stack in dict.fromkeys(options.stacks):
+    for index, stack in enumerate(options.stacks):
         if stack not in STACKS:
             guess = nearest(stack, STACKS)
+            option = f"for[{index}]"
             collector.error(
                 "RND011",
                 f"no randomisation can be written for '{one_line(stack)}'",
-                where=f"targets.{options.name}.for",
+                where=options.where(option),
+                span=options.span(option),
                 help=(f"did you mean '{guess}'? " if guess else "") + f"known: {', '.join(STACKS)}",
             )
     chosen = tuple(stack for stack in STACKS if stack in options.stacks) if options.stacks else STACKS
@@ -66,8 +84,8 @@ def _stacks(options: TargetOptions, collector: Collector) -> tuple[str, ...]:
         collector.error(
             "RND012",
             f"version '{one_line(options.version)}' could be that of {' or '.join(versioned) or 'no stack'}",
-            where=f"targets.{options.name}.version",
-            span=options.version_span,
+            where=options.where("version"),
+            span=options.span("version"),
             help="write a target for each stack: {target: randomization, for: [isaaclab], version: ...}",
         )
     return chosen
@@ -87,11 +105,10 @@ class _Writer:
         self.options = options
         self.collector = collector
         self.stem = identifier(actuators.robot)
-        moving = (JointKind.HINGE, JointKind.SLIDE)
-        self.names = tuple(
-            joint.name for joint in robot.joints if joint.kind in moving and joint.mimic is None
-        )
+        # All that a simulator matches a pattern against: followers and balls too, a floating base not.
+        self.names = tuple(joint.name for joint in robot.joints if joint.kind is not JointKind.FREE)
         self.lost: list[Approximation] = []
+        self.empty: list[str] = []
 
     def file(self, stack: str) -> EmittedFile | None:
         """The file of one stack; None after an error."""
@@ -103,27 +120,35 @@ class _Writer:
                 "json": self.json,
             }[stack]()
         except UnknownVersion as err:
+            option = err.key if isinstance(err, UnknownDialect) else "version"
             self.collector.error(
                 "RND013",
                 err.message,
-                where=f"targets.{self.options.name}.version",
-                span=self.options.version_span,
+                where=self.options.where(option),
+                span=self.options.span(option),
                 help=err.help,
             )
             return None
         return made
 
     def version(self, stack: str) -> str:
-        default = {**DEFAULT_VERSIONS, "playground": DEFAULT_MUJOCO}[stack]
-        return self.options.version or default
+        return self.options.version or DEFAULT_VERSIONS[stack]
 
-    def isaaclab(self) -> EmittedFile:
+    def isaaclab(self) -> EmittedFile | None:
         dialect = isaaclab_dialect(self.version("isaaclab"), self.options.isaac_sim, self.options.backend)
         losses = Losses(self.options.name, "isaaclab")
         terms = isaaclab_terms(self.actuators, self.names, dialect, losses, self.collector)
+        if not terms:
+            if not self.collector.failed:
+                self.nothing("isaaclab", losses)
+            return None
+        late = any(term.func == GAINS and term.mode != "startup" for term in terms)
+        implicit = any(o.kind == "isaaclab" and o.actuator_class == "implicit" for o in self.options.siblings)
         title = f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text}"
         notes = [
-            'Implicit groups are written to the simulator through the CPU: prefer mode="startup" for them.',
+            'Gains of implicit groups are written to the simulator through the CPU: prefer mode="startup".'
+            if late and implicit
+            else "",
             "Text-checked, not run." if dialect.version not in ((2, 2), (2, 3)) else "",
             "Friction stays as it is: it has no known unit here."
             if dialect.friction is not FrictionUnit.EFFORT and dialect.friction is not FrictionUnit.EFFORT_ONE
@@ -147,34 +172,92 @@ class _Writer:
         if self.collector.failed:
             return None
         terms = mjlab_terms(self.actuators, configs, _short(self.names), losses)
+        if not terms:
+            self.nothing("mjlab", losses)
+            return None
         notes = []
         if any(term.actuators is not None for term in terms):
             notes = ["actuator_ids count the configs of the articulation that actspec's mjlab target writes:"]
             notes += [f"{index}: {', '.join(config.joints)}" for index, config in enumerate(configs)]
         return self.render(
             "mjlab_events.py.j2", f"{self.stem}_mjlab_events.py", f"mjlab {dialect.text}", notes, losses,
-            terms=terms, variable=f"{self.stem.upper()}_EVENTS",
+            width=MJLAB_WIDTH, terms=terms, variable=f"{self.stem.upper()}_EVENTS",
         )  # fmt: skip
 
-    def playground(self) -> EmittedFile:
-        dialect = mujoco_dialect(self.version("playground"))
+    def mujoco(self) -> MujocoDialect | None:
+        """MuJoCo of the model that Playground's function is for; None after an error."""
+        models = [o for o in self.options.siblings if o.kind == "mujoco"]
+        if self.options.version or not models:
+            return mujoco_dialect(self.options.version or DEFAULT_MUJOCO)
+        dialects = {}
+        for model in models:
+            # A version that there is not is the MuJoCo target's error.
+            with suppress(UnknownVersion):
+                dialects[model.name] = mujoco_dialect(model.version)
+        words = {dialect.dcmotor for dialect in dialects.values()}
+        if len(words) > 1 and any(a.level is Level.DC_MOTOR for a in self.actuators.joints):
+            said = " or ".join(f"'{name}' ({dialect.text})" for name, dialect in dialects.items())
+            self.collector.error(
+                "RND014",
+                f"Playground's function could be for the model of {said}, whose motors have their numbers elsewhere",
+                where=self.options.where("version"),
+                span=self.options.span("version"),
+                help="write a target for it: {target: randomization, for: [playground], version: ...}",
+            )
+            return None
+        return next(iter(dialects.values()), mujoco_dialect(DEFAULT_MUJOCO))
+
+    def nothing(self, stack: str, losses: Losses) -> None:
+        """Note that a stack's file would draw nothing, and is not written."""
+        self.lost += losses.items
+        self.empty.append(stack)
+
+    def tell_empty(self) -> None:
+        """Report the stacks without a file."""
+        if self.empty:
+            stated = any(actuator.randomize for actuator in self.actuators.joints)
+            why = "none of the spec's ranges can be drawn there" if stated else "the spec has no `randomize`"
+            self.collector.info(
+                "RND015",
+                f"no file for {', '.join(self.empty)} is written: {why}",
+                where=f"targets.{self.options.name}",
+                help="state randomize in a group, or leave the stack out of `for`",
+            )
+
+    def playground(self) -> EmittedFile | None:
+        dialect = self.mujoco()
+        if dialect is None:
+            return None
         losses = Losses(self.options.name, "playground")
-        function = playground_function(self.actuators, dialect, losses)
+        function = playground_function(self.actuators, self.robot, dialect, losses)
+        if not function.joints:
+            self.nothing("playground", losses)
+            return None
         notes = ["For the model that actspec's mujoco target writes; pass it as `randomization_fn`."]
         if function.dcmotor:
             notes.append(
                 "The model has <dcmotor> actuators, which MJX runs in its Warp implementation alone."
             )
+        looked_up = ", ".join(ADDRESSES[name][1] for name in function.addresses)
+        about = " and ".join(ADDRESSES[name][0] for name in function.addresses).capitalize()
         return self.render(
             "playground.py.j2", f"{self.stem}_playground_randomize.py", f"MuJoCo Playground, MuJoCo {dialect.text}",
-            notes, losses, function=function,
+            notes, losses, function=function, about=about, looked_up=looked_up,
         )  # fmt: skip
 
     def json(self) -> EmittedFile:
         return EmittedFile(f"{self.stem}_randomization.json", record(self.actuators).encode("utf-8"))
 
     def render(
-        self, template: str, path: str, title: str, notes: list[str], losses: Losses, **values: Any
+        self,
+        template: str,
+        path: str,
+        title: str,
+        notes: list[str],
+        losses: Losses,
+        *,
+        width: int = WIDTH,
+        **values: Any,
     ) -> EmittedFile:
         self.lost += losses.items
         lines = [
@@ -182,11 +265,11 @@ class _Writer:
             f"spec sha256 {self.actuators.spec_sha256}",
             *(note for note in notes if note),
         ]
-        header = [line for text in lines for line in comment_lines(text, hang="  ")]
+        header = [line for text in lines for line in comment_lines(text, hang="  ", width=width)]
         said = _losses(losses.items, len(self.actuators.joints))
         if said:
             header += ["#", "# What it cannot do:"]
-            header += [line for text in said for line in comment_lines(f"- {text}", hang="  ")]
+            header += [line for text in said for line in comment_lines(f"- {text}", hang="  ", width=width)]
         text = environment("randomization").get_template(template).render(header=header, **values)
         return EmittedFile(path, text.encode("utf-8"))
 

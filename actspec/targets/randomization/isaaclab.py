@@ -7,24 +7,31 @@ Traps, all of 2.3.2 (source/isaaclab/isaaclab/envs/mdp/events.py):
   mean and standard deviation are: such draws are written as `abs`.
 - `randomize_joint_parameters` draws static, dynamic and viscous friction from one and the same range on Isaac
   Sim >= 5, so only factors keep them apart, and a nominal of 0 cannot be drawn.
+- Where the passive viscous friction is a part of `damping`, a factor on it would draw that part too: kd is
+  written as values with that part added.
 - kp, kd and limits have no common factor; limits, delays and encoder biases have no term.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.sampling import nominal_of
+from actspec.targets.isaaclab.gains import viscous_in_damping
 from actspec.targets.isaaclab.versions import FrictionUnit, IsaacLabDialect
 from actspec.targets.python_text import grouped
 from actspec.targets.randomization.draws import Draw, as_abs, as_scale, as_uniform, draws_of, stated_range
 from actspec.targets.randomization.losses import Losses, each
-from actspec.targets.randomization.sizes import factor_error, factor_lost, viscous_error
+from actspec.targets.randomization.sizes import factor_error, factor_lost, viscous_change
 from actspec.targets.randomization.terms import EventTerm, Namer, comments, patterns_of
 
 INDENT = "    "
+
+GAINS = "mdp.randomize_actuator_gains"
+"""The term that draws kp and kd."""
 
 Draws = dict[str, dict[str, Draw]]
 
@@ -47,15 +54,19 @@ def isaaclab_terms(
     """
     draws = {actuator.joint: draws_of(actuator) for actuator in actuators.joints}
     namer = Namer()
-    terms = [*_gains(draws, names, namer, losses), *_armature(draws, names, namer, losses)]
+    terms = [*_gains(draws, names, dialect, namer, losses), *_armature(draws, names, namer, losses)]
     terms += _friction(draws, names, dialect, namer, losses, collector)
     _without_term(actuators, draws, losses)
     return terms
 
 
-def _gains(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) -> list[EventTerm]:
-    stiffness = {draw.actuator.joint: _scalable(draw, losses) for draw in each(draws, "kp")}
-    damping = {draw.actuator.joint: _scalable(draw, losses) for draw in each(draws, "kd")}
+def _gains(
+    draws: Draws, names: Sequence[str], dialect: IsaacLabDialect, namer: Namer, losses: Losses
+) -> list[EventTerm]:
+    stiffness = {draw.actuator.joint: _scalable(draw) for draw in each(draws, "kp")}
+    damping = {
+        draw.actuator.joint: _scalable(_beside_viscous(draw, dialect, losses)) for draw in each(draws, "kd")
+    }
     terms = []
     both: list[tuple[Draw | None, Draw | None]] = []
     for joint in draws:
@@ -74,7 +85,11 @@ def _gains(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) -> 
         if kd is not None:
             params.append(("damping_distribution_params", (kd.low, kd.high)))
         what = "gains" if kp and kd else "stiffness" if kp else "damping"
-        terms.append(_term(namer.name(first, what), "mdp.randomize_actuator_gains", first, names, params))
+        summed = kd is not None and viscous_in_damping(kd.actuator, dialect) > 0.0
+        remark = (
+            "`damping` holds the passive viscous friction too, which is not drawn here." if summed else ""
+        )
+        terms.append(_term(namer.name(first, what), GAINS, first, names, params, remark))
     drawn = [*each(draws, "kp"), *each(draws, "kd")]
     losses.shared(drawn)
     for draw in drawn:
@@ -83,7 +98,7 @@ def _gains(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) -> 
 
 
 def _armature(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) -> list[EventTerm]:
-    found = [_scalable(draw, losses) for draw in each(draws, "armature")]
+    found = [_scalable(draw) for draw in each(draws, "armature")]
     losses.shared(found)
     return [
         _term(
@@ -97,7 +112,20 @@ def _armature(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) 
     ]
 
 
-def _scalable(draw: Draw, losses: Losses) -> Draw:
+def _beside_viscous(draw: Draw, dialect: IsaacLabDialect, losses: Losses) -> Draw:
+    """The draw of kd as one of `damping`, which holds the passive viscous friction too on some versions."""
+    viscous = viscous_in_damping(draw.actuator, dialect)
+    if not viscous:
+        return draw
+    found = as_abs(draw)
+    high = found.high if found.distribution == "gaussian" else found.high + viscous
+    if draw.distribution == "log_uniform":
+        why = "damping is kd and the passive viscous friction in one"
+        losses.entry(draw, draw.parts[0], f"{found.distribution} of the sum", why, None)
+    return replace(found, low=found.low + viscous, high=high)
+
+
+def _scalable(draw: Draw) -> Draw:
     """The same draw in a form that the terms accept."""
     pair_refused = draw.distribution == "gaussian" and draw.high < draw.low
     if draw.operation == "scale" and (pair_refused or (draw.field == "kp" and draw.low <= 0.0)):
@@ -128,21 +156,26 @@ def _friction(
                 losses.dropped(draw, _NO_FRICTION[dialect.friction])
         return []
     found = []
-    for joint, of_joint in draws.items():
+    undrawable = []
+    for of_joint in draws.values():
         wanted = {field: of_joint[field] for field in fields if field in of_joint}
         zeros = [draw for draw in wanted.values() if not nominal_of(draw.actuator, draw.field)]
-        for draw in zeros:
-            collector.error(
-                "RND010",
-                f"{joint}: Isaac Sim {dialect.sim_text} draws static, dynamic and viscous friction from one range, so "
-                f"only a factor can be written, and the nominal {draw.field} is "
-                + ("unknown" if draw.nominal is None else f"0 {draw.unit}"),
-                where=f"actuators.{draw.actuator.group}.randomize.{draw.field}",
-                span=draw.parts[0].span,
-                help=f"state {draw.field}, or leave isaaclab out of `for`",
-            )
+        undrawable += zeros
         if wanted and not zeros:
             found.append(_friction_draw(wanted, losses))
+    for (group, field, nominal), members in grouped(
+        undrawable, lambda draw: (draw.actuator.group, draw.field, draw.nominal)
+    ):
+        first = members[0]
+        collector.error(
+            "RND010",
+            f"{listed(draw.actuator.joint for draw in members)}: Isaac Sim {dialect.sim_text} draws static, dynamic "
+            f"and viscous friction from one range, so only a factor can be written, and the nominal {field} is "
+            + ("unknown" if nominal is None else f"0 {first.unit}"),
+            where=f"actuators.{group}.randomize.{field}",
+            span=first.parts[0].span,
+            help=f"state {field}, or leave isaaclab out of `for`",
+        )
     losses.shared(found)
     remark = (
         "One range draws static, dynamic and viscous friction, each on its own: only factors are safe here."
@@ -188,18 +221,21 @@ def _friction_draw(wanted: dict[str, Draw], losses: Losses) -> Draw:
     why = "static, dynamic and viscous friction have one range"
     for field in ("friction.coulomb", "friction.static", "friction.viscous"):
         nominal = nominal_of(actuator, field)
-        if field == main.field or not nominal:
+        if field == main.field or nominal == 0.0:
             continue
         if field == "friction.static" and actuator.friction_static is None:
             continue
         other = wanted.get(field)
+        if nominal is None:
+            losses.add(actuator, field, "not drawn", f"{text} of the USD's own", why, None)
+            continue
         change = nominal * reach
         if other is not None:
             same = as_scale(other)
             if same.numbers == factor.numbers:
                 continue
             change = nominal * max(abs(same.low - factor.low), abs(same.high - factor.high))
-        error = viscous_error(actuator, change) if field == "friction.viscous" else change
+        error = viscous_change(actuator, change) if field == "friction.viscous" else change
         if other is not None:
             losses.entry(other, other.parts[0], text, why, error)
         else:

@@ -133,7 +133,10 @@ def _gains(draws: Draws, configs: Sequence[Config], namer: Namer, losses: Losses
         for draw in found:
             _note_gain(draw, losses)
         held += found
-        wanted[index] = _pair(first.actuator, kp, kd)
+        pair = _pair(first.actuator, kp, kd)
+        for draw in found:
+            _note_pair(draw, pair[draw.field == "kd"], losses)
+        wanted[index] = pair
     losses.shared(held)
     terms = []
     for _, members in grouped(wanted.items(), lambda item: tuple(d.numbers for d in item[1])):
@@ -183,6 +186,18 @@ def _note_gain(draw: Draw, losses: Losses) -> None:
         _flattened(draw, losses, "dr.pd_gains draws uniform or log_uniform")
     elif draw.distribution == "log_uniform" and draw.operation == "add":
         _flattened(draw, losses, "dr.pd_gains takes no offset")
+
+
+def _note_pair(draw: Draw, made: Draw, losses: Losses) -> None:
+    """What a gain's draw gives up for the other's, with which it shares an event."""
+    if (draw.when, draw.every) != (made.when, made.every):
+        every = "" if made.every is None else f" of {made.every[0]:g} to {made.every[1]:g} s"
+        why = "dr.pd_gains draws kp and kd at one time"
+        losses.entry(draw, draw.parts[0], f"drawn at {made.when}{every}", why, None)
+    if draw.distribution == "log_uniform" and made.distribution == "uniform" and draw.operation != "add":
+        text = f"{made.operation} {made.low:g} to {made.high:g}, uniform"
+        for entry in draw.parts:
+            losses.entry(draw, entry, text, "dr.pd_gains has one distribution for kp and kd", None)
 
 
 def _flattened(draw: Draw, losses: Losses, why: str) -> None:

@@ -6,16 +6,22 @@ distribution. The wrapper calls it once, so every range is drawn at start-up.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Randomization
-from actspec.sampling import FACTORS, nominal_of, own_ranges, unit_of
-from actspec.targets.python_text import grouped, py
+from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.robot.view import RobotView
+from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges, unit_of
+from actspec.targets.python_text import WIDTH, grouped, py
 from actspec.targets.randomization.draws import draws_of, stated_range
 from actspec.targets.randomization.losses import Losses
-from actspec.targets.randomization.sizes import factor_lost
+from actspec.targets.randomization.sizes import factor_lost, lost
 from actspec.targets.versions import DcMotorDialect, MujocoDialect
+
+BODY = 8
+"""Columns before a line of the body."""
 
 ORDER = ("kp", "kd", "effort_limit", "armature", "friction.coulomb", "friction.viscous", "encoder_bias",
          "gains", "strength")  # fmt: skip
@@ -43,8 +49,8 @@ class Function:
 
     Attributes:
         joints: Joints that are drawn, in the robot's order.
-        driven: Whether their actuators are looked up too.
-        sets: Name and joint indices of each set of joints.
+        addresses: What is looked up of them, `jnt`, `dof` and `act`.
+        sets: Definitions of sets of joints, as lines.
         keys: How many random keys it takes.
         lines: Lines of its body.
         fields: Model fields that it writes, each a variable of the same name.
@@ -52,29 +58,62 @@ class Function:
     """
 
     joints: tuple[str, ...]
-    driven: bool
-    sets: tuple[tuple[str, tuple[int, ...]], ...]
+    addresses: tuple[str, ...]
+    sets: tuple[str, ...]
     keys: int
     lines: tuple[str, ...]
     fields: tuple[str, ...]
     dcmotor: bool
 
 
-def playground_function(actuators: ActuatorSet, dialect: MujocoDialect, losses: Losses) -> Function:
+@dataclass(frozen=True, slots=True)
+class _Held:
+    """What the MuJoCo target's model has of a joint.
+
+    Attributes:
+        form: `position`, `velocity`, `motor` or `dcmotor`: the drive's element.
+        limited: Whether the drive has a force limit.
+        capped: Whether the joint has a force range of its own too.
+        frictionloss: Its dry friction [N*m or N].
+    """
+
+    form: str
+    limited: bool
+    capped: bool
+    frictionloss: float
+
+
+def playground_function(
+    actuators: ActuatorSet, robot: RobotView, dialect: MujocoDialect, losses: Losses
+) -> Function:
     """The function of a robot.
 
     Args:
         actuators: What is drawn.
+        robot: The robot, whose own numbers stand in the model where the spec has none.
         dialect: MuJoCo's version, which decides what a dcmotor's numbers mean.
         losses: Takes what a model does not hold.
     """
     writer = _Writer(dialect)
     drawn = []
     for actuator in actuators.joints:
-        kept = _kept(actuator, dialect, losses)
+        held = _held(actuator, robot, dialect)
+        kept = _kept(actuator, held, losses)
         if kept:
-            drawn.append((actuator, kept))
+            drawn.append((actuator, held, kept))
     return writer.write(drawn)
+
+
+def _held(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -> _Held:
+    joint = robot.joint(actuator.joint)
+    limited, coulomb = actuator.effort_limit.known, actuator.friction_coulomb.value
+    # A network's motor takes no limit of the file's own servo.
+    if joint is not None and not limited and actuator.level is not Level.ACTUATOR_NET:
+        limited = effort_bound(joint, actuators_of(robot, joint.name)) is not None
+    if coulomb is None:
+        coulomb = 0.0 if joint is None else joint.frictionloss
+    capped = joint is not None and joint.effort_range is not None
+    return _Held(_form(actuator, dialect), limited, capped, coulomb)
 
 
 def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
@@ -90,9 +129,9 @@ def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
     return {Command.POSITION: "position", Command.VELOCITY: "velocity"}[actuator.command]
 
 
-def _kept(actuator: JointActuator, dialect: MujocoDialect, losses: Losses) -> dict[str, Randomization]:
+def _kept(actuator: JointActuator, held: _Held, losses: Losses) -> dict[str, Randomization]:
     """The ranges that the model can hold; the others are reported."""
-    form = _form(actuator, dialect)
+    form = held.form
     kept = {}
     draws = draws_of(actuator)
     for field, entry in own_ranges(actuator).items():
@@ -102,7 +141,13 @@ def _kept(actuator: JointActuator, dialect: MujocoDialect, losses: Losses) -> di
             reason = f"a <{form}> has no constant force to shift its position with"
         if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
             reason = "the network has no gains"
-        if field == "strength" and form == "motor":
+        if field == "effort_limit" and not held.limited:
+            reason = (
+                "effort_limit is unknown, so the model's drive has no limit, and a drawn one does not act"
+            )
+        if field == "strength" and form == "motor" and not held.limited:
+            reason = "the torque comes from outside of the model, which does not limit it"
+        elif field == "strength" and form == "motor":
             reason = "the torque comes from outside of the model: only its limit follows"
             error = factor_lost(actuator, entry)
             losses.add(actuator, field, _asked(entry, actuator), "a factor on the limit", reason, error)
@@ -116,6 +161,15 @@ def _kept(actuator: JointActuator, dialect: MujocoDialect, losses: Losses) -> di
             else:
                 losses.add(actuator, field, _asked(entry, actuator), "none", reason, None)
             continue
+        if field == "friction.coulomb" and draw is not None and held.frictionloss == 0.0:
+            losses.entry(
+                draw,
+                entry,
+                "without effect in MJX's JAX implementation",
+                "it has friction at those joints alone whose frictionloss is not 0 when the model is put on the "
+                "device; its Warp implementation applies it",
+                lost(draw),
+            )
         if field == "encoder_bias" and draw is not None:
             losses.entry(
                 draw,
@@ -153,24 +207,32 @@ class _Writer:
         self.keys: dict[tuple[str, str, str, str], int] = {}
         self.joints: tuple[JointActuator, ...] = ()
 
-    def write(self, drawn: Sequence[tuple[JointActuator, dict[str, Randomization]]]) -> Function:
-        self.joints = tuple(actuator for actuator, _ in drawn)
-        fields = {field for _, kept in drawn for field in kept}
-        forms = {form: self._indices(a for a in self.joints if _form(a, self.dialect) == form)
+    def write(self, drawn: Sequence[tuple[JointActuator, _Held, dict[str, Randomization]]]) -> Function:
+        self.joints = tuple(actuator for actuator, _, _ in drawn)
+        fields = {field for _, _, kept in drawn for field in kept}
+        forms = {form: self._indices(a for a, held, _ in drawn if held.form == form)
                  for form in ("position", "velocity", "motor", "dcmotor")}  # fmt: skip
         gains = bool(fields & {"kp", "kd", "gains", "strength", "encoder_bias"})
-        limit = bool(fields & {"effort_limit", "strength"})
-        driven = gains or limit
-        self._read(fields, forms, gains, limit)
+        limit = any(held.limited and kept.keys() & {"effort_limit", "strength"} for _, held, kept in drawn)
+        widened = any(
+            held.limited and held.capped and _raises(actuator, kept) for actuator, held, kept in drawn
+        )
+        entries = {
+            field: [(actuator, kept[field]) for actuator, _, kept in drawn if field in kept]
+            for field in ORDER
+        }
+        replaced = {VARIABLE[field] for field in VARIABLE if self._replaces(entries[field])}
+        self._read(fields, forms, gains, limit, replaced)
         for field in ORDER:
-            entries = [(actuator, kept[field]) for actuator, kept in drawn if field in kept]
-            self._draw(field, entries)
-        written = self._store(fields, forms, gains, limit)
-        names = tuple(self.sets.items())
+            self._draw(field, entries[field])
+        written = self._store(fields, forms, gains, limit, widened)
+        used = {"jnt": widened, "dof": bool(fields & MODEL_FIELD.keys()), "act": gains or limit}
         return Function(
             tuple(a.joint for a in self.joints),
-            driven,
-            tuple((name, indices) for indices, name in names),
+            tuple(name for name, needed in used.items() if needed),
+            tuple(
+                line for indices, name in self.sets.items() for line in _array(name, "np.array", indices, "")
+            ),
             len(self.keys),
             tuple(self.lines),
             written,
@@ -195,9 +257,17 @@ class _Writer:
         chosen = self._set(indices)
         return name if chosen == ":" else f"{name}[{chosen}]"
 
-    def _read(self, fields: set[str], forms: dict[str, tuple[int, ...]], gains: bool, limit: bool) -> None:
+    def _read(
+        self,
+        fields: set[str],
+        forms: dict[str, tuple[int, ...]],
+        gains: bool,
+        limit: bool,
+        replaced: set[str],
+    ) -> None:
+        """Read the nominals, but those of `replaced` variables, which a draw replaces at all joints."""
         for field, name in MODEL_FIELD.items():
-            if field in fields:
+            if field in fields and VARIABLE[field] not in replaced:
                 self.lines.append(f"{VARIABLE[field]} = model.{name}[dof]")
         if gains:
             driven = [indices for form, indices in forms.items() if indices and form != "motor"]
@@ -210,12 +280,13 @@ class _Writer:
                 chosen, act = self._set(indices), self._act(indices)
                 if form == "dcmotor":
                     # Resistance and torque constant, in front of the controller's gains.
-                    self.lines += [
-                        f"resistance = model.actuator_gainprm[{act}, 0]",
-                        f"constant = model.actuator_gainprm[{act}, 1]",
-                    ]
+                    voltage = self.dialect.dcmotor is DcMotorDialect.VOLTAGE
+                    if voltage or "strength" in fields:
+                        self.lines.append(f"resistance = model.actuator_gainprm[{act}, 0]")
+                    if voltage:
+                        self.lines.append(f"constant = model.actuator_gainprm[{act}, 1]")
                     kp, kd = f"model.actuator_gainprm[{act}, 4]", f"model.actuator_gainprm[{act}, 6]"
-                    if self.dialect.dcmotor is DcMotorDialect.VOLTAGE:
+                    if voltage:
                         kp = f"{kp} * constant / resistance"
                         kd = f"({kd} + constant) * constant / resistance"
                 elif form == "position":
@@ -223,17 +294,23 @@ class _Writer:
                 else:
                     kp, kd = "", f"model.actuator_gainprm[{act}, 0]"
                 for name, text in (("kp", kp), ("kd", kd)):
-                    if text:
+                    if text and not (whole and name in replaced):
                         self.lines.append(
                             f"{name} = {text}" if whole else f"{name} = {name}.at[{chosen}].set({text})"
                         )
-        if limit:
+        if limit and "limit" not in replaced:
             self.lines.append("limit = model.actuator_forcerange[act, 1]")
-        if "encoder_bias" in fields:
-            bias = [nominal_of(actuator, "encoder_bias") or 0.0 for actuator in self.joints]
-            self.lines.append(f"bias = jnp.array({py(bias)})")
+        if "encoder_bias" in fields and "bias" not in replaced:
+            self.lines += _nominal(
+                "bias", [nominal_of(a, "encoder_bias") or 0.0 for a in self.joints], "JOINTS"
+            )
         if "strength" in fields:
             self.lines.append("strength = jnp.ones(len(JOINTS))")
+
+    def _replaces(self, entries: Sequence[tuple[JointActuator, Randomization]]) -> bool:
+        """Whether one draw gives every joint a value of its own."""
+        kinds = {(e.operation, e.low, e.high, e.distribution, e.per) for _, e in entries}
+        return len(entries) == len(self.joints) and len(kinds) == 1 and kinds.pop()[::4] == ("abs", "joint")
 
     def _draw(self, field: str, entries: Sequence[tuple[JointActuator, Randomization]]) -> None:
         def numbers(item: tuple[JointActuator, Randomization]) -> tuple[object, ...]:
@@ -260,16 +337,28 @@ class _Writer:
                     self._times(VARIABLE[part], chosen, "factor")
                 continue
             name = VARIABLE[field]
-            verb = {"scale": "multiply", "add": "add", "abs": "set"}[entry.operation]
-            self.lines.append(f"{name} = {name}.at[{chosen}].{verb}({drawn})")
+            if self._replaces(entries):
+                self.lines.append(f"{name} = {drawn}")
+            elif chosen == ":" and entry.operation != "abs":
+                sign = "*" if entry.operation == "scale" else "+"
+                self.lines.append(f"{name} = {name} {sign} {_term(drawn)}")
+            else:
+                verb = {"scale": "multiply", "add": "add", "abs": "set"}[entry.operation]
+                self.lines.append(f"{name} = {name}.at[{chosen}].{verb}({drawn})")
             if entry.distribution == "gaussian" and field != "encoder_bias":
                 self.lines.append(f"{name} = jnp.maximum({name}, 0.0)")
 
     def _times(self, name: str, chosen: str, factor: str) -> None:
-        self.lines.append(f"{name} = {name}.at[{chosen}].multiply({factor})")
+        product = f"{name} * {_term(factor)}" if chosen == ":" else f"{name}.at[{chosen}].multiply({factor})"
+        self.lines.append(f"{name} = {product}")
 
     def _store(
-        self, fields: set[str], forms: dict[str, tuple[int, ...]], gains: bool, limit: bool
+        self,
+        fields: set[str],
+        forms: dict[str, tuple[int, ...]],
+        gains: bool,
+        limit: bool,
+        widened: bool,
     ) -> tuple[str, ...]:
         written = []
         for field, name in MODEL_FIELD.items():
@@ -287,6 +376,14 @@ class _Writer:
             if not strong:
                 self.lines.remove("limit = limit")
             written.append("actuator_forcerange")
+        if widened:
+            self.lines += [
+                "# A joint's own force range would cap the limits that are raised.",
+                "own = model.jnt_actfrcrange[jnt]",
+                "own = jnp.stack([jnp.minimum(own[:, 0], -limit), jnp.maximum(own[:, 1], limit)], axis=-1)",
+                "jnt_actfrcrange = model.jnt_actfrcrange.at[jnt].set(own)",
+            ]
+            written.append("jnt_actfrcrange")
         return tuple(written)
 
     def _store_gains(self, fields: set[str], forms: dict[str, tuple[int, ...]]) -> list[str]:
@@ -306,8 +403,11 @@ class _Writer:
                 lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kp})")
                 lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 1].set(-{kp})")
                 drawn = "encoder_bias" in fields
-                if drawn or any(nominal_of(self.joints[i], "encoder_bias") for i in forms[form]):
-                    bias = self._part("bias", forms[form]) if drawn else self._fixed_bias(forms[form])
+                nominals = [nominal_of(self.joints[i], "encoder_bias") or 0.0 for i in forms[form]]
+                if drawn or any(nominals):
+                    bias = self._part("bias", forms[form]) if drawn else "bias"
+                    if not drawn:
+                        lines += _nominal("bias", nominals, self._part("JOINTS", forms[form]))
                     lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 0].set(-{kp} * {bias})")
             else:
                 lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kd})")
@@ -327,8 +427,38 @@ class _Writer:
             lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 6].set({kd})")
         return ["actuator_gainprm", *(["actuator_biasprm"] if affine else [])]
 
-    def _fixed_bias(self, indices: tuple[int, ...]) -> str:
-        return f"jnp.array({py([nominal_of(self.joints[i], 'encoder_bias') or 0.0 for i in indices])})"
+
+def _raises(actuator: JointActuator, kept: dict[str, Randomization]) -> bool:
+    """Whether a limit can be drawn above the nominal."""
+    for field in ("effort_limit", "strength"):
+        if field in kept:
+            entry, nominal = kept[field], nominal_of(actuator, field) if field == "effort_limit" else 1.0
+            neutral = {"scale": 1.0, "add": 0.0, "abs": nominal}[entry.operation]
+            if neutral is None or drawn_ends(entry)[1] > neutral:
+                return True
+    return False
+
+
+def _nominal(name: str, values: Sequence[float], joints: str) -> list[str]:
+    """Lines that set a variable to numbers of the spec; equal ones as one number."""
+    if len(set(values)) > 1:
+        return _array(name, "jnp.array", values, " " * BODY)
+    size = f"len({joints})" if joints == "JOINTS" else f"{len(values)}"
+    return [f"{name} = jnp.full({size}, {py(values[0])})" if values[0] else f"{name} = jnp.zeros({size})"]
+
+
+def _array(name: str, maker: str, values: Sequence[float], indent: str) -> list[str]:
+    """`name = maker([...])` as lines, broken between entries where it is too long."""
+    one = f"{name} = {maker}({py(list(values))})"
+    if len(indent) + len(one) <= WIDTH:
+        return [one]
+    rows = textwrap.wrap(f"{', '.join(map(py, values))},", WIDTH - len(indent) - 8, break_on_hyphens=False)
+    return [f"{name} = {maker}(", "    [", *(f"        {row}" for row in rows), "    ]", ")"]
+
+
+def _term(text: str) -> str:
+    """A drawn number as a factor or summand: a sum stands in brackets."""
+    return f"({text})" if " + " in text.split("(")[0] else text
 
 
 def _expression(entry: Randomization, key: str, shape: str) -> str:

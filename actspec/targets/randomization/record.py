@@ -11,6 +11,9 @@ from actspec.sampling import FACTORS, FIELDS, nominal_of, own_ranges, unit_of
 
 FORMAT = "actspec-randomization/1"
 
+SHORT = 60
+"""Characters of a part that stands on one line. Chosen: a number with its unit does, a range does not."""
+
 
 def record(actuators: ActuatorSet) -> str:
     """The JSON text: SI units, joint side, joints in the robot's order; null is unknown or not there."""
@@ -22,7 +25,26 @@ def record(actuators: ActuatorSet) -> str:
         "order": ["field", *FACTORS],
         "joints": [_joint(actuator) for actuator in actuators.joints],
     }
-    return json.dumps(found, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return _text(found, "") + "\n"
+
+
+def _text(value: Any, indent: str) -> str:
+    """JSON, a part without parts of its own on one line where it is short."""
+    one = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    if not isinstance(value, (dict, list)) or not value:
+        return one
+    parts = list(value.values()) if isinstance(value, dict) else value
+    if len(one) <= SHORT and not any(isinstance(part, (dict, list)) for part in parts):
+        return one
+    inner = f"{indent}  "
+    begin, end = "{}" if isinstance(value, dict) else "[]"
+    keys = (
+        [f"{json.dumps(key, ensure_ascii=False)}: " for key in value]
+        if isinstance(value, dict)
+        else [""] * len(parts)
+    )
+    rows = [f"{inner}{key}{_text(part, inner)}" for key, part in zip(keys, parts, strict=True)]
+    return f"{begin}\n" + ",\n".join(rows) + f"\n{indent}{end}"
 
 
 def _joint(actuator: JointActuator) -> dict[str, Any]:

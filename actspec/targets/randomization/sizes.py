@@ -9,7 +9,7 @@ from itertools import product
 from actspec.ir import JointActuator, Randomization
 from actspec.laws import TorqueLaw, law_of
 from actspec.sampling import drawn_ends
-from actspec.targets.approximation import held_step_error, speed_scale, static_error
+from actspec.targets.approximation import held_step_error, static_error, viscous_error
 from actspec.targets.randomization.draws import Draw
 
 
@@ -45,14 +45,13 @@ def _at(draw: Draw, value: float) -> float | None:
     law = law_or_none(actuator)
     if law is None or draw.nominal is None:
         return None
-    width = 2.0 * speed_scale(law)
     if field in ("kp", "kd", "effort_limit", "encoder_bias"):
         names = {field: value}
         return _static(law, replace(law, **names))  # type: ignore[arg-type]
     if field in ("friction.coulomb", "friction.static"):
         return abs(value - draw.nominal)
     if field == "friction.viscous":
-        return abs(value - draw.nominal) * width
+        return viscous_change(actuator, value - draw.nominal)
     if field == "delay":
         late = abs(value - draw.nominal)
         return held_step_error(law, filtered=law.filter_cutoff is not None, late=late) if late else 0.0
@@ -64,10 +63,10 @@ def _at(draw: Draw, value: float) -> float | None:
     return None
 
 
-def viscous_error(actuator: JointActuator, change: float) -> float | None:
-    """Torque of a change of the viscous friction at twice the no-load speed."""
+def viscous_change(actuator: JointActuator, change: float) -> float | None:
+    """Largest torque of a change of the viscous friction."""
     law = law_or_none(actuator)
-    return None if law is None else abs(change) * 2.0 * speed_scale(law)
+    return None if law is None else viscous_error(law, change, actuator.velocity_limit.value)
 
 
 def factor_error(
@@ -99,7 +98,7 @@ def _factor_error(law: TorqueLaw, field: str, low: float, high: float, limit: bo
     for p, d, cap in product((low, high), (low, high), (low, high) if limit else (1.0,)):
         scale = min(cap, 1.0) if capped else cap
         made = replace(law, kp=law.kp * p, kd=law.kd * d, effort_limit=law.effort_limit * scale)
-        worst = max(worst, min(static_error(asked[f], made.torque) for f in {p, d, cap} & {low, high}))
+        worst = max(worst, min(_static(asked[f], made) for f in {p, d, cap} & {low, high}))
     return worst
 
 
@@ -118,8 +117,9 @@ def factor_lost(actuator: JointActuator, entry: Randomization) -> float | None:
 
 
 @lru_cache(maxsize=256)
-def _static(asked: TorqueLaw, made: TorqueLaw) -> float:
-    return static_error(asked, made.torque)
+def _static(one: TorqueLaw, other: TorqueLaw) -> float:
+    """Largest difference of two laws, over the torques that either can have."""
+    return max(static_error(one, other.torque), static_error(other, one.torque))
 
 
 def capped_error(draw: Draw) -> float | None:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from actspec.patterns import match_names
 from actspec.targets.python_text import comment_lines, identifier, joint_patterns
 from actspec.targets.randomization.draws import Draw
 
@@ -56,7 +57,7 @@ class Namer:
 
 def patterns_of(draws: Sequence[Draw], names: Sequence[str]) -> tuple[str, ...]:
     """Patterns of the draws' joints; one for all where they are all of the robot's."""
-    if {draw.actuator.joint for draw in draws} == set(names):
+    if {draw.actuator.joint for draw in draws} == set(names) == set(match_names(".*", names)):
         return (".*",)
     return joint_patterns([draw.actuator for draw in draws], names)
 

@@ -11,6 +11,7 @@ import yaml
 from actspec.api import load, load_robot
 from actspec.diagnostics import EmitError
 from actspec.resolution import resolve
+from actspec.robot.joint_order import isaac_order
 from actspec.robot.listed import listed_robot
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile
@@ -18,7 +19,7 @@ from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.deploy.emit import emit
-from actspec.targets.deploy.order import index_map, isaac_order
+from actspec.targets.deploy.order import index_map
 from actspec.targets.deploy.text import scalar
 from tests.compiling import spec_text, view_of
 
@@ -226,7 +227,60 @@ def test_unstated_is_null() -> None:
     found = deployed(spec)
     for name in ("kp", "kd", "effort_limit", "action_scale"):
         assert found[name] == [None] * 4, name
-    assert set(map(tuple, found["policy_delay"].values())) == {(None,) * 4}
+    assert (found["policy_delay"], found["command_range"]) == (None, None)
+
+
+@pytest.mark.parametrize(
+    "delay, low, high",
+    [("unknown", None, None), ("{nominal: unknown, range: [0 ms, 10 ms]}", 0.0, 0.01)],
+    ids=["unknown", "range"],
+)
+def test_unknown_delay_is_not_zero(delay: str, low: float | None, high: float | None) -> None:
+    """Nobody knows the nominal: null, and its ends too unless a range states them."""
+    found = deployed(LEGS.replace("{nominal: 5 ms, range: [0 ms, 10 ms]}", delay))
+    assert found["policy_delay"] == {"nominal": [None] * 4, "low": [low] * 4, "high": [high] * 4}
+
+
+def test_command_range() -> None:
+    """The clamp of the command is the robot's to apply: its ends by joint, null where a joint has none."""
+    spec = LEGS.replace(
+        "overrides: {l_knee: {",
+        "command_range: [-1 rad, 2 rad]\n    overrides: {l_knee: {command_range: none, ",
+    )
+    assert deployed(spec)["command_range"] == {"low": [-1.0, -1.0, -1.0, None], "high": [2.0, 2.0, 2.0, None]}
+    text = emission(spec).files[0].data.decode("utf-8")
+    assert (
+        "# clamp of the command before it is sent; rad; authored: r_hip, r_knee, l_hip; none: l_knee\n"
+        in text
+    )
+    assert deployed(LEGS)["command_range"] is None
+
+
+@pytest.mark.parametrize(
+    ("command", "said"),
+    [
+        ("position", "command = default_position + action_scale x action; authored"),
+        ("velocity", "command = action_scale x action; authored"),
+        ("effort", "command = action_scale x action; authored"),
+    ],
+)
+def test_what_an_action_becomes(command: str, said: str) -> None:
+    """A pose is added to positions alone."""
+    gains = {"position": "kp: 25, kd: 1", "velocity": "kd: 1", "effort": "effort_limit: 9"}[command]
+    legs = f"  legs: {{joints: ['[lr]_(hip|knee)'], level: ideal_pd, command: {command}, {gains}, action_scale: 2}}"
+    assert f"# {said}\n" in emission(legs).files[0].data.decode("utf-8")
+
+
+def test_what_an_action_becomes_where_commands_differ() -> None:
+    """Joints of both kinds are named."""
+    legs = (
+        "  hips: {joints: ['._hip'], level: ideal_pd, kp: 25, kd: 1, action_scale: 2}\n"
+        "  knees: {joints: ['._knee'], level: ideal_pd, command: velocity, kd: 1, action_scale: 3}"
+    )
+    assert (
+        "# command = default_position + action_scale x action at r_hip, l_hip; "
+        "command = action_scale x action at r_knee, l_knee; authored\n"
+    ) in emission(legs).files[0].data.decode("utf-8")
 
 
 def test_nothing_is_an_approximation() -> None:

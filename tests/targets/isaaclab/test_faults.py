@@ -109,6 +109,40 @@ def test_effort_limit_is_never_left_to_a_default() -> None:
     assert said.startswith("ISL010 actuators.legs.effort_limit: a: effort_limit is unknown")
 
 
+def test_joints_of_a_group_share_a_message() -> None:
+    """What is wrong with a group is said once, with its joints; a delay of years too."""
+    three = PLAIN.replace("joints: [a]", "joints: [a, b, c]")
+    (said,) = faults(three.replace("effort_limit: 9 N*m", "effort_limit: unknown"))
+    assert said.startswith("ISL010 actuators.legs.effort_limit: a, b, c: effort_limit is unknown")
+    (said,) = faults(three.replace("effort_limit: 9 N*m", "effort_limit: 9 N*m, delay: 100000 s"))
+    assert said.startswith(
+        "ISL011 actuators.legs: delay must be at most 1000000 steps of 0.005 s, got 100000 s"
+    )
+
+
+@pytest.mark.parametrize("command", ["velocity", "effort"])
+def test_network_of_another_command(tmp_path: Path, command: str) -> None:
+    """The classes give a network the error of a position; any other command would be ignored without a word."""
+    text = NET.replace("effort_limit", f"command: {command}\n    effort_limit")
+    assert faults(text, path=written(tmp_path, MANIFEST)) == [
+        f"ISL022 actuators.legs.command: the network's classes take the error of a position, got command {command} | "
+        "write command: position, or leave this target out"
+    ]
+
+
+def test_delta_action_does_not_depend_on_the_working_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The text names the network's file, not the way to it: compiled from elsewhere it is the same."""
+    delta = "delta_action: {network: nets/delta.pt, max_delta: 0.1 rad, state: [q]}\n"
+    texts = set()
+    for folder, path in ((tmp_path, "s.yaml"), (tmp_path.parent, str(tmp_path / "s.yaml"))):
+        monkeypatch.chdir(folder)
+        texts.add(compiled(PLAIN + delta, path=path).text)
+    (text,) = texts
+    assert "delta_action: delta.pt -> none" in text
+
+
 def written(folder: Path, manifest: dict[str, Any]) -> str:
     """Path of a spec beside a network and its manifest."""
     (folder / "net.pt").write_bytes(b"network")

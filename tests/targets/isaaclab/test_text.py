@@ -13,49 +13,14 @@ from typing import Any
 
 import pytest
 
-from tests.frameworks.isaaclab_asking import Emitted, compiled
+from actspec.resolution import resolve
+from actspec.spec.document import document_from_text
+from actspec.spec.validate import validate
+from actspec.targets.isaaclab.emit import emit
+from tests.compiling import spec_text, view_of
+from tests.frameworks.isaaclab_asking import compiled, options
 from tests.frameworks.isaaclab_specs import RICH, WHOLE
-
-SPEC = """actspec: 1
-robot: {{name: {name}, model: none, joints: [{joints}]{robot}}}
-timing: {{physics_dt: 5 ms, decimation: 4}}
-motors:
-  m: {{side: joint, stall_torque: 45 N*m, no_load_speed: 30 rad/s, peak_torque: 24 N*m}}
-  small: {{side: joint, stall_torque: 30 N*m, no_load_speed: 25 rad/s, peak_torque: 24 N*m}}
-actuators: {{{groups}}}
-"""
-
-PD = "level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: 9 N*m"
-DC = "motor: m, level: dc_motor, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: 9 N*m"
-
-
-def made(
-    groups: str,
-    version: str = "2.3",
-    cls: str = "auto",
-    *,
-    joints: str = "a_hip, b_hip, a_knee, b_knee",
-    name: str = "bot",
-    robot: str = "",
-    **more: Any,
-) -> Emitted:
-    """Compile groups in flow style."""
-    text = SPEC.format(name=name, joints=joints, groups=groups, robot=robot)
-    return compiled(text, version, cls, **more)
-
-
-def cfgs(text: str) -> dict[str, dict[str, Any]]:
-    """The groups of a module, read by its syntax tree: class and keywords, nothing executed."""
-    for node in ast.parse(text).body:
-        if isinstance(node, ast.Assign) and isinstance(node.value, ast.Dict):
-            found = {}
-            for key, call in zip(node.value.keys, node.value.values, strict=True):
-                assert isinstance(key, ast.Constant) and isinstance(call, ast.Call)
-                assert isinstance(call.func, ast.Name)
-                keywords = {str(k.arg): ast.literal_eval(k.value) for k in call.keywords}
-                found[str(key.value)] = {"class": call.func.id, **keywords}
-            return found
-    raise AssertionError("the module has no dict")
+from tests.targets.isaaclab.emitting import DC, PD, SPEC, cfgs, made
 
 
 def test_module_and_constant_are_named_after_the_robot() -> None:
@@ -164,8 +129,8 @@ def test_friction_in_the_version_s_unit_or_left_out(
     assert group["damping"] == pytest.approx(damping)
     sizes = {a.field: a.max_torque_error for a in emitted.emission.approximations if a.joint == "a_hip"}
     if not friction:
-        # All of the break-away friction is lost, and the text says what to do about it.
-        assert sizes["friction.coulomb"] == pytest.approx(0.5)
+        # Both are lost, each at its own size, and the text says what to do about it.
+        assert (sizes["friction.coulomb"], sizes["friction.static"]) == pytest.approx((0.3, 0.5))
         assert "friction is left out, 0.5 N*m asked for" in " ".join(emitted.text.replace("#", "").split())
     if viscous is None:
         # Speeds to twice L/kd = 18 rad/s; outside of the clamp the law has 0.04 x 36 N*m more.
@@ -225,40 +190,18 @@ def test_native_actuators_of_3_have_one_delay() -> None:
     assert loss == ("delay.range", "10 ms (2 steps of 5 ms)")
 
 
-def test_torque_limits_before_delay_before_filter() -> None:
-    """DCMotor holds the line and neither delay nor filter: both are lost, sized, and nothing becomes a delay."""
-    emitted = made(f'all: {{joints: [".*"], {DC}, delay: 10 ms, command_filter: {{cutoff: 30 Hz}}}}')
-    group = cfgs(emitted.text)["all"]
-    assert group["class"] == "DCMotorCfg"
-    assert "max_delay" not in group
-    sizes = {a.field: a.max_torque_error for a in emitted.emission.approximations if a.joint == "a_hip"}
-    assert sizes == {"delay": pytest.approx(4.5), "command_filter": pytest.approx(4.5)}
-
-
-def test_two_quadrants_of_2_1_are_sized() -> None:
-    """From 30 (1 + 9/45) = 36 rad/s the law forces -9 N*m; DCMotor of 2.1 allows 0, and with 2.2 nothing is lost."""
-    group = f'all: {{joints: [".*"], {DC}}}'
-    (loss,) = {(a.field, a.max_torque_error) for a in made(group, "2.1").emission.approximations}
-    assert loss == ("torque_speed_curve", pytest.approx(9.0))
-    assert made(group, "2.2").emission.approximations == ()
-    assert made(group, "2.1", "custom").emission.approximations == ()
-
-
-def test_curve_becomes_the_line_of_its_drive_side() -> None:
-    """From 20 N*m at 14 rad/s to 0 at 30: a line from 20 / (1 - 14/30) = 37.5 N*m, cut at 20; no braking alike."""
-    group = cfgs(compiled(WHOLE).text)["curve"]
-    assert (group["saturation_effort"], group["velocity_limit"], group["effort_limit"]) == (37.5, 30.0, 20.0)
-    losses = {a.field: a.max_torque_error for a in compiled(WHOLE).emission.approximations if a.joint == "c"}
-    # Beyond 30 (1 + 20/37.5) = 46 rad/s the line forces -20 N*m, and the curve has nothing left.
-    assert losses["torque_speed_curve"] == pytest.approx(20.0)
-
-
-def test_clamp_of_the_command_is_sized() -> None:
-    """Commands clamped to +-0.1 rad: held at 0.1 the joint gets nothing of the 9 N*m that its limit allows."""
-    emitted = made(f'all: {{joints: [".*"], {PD}, command_range: [-0.1 rad, 0.1 rad]}}')
-    sizes = {a.field: a.max_torque_error for a in emitted.emission.approximations if a.joint == "a_hip"}
-    # Without a model the joint is taken to stay in the range of its command.
-    assert sizes == {"command_range": pytest.approx(9.0)}
+def test_floating_base_is_in_no_pattern() -> None:
+    """A named free joint is no joint of an articulation: `.*` stays `.*`, and the group stays whole."""
+    spec = validate(
+        document_from_text(spec_text(f'  all: {{joints: [".*"], {PD}}}', timing="{physics_dt: 5 ms}"))
+    )
+    view = view_of(
+        '<mujoco><worldbody><body><freejoint name="root"/><geom size="1"/>'
+        '<body><joint name="a"/><geom size="1"/></body></body></worldbody></mujoco>'
+    )
+    actuators = resolve(spec, view)
+    text = emit(actuators, view, options()).files[0].data.decode()
+    assert cfgs(text)["all"]["joint_names_expr"] == [".*"]
 
 
 @pytest.mark.parametrize("version, heading", [("2.1", True), ("2.2", False), ("2.3", False), ("3.0", True)])

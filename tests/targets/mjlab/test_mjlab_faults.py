@@ -65,6 +65,14 @@ def test_network_that_starts_at_zero(tmp_path: Path) -> None:
     assert found.lost("network.initial_history").max_torque_error == 48.0
 
 
+def test_step_into_a_network_is_sized_by_its_limit(tmp_path: Path) -> None:
+    """What a network answers to a late or unfiltered step is not known: at most 24 to -24, not a drive's 12."""
+    text = network(tmp_path).replace("network:", "delay: 7 ms, command_filter: {cutoff: 9 Hz}, network:")
+    found = written(text, path=str(tmp_path / "spec.yaml"))
+    sizes = {loss.field: loss.max_torque_error for loss in found.emission.approximations}
+    assert sizes == {"delay": 48.0, "command_filter": 48.0}
+
+
 @pytest.mark.parametrize(
     "changed, expected",
     [
@@ -147,11 +155,63 @@ def test_unknown_numbers(fields: dict[str, str], expected: str) -> None:
     assert refused(group(**fields)) == [expected]
 
 
-def test_errors_of_all_joints_at_once() -> None:
-    """One joint's error does not hide another's."""
-    both = group(joints="[hip, calf]", kp="unknown", **LIMIT)
-    found = refused(both, robot='unmanaged: ["rod"]')
-    assert [line.split(": ")[1] for line in found] == ["hip", "calf"]
+@pytest.mark.parametrize(
+    "fields, expected",
+    [
+        (
+            {"kp": "unknown", **LIMIT},
+            "MJL001 actuators.leg: hip, calf: kp is unknown, level ideal_pd with command position needs it",
+        ),
+        (
+            {"command": "effort", "kp": "", "kd": "", "effort_limit": "unknown"},
+            "MJL002 actuators.leg.effort_limit: hip, calf: effort_limit is unknown, and the class that mjlab has "
+            "for it needs a number",
+        ),
+    ],
+    ids=["kp", "limit"],
+)
+def test_a_groups_error_is_told_once(fields: dict[str, str], expected: str) -> None:
+    """One joint's error does not hide another's, and the same one names both."""
+    assert refused(group(joints="[hip, calf]", **fields), robot='unmanaged: ["rod"]') == [expected]
+
+
+def test_a_networks_command_is_told_once(tmp_path: Path) -> None:
+    """A group's network with another command than position is one error, with the joints and a way out."""
+    spec = network(tmp_path).replace("[hip]", "[hip, calf]").replace("level:", "command: effort, level:")
+    with pytest.raises(EmitError) as caught:
+        written(spec, path=str(tmp_path / "spec.yaml"), robot='unmanaged: ["rod"]')
+    (fault,) = caught.value.diagnostics
+    assert fault.message == "hip, calf: mjlab's network takes position errors, got command effort"
+    assert fault.help == "write command: position, or leave this target out"
+
+
+@pytest.mark.parametrize(
+    ("line", "expected"),
+    [
+        ("stall_torque: 45 N*m, no_load_speed: 30 rad/s", (45.0, 30.0)),
+        ("stall_torque: unknown, no_load_speed: 30 rad/s", (1e9, 1e9)),
+        ("stall_torque: 45 N*m, no_load_speed: unknown", (1e9, 1e9)),
+    ],
+    ids=["line", "no-stall", "no-speed"],
+)
+def test_network_of_a_motor_without_a_line(line: str, expected: tuple[float, float], tmp_path: Path) -> None:
+    """A network's torque is cut at the line where there is one; an unknown part of it leaves the limit alone."""
+    spec = network(tmp_path).replace("level:", "motor: m, level:")
+    motors = f"\n  m: {{side: joint, {line}}}"
+    fields = written(spec, path=str(tmp_path / "spec.yaml"), motors=motors).cfg[1]
+    assert (fields["saturation_effort"], fields["velocity_limit"]) == expected
+
+
+def test_network_files_that_are_not_there(tmp_path: Path) -> None:
+    """The helps speak of the network and of its manifest, not of a spec."""
+    spec = network(tmp_path, file=False)
+    (tmp_path / "net.json").unlink()
+    with pytest.raises(EmitError) as caught:
+        written(spec, path=str(tmp_path / "spec.yaml"))
+    assert [(fault.code, fault.help) for fault in caught.value.diagnostics] == [
+        ("NET003", "network.file names the network itself (TorchScript), relative to the spec's folder"),
+        ("NET004", "`actspec schema network` has the manifest's keys"),
+    ]
 
 
 @pytest.mark.parametrize("version", ["1.7", "2.0", "1", "1.6.0.1", "one.six", "1.٦", "0.9", ""])

@@ -85,7 +85,7 @@ def test_stated_passive_numbers_replace_the_models() -> None:
     [
         ("10 ms", {"delay_min_lag": 2, "delay_max_lag": 2}, None),
         # 7 ms are 1.4 steps; the difference can be the half of L that the step asks for.
-        ("7 ms", {"delay_min_lag": 1, "delay_max_lag": 1}, ("delay", "7 ms", "1 steps of 5 ms", 12.0)),
+        ("7 ms", {"delay_min_lag": 1, "delay_max_lag": 1}, ("delay", "7 ms", "1 step of 5 ms", 12.0)),
         ("2 ms", {}, ("delay", "2 ms", "0 steps of 5 ms", 12.0)),
         (
             "{nominal: 5 ms, range: [0 ms, 10 ms], sampling: episode}",
@@ -106,10 +106,16 @@ def test_stated_passive_numbers_replace_the_models() -> None:
         (
             "{nominal: 5 ms, range: [4 ms, 6 ms], sampling: episode}",
             {"delay_min_lag": 1, "delay_max_lag": 1},
-            ("delay.range", "4 to 6 ms", "1 steps of 5 ms", 12.0),
+            ("delay.range", "4 to 6 ms", "1 step of 5 ms", 12.0),
+        ),
+        # Nobody knows the nominal, and nothing of mjlab needs it.
+        (
+            "{nominal: unknown, range: [5 ms, 15 ms], sampling: step}",
+            {"delay_min_lag": 1, "delay_max_lag": 3},
+            None,
         ),
     ],
-    ids=["whole", "rounded", "to-nothing", "episode", "step", "within-a-step"],
+    ids=["whole", "rounded", "to-nothing", "episode", "step", "within-a-step", "unknown-nominal"],
 )
 def test_delay(delay: str, expected: dict[str, Any], loss: tuple[str, str, str, float] | None) -> None:
     """Seconds become steps of the simulation, drawn as the spec says, and rounding is recorded."""
@@ -126,8 +132,8 @@ def test_delay(delay: str, expected: dict[str, Any], loss: tuple[str, str, str, 
         ({"command_filter": "{cutoff: 30 Hz}"}, "command_filter", "30 Hz", "none", 12.0),
         # kp x bias = 25 x 0.02.
         ({"encoder_bias": "0.02 rad"}, "encoder_bias", "0.02 rad", "none", 0.5),
-        # At q = 1 a command of 0.2 pulls with 25 x -0.8 = -20, one of 1 + 48/25 with +24: 44.
-        ({"command_range": "[-0.2 rad, 0.2 rad]"}, "command_range", "-0.2 to 0.2 rad", "none", 44.0),
+        # At q = 1 a command of 0.2 pulls with 25 x -0.8 = -20, with kd at speed to -24; a far one with +24: 48.
+        ({"command_range": "[-0.2 rad, 0.2 rad]"}, "command_range", "-0.2 to 0.2 rad", "none", 48.0),
         ({"friction": "{coulomb: 0.2 N*m, static: 0.3 N*m}"}, "friction.static", "0.3 N*m", "0.2 N*m", 0.1),
         ({"velocity_limit": "20 rad/s"}, "velocity_limit", "20 rad/s", "none", None),
         # Above 30 rad/s the curve has nothing left, and the line still brakes with 20.
@@ -148,6 +154,22 @@ def test_losses(fields: dict[str, str], field: str, asked: str, emitted: str, er
     assert (loss.asked, loss.emitted) == (asked, emitted)
     assert loss.max_torque_error == (None if error is None else pytest.approx(error))
     assert [a.field for a in found.emission.approximations] == [field]
+
+
+@pytest.mark.parametrize(
+    "coulomb, emitted, size",
+    [("0.2 N*m", "0.2 N*m", 0.1), ("unknown", "the model's own", 0.3)],
+    ids=["known", "unknown"],
+)
+def test_stribeck_effect(coulomb: str, emitted: str, size: float) -> None:
+    """Static friction and its fall to the sliding one are two fields, and two losses; unknown is not 0."""
+    friction = f"{{coulomb: {coulomb}, static: 0.3 N*m, stribeck_velocity: 0.1 rad/s}}"
+    found = written(group(**LIMIT, friction=friction))
+    losses = {loss.field: (loss.emitted, loss.max_torque_error) for loss in found.emission.approximations}
+    assert losses == {
+        "friction.static": (emitted, pytest.approx(size)),
+        "friction.stribeck_velocity": ("none", pytest.approx(size)),
+    }
 
 
 def test_distinct_numbers_make_distinct_cfgs() -> None:
@@ -224,7 +246,7 @@ def test_older_version_keeps_the_models_armature() -> None:
 def test_versions(version: str) -> None:
     """Every known release is written, and says whether it is one that the tests run."""
     text = written(group(**DC, delay="10 ms"), version=version).text
-    assert ("not run with it" in text) == (version != "1.6")
+    assert ("not run with it" in text) == (version in ("1.1", "1.4"))
     assert ("DelayedActuatorCfg(" in text) == (version in ("1.0", "1.1", "1.2"))
     assert ("viscous_damping=" in text) == (version not in ("1.0", "1.1", "1.2"))
 
@@ -289,6 +311,36 @@ def test_scale_and_pose() -> None:
     assert found.constants["PROBE_JOINT_POS"] == {"calf": -1.5}
 
 
+def test_pose_in_the_authors_patterns() -> None:
+    """A pattern of `default_pose` stands where it names exactly the joints of its value; group patterns do next."""
+    rest = 'unmanaged: ["rod"], default_pose: {%s}'
+    both = group(**LIMIT, joints='["[hc].*"]')
+    found = written(both, robot=rest % '".*(p|lf)": 0.3 rad')
+    assert found.constants["PROBE_JOINT_POS"] == {".*(p|lf)": 0.3}
+    # The same value by two patterns stays two, and one that reaches an unmanaged joint too is not written.
+    found = written(both, robot=rest % 'hi.: 0.3 rad, "ca.*": 0.3 rad')
+    assert found.constants["PROBE_JOINT_POS"] == {"hi.": 0.3, "ca.*": 0.3}
+    found = written(group(**LIMIT, joints='["[hc].*"]'), robot=rest % '"[hcr].*": 0.1 rad')
+    assert found.constants["PROBE_JOINT_POS"] == {"[hc].*": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("fields", "version", "explicit"),
+    [
+        (LIMIT, "1.6", False),
+        ({**LIMIT, "command": "velocity", "kp": ""}, "1.6", False),
+        ({**LIMIT, "command": "velocity", "kp": ""}, "1.2", True),
+        ({**LIMIT, "kp": "0 N*m/rad"}, "1.6", True),
+        (DC, "1.6", True),
+    ],
+    ids=["position", "velocity", "velocity-before-1.3", "no-kp", "dc"],
+)
+def test_explicit_drives(fields: dict[str, str], version: str, explicit: bool) -> None:
+    """MuJoCo takes kd of a builtin actuator implicitly; the other classes compute a torque before the step."""
+    found = written(group(**fields), version=version).emission.explicit
+    assert found == (frozenset({"hip"}) if explicit else frozenset())
+
+
 def test_header_and_layout() -> None:
     """The header names tool, spec and losses; code and comments keep mjlab's 88 columns and two spaces."""
     found = written(group(**LIMIT, delay="7 ms"))
@@ -296,7 +348,7 @@ def test_header_and_layout() -> None:
     assert "# model robot.xml\n" in found.text
     assert "timestep=0.005" in found.text
     assert "decimation=4" in found.text
-    assert re.search(r"# - delay: 7 ms -> 1 steps of 5 ms; at most 12 N\*m", found.text)
+    assert re.search(r"# - delay: 7 ms -> 1 step of 5 ms; at most 12 N\*m", found.text)
     assert max(map(len, found.text.splitlines())) <= 88
     assert not [line for line in found.text.splitlines() if line.startswith("   ") and line[4] == " "]
     ast.parse(found.text)

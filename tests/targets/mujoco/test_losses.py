@@ -84,18 +84,39 @@ def losses(
             id="range without delay",
         ),
         pytest.param(
+            "delay: {nominal: unknown, range: [0 ms, 9 ms]}; command_filter: {cutoff: 10 Hz}",
+            "4.0",
+            "delay.range",
+            # Without a nominal there is no delay, 9 ms from the farthest.
+            (
+                "0 to 9 ms, drawn each episode",
+                "none",
+                "one fixed delay, and the nominal is unknown",
+                HALF * (1 - math.exp(-0.18 * math.pi)),
+            ),
+            id="range of an unknown delay",
+        ),
+        pytest.param(
+            "delay: 3 ms; command_filter: {cutoff: 10 Hz}",
+            "4.0",
+            "delay",
+            # 1.5 steps are rounded up; the filter lets through 1 - exp(-2 pi 10 Hz 1 ms) in 1 ms.
+            ("3 ms", "4 ms (2 steps of 2 ms)", "1 ms more", HALF * (1 - math.exp(-0.02 * math.pi))),
+            id="two steps",
+        ),
+        pytest.param(
+            "delay: 2.4 ms; command_filter: {cutoff: 10 Hz}",
+            "4.0",
+            "delay",
+            ("2.4 ms", "2 ms (1 step of 2 ms)", "0.4 ms less", HALF * (1 - math.exp(-0.008 * math.pi))),
+            id="one step",
+        ),
+        pytest.param(
             "friction: {coulomb: 0.1, static: 0.3}",
             "4.0",
             "friction.static",
             ("0.3 N*m", "0.1 N*m", "one number for sticking and sliding", 0.2),
             id="static friction",
-        ),
-        pytest.param(
-            "friction: {coulomb: 0.1, static: 0.1, stribeck_velocity: 0.5 rad/s}",
-            "4.0",
-            "friction.stribeck_velocity",
-            ("a Stribeck curve", "none", "MuJoCo has none", 0.0),
-            id="stribeck",
         ),
         pytest.param(
             "velocity_limit: 20 rad/s",
@@ -115,6 +136,24 @@ def test_losses(fields: str, version: str, field: str, expected: tuple[str, str,
     assert (asked, emitted) == expected[:2]
     assert expected[2] in why
     assert error == (None if expected[3] is None else pytest.approx(expected[3], rel=1e-12))
+
+
+def test_a_stribeck_curve_needs_its_static_friction() -> None:
+    """From 0.3 N*m at rest to 0.1 N*m in motion, 0.2 N*m are lost, twice said; without a difference nothing is."""
+    found = losses("friction: {coulomb: 0.1, static: 0.3, stribeck_velocity: 0.5 rad/s}", "4.0")
+    assert {field: (asked, emitted) for field, (asked, emitted, *_) in found.items()} == {
+        "friction.static": ("0.3 N*m", "0.1 N*m"),
+        "friction.stribeck_velocity": ("0.5 rad/s", "none"),
+    }
+    assert [error for *_, error in found.values()] == pytest.approx([0.2, 0.2])
+    assert losses("friction: {coulomb: 0.1, static: 0.1, stribeck_velocity: 0.5 rad/s}", "4.0") == {}
+
+
+def test_a_network_is_named_by_its_file() -> None:
+    """The loss has the file's name, not its folder's."""
+    text = "  hip: {joints: [hip], level: actuator_net, effort_limit: 9, network: {file: nets/a.pt}}\n"
+    (loss,) = compile_text(text, LEG, "4.0").emission.approximations
+    assert (loss.field, loss.asked) == ("network", "a.pt")
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,369 @@
+"""Effective dynamics of the robots in files: what all actuators of a joint and its passive part do together.
+
+From ledger rows, and from the artifact for what the ledger has no column for. None is unknown, never zero.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.audit.case import Case
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.pair import matching
+from actspec.diagnostics import Span
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.ir import JointActuator, JointKind
+from actspec.robot.view import ActuatorView, JointView
+from actspec.units import Kind
+
+NOUNS = {
+    "kp": "stiffness kp",
+    "kd": "drive gain kd",
+    "joint_damping": "joint damping",
+    "actuator_damping": "actuator damping",
+    "back_emf": "back-EMF",
+    "total_damping": "total damping",
+    "frictionloss": "dry friction",
+    "friction_static": "break-away friction",
+    "stribeck_velocity": "Stribeck velocity",
+    "friction_setting": "friction as written",
+    "dynamic_friction_setting": "dynamic friction as written",
+    "spring": "joint stiffness",
+    "effort_limit": "effort limit",
+    "velocity_limit": "velocity limit",
+    "stall_torque": "stall torque",
+    "no_load_speed": "no-load speed",
+    "armature": "armature",
+    "delay": "delay",
+    "delay_low": "least delay",
+    "delay_high": "largest delay",
+    "filter_cutoff": "cutoff of the command filter",
+    "command_low": "least command",
+    "command_high": "largest command",
+    "position_low": "lower position limit",
+    "position_high": "upper position limit",
+    "encoder_bias": "encoder bias",
+    "action_scale": "action scale",
+    "default_position": "default position",
+}
+"""Field to its words, in the order in which they are told."""
+
+SETTING_NOUNS = {
+    "physics_dt": "physics step",
+    "decimation": "decimation",
+    "control_dt": "control period",
+    "integrator": "integrator",
+}
+"""What concerns the whole robot, likewise."""
+
+_KINDS = {
+    "kp": Kind.STIFFNESS,
+    "spring": Kind.STIFFNESS,
+    "kd": Kind.VELOCITY_GAIN,
+    "joint_damping": Kind.VELOCITY_GAIN,
+    "actuator_damping": Kind.VELOCITY_GAIN,
+    "back_emf": Kind.VELOCITY_GAIN,
+    "total_damping": Kind.VELOCITY_GAIN,
+    "frictionloss": Kind.TORQUE,
+    "friction_static": Kind.TORQUE,
+    "effort_limit": Kind.TORQUE,
+    "stall_torque": Kind.TORQUE,
+    "velocity_limit": Kind.SPEED,
+    "no_load_speed": Kind.SPEED,
+    "stribeck_velocity": Kind.SPEED,
+    "armature": Kind.INERTIA,
+    "position_low": Kind.POSITION,
+    "position_high": Kind.POSITION,
+    "encoder_bias": Kind.POSITION,
+    "action_scale": Kind.POSITION,
+    "default_position": Kind.POSITION,
+}
+_UNITS = {"delay": "s", "delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
+_SUMMED = frozenset({"kp", "kd", "actuator_damping", "back_emf"})
+"""What adds up over the actuators of a joint; the other fields of a row are the joint's already."""
+_MOST_NETWORK_BYTES = 1 << 28
+"""Chosen: actuator networks have some 10 kB."""
+_OF_ROW = tuple(name for name in NOUNS if name in LedgerRow.__dataclass_fields__)
+
+
+@dataclass(frozen=True, slots=True)
+class Figure:
+    """One number of one joint as one file has it.
+
+    Attributes:
+        value: In `unit`; None is unknown, inf no limit.
+        unit: SI unit; "" where it has none, or nobody says.
+        place: Where it is written.
+        stated: Whether the file states it itself; else it is an engine's default or computed.
+    """
+
+    value: float | None
+    unit: str
+    place: Span
+    stated: bool
+
+
+@dataclass(frozen=True, slots=True)
+class JointDynamics:
+    """What acts on one joint.
+
+    Attributes:
+        joint: Its name; `actuator NAME` for what drives a tendon, site or body.
+        control: The controls of its actuators (`CONTROLS`), joined by `+`.
+        place: Where the actuator (or the bare joint) is written.
+        figures: Field of `NOUNS` to its figure.
+        network: SHA-256 of its actuator network, or the network's name where only that is known; None: none.
+        inertia: Least and largest inertia of the links over the poses, armature left out; None when unknown.
+        natural_frequency: [rad/s]; None when unknown.
+        damping_ratio: [-]; None when unknown.
+    """
+
+    joint: str
+    control: str
+    place: Span
+    figures: Mapping[str, Figure]
+    network: str | None = None
+    inertia: tuple[float, float] | None = None
+    natural_frequency: float | None = None
+    damping_ratio: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class RobotDynamics:
+    """One robot as one file has it.
+
+    Attributes:
+        name: Its name there.
+        file: The file as the user named it.
+        kind: What the file is.
+        joints: Name to joint, in the file's order.
+        settings: Name of `SETTING_NOUNS` to the value [s, -]; a text for the integrator. Unknown ones are left out.
+    """
+
+    name: str
+    file: str
+    kind: FileKind
+    joints: Mapping[str, JointDynamics]
+    settings: Mapping[str, float | str] = field(default_factory=dict)
+
+
+def dynamics_of(case: Case, index: int) -> RobotDynamics:
+    """The effective dynamics of one artifact.
+
+    Args:
+        case: The case.
+        index: Into `Case.artifacts`.
+    """
+    artifact = case.artifacts[index]
+    rows: dict[str, list[LedgerRow]] = {}
+    for row in case.rows_of(index):
+        if row.joint:
+            rows.setdefault(row.joint, []).append(row)
+    joints = {name: _joint(artifact, found) for name, found in rows.items()}
+    joints.update((loose.joint, loose) for loose in _loose(artifact))
+    return RobotDynamics(artifact.name, artifact.path, artifact.kind, joints, settings_of(artifact))
+
+
+def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
+    """A field of a joint from all rows of the joint in one artifact.
+
+    Args:
+        rows: Of one joint, one an actuator; at least one.
+        name: Field of a row that is a number.
+    """
+    said = [row for row in rows if name in row.stated]
+    values: list[float | None] = [getattr(row, name) for row in rows]
+    value = values[0]
+    if name in _SUMMED and len(rows) > 1:
+        known = [item for item in values if item is not None]
+        value = math.fsum(known) if len(known) == len(values) else None
+    first = said[0] if said else rows[0]
+    return Figure(value, _unit(name, rows[0].kind), first.place(name), bool(said))
+
+
+def settings_of(artifact: Artifact) -> dict[str, float | str]:
+    """What an artifact says of the whole robot's steps, by the names of `SETTING_NOUNS`."""
+    found: dict[str, float | str] = {}
+    if artifact.robot is not None and artifact.robot.timestep is not None:
+        found["physics_dt"] = artifact.robot.timestep
+        if artifact.robot.integrator:
+            lost = artifact.robot.integrator == "Euler" and not artifact.robot.eulerdamp
+            found["integrator"] = artifact.robot.integrator + (" without eulerdamp" if lost else "")
+    elif artifact.spec is not None:
+        if artifact.spec.physics_dt.value is not None:
+            found["physics_dt"] = artifact.spec.physics_dt.value
+        if artifact.spec.decimation is not None:
+            found["decimation"] = float(artifact.spec.decimation)
+    elif artifact.config is not None:
+        for name in ("physics_dt", "decimation", "control_dt"):
+            setting = artifact.config.settings.get(name)
+            if setting is not None and setting.unknown is None and isinstance(setting.value, int | float):
+                found[name] = float(setting.value)
+    step, decimation = found.get("physics_dt"), found.get("decimation")
+    if isinstance(step, float) and isinstance(decimation, float):
+        found.setdefault("control_dt", step * decimation)
+    return found
+
+
+def friction_setting(artifact: Artifact, row: LedgerRow, *names: str) -> tuple[float, Span] | None:
+    """What an Isaac Lab configuration writes for a joint's friction, whatever its unit there.
+
+    Args:
+        artifact: Of the row.
+        row: Of one joint.
+        names: Fields of the class (`friction`, `dynamic_friction`); the first that is written counts.
+
+    Returns: The number as written, and its place; None where none is written or it could not be folded.
+    """
+    config, group = artifact.config, _group(artifact, row)
+    if config is None or group is None or config.framework is not Framework.ISAACLAB:
+        return None
+    for name in names:
+        setting = group.settings.get(name)
+        if setting is None or setting.unknown is not None or isinstance(setting.value, bool):
+            continue
+        value: object = setting.value
+        if isinstance(value, Mapping):
+            value = next((number for key, number in value.items() if _covers(config, key, row.joint)), None)
+        if isinstance(value, int | float):
+            return float(value), setting.span
+    return None
+
+
+def _group(artifact: Artifact, row: LedgerRow) -> ActuatorGroup | None:
+    """The actuator cfg that a row is made from."""
+    groups = artifact.config.groups if artifact.config is not None else ()
+    return next((g for g in groups if (g.name, g.span) == (row.actuator, row.span)), None)
+
+
+def _network_name(artifact: Artifact, row: LedgerRow) -> str | None:
+    """The file of a configuration's network, as written."""
+    group = _group(artifact, row)
+    setting = group.settings.get("network_file") if group is not None else None
+    return setting.value if setting is not None and isinstance(setting.value, str) else None
+
+
+def _covers(config: RobotConfig, key: str, joint: str) -> bool:
+    return key == joint or bool(matching(config.framework, key, (joint,)))
+
+
+def _unit(name: str, kind: JointKind | None) -> str:
+    """SI unit of a field; a joint of unknown kind is taken for a hinge, as nearly all are."""
+    quantity = _KINDS.get(name)
+    if quantity is not None:
+        return quantity.linear_unit if kind is JointKind.SLIDE else quantity.rotary_unit
+    return _UNITS.get(name, "")
+
+
+def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
+    first = rows[0]
+    figures = {name: figure(rows, name) for name in _OF_ROW}
+
+    def add(name: str, value: float | None, place: Span | None = None) -> None:
+        figures[name] = Figure(value, _unit(name, first.kind), place or first.span, True)
+
+    command = _least_range([row.command_range for row in rows])
+    for name, ends in (("command", command), ("position", first.position_range)):
+        if ends is not None:
+            place = first.place(f"{name}_range")
+            add(f"{name}_low", ends[0], place)
+            add(f"{name}_high", ends[1], place)
+    network = None
+    if artifact.spec is not None:
+        actuator = artifact.spec.joint(first.joint)
+        if actuator is not None:
+            for name, value in _of_spec(actuator):
+                add(name, value)
+            network = _network(actuator)
+    elif artifact.robot is not None:
+        view = artifact.robot.joint(first.joint)
+        drives = [a for a in artifact.robot.actuators if a.target == first.joint]
+        for name, value in _of_model(view, drives):
+            add(name, value)
+    else:
+        network = _network_name(artifact, first)
+        for name in ("friction", "dynamic_friction") if first.frictionloss is None else ():
+            written = friction_setting(artifact, first, name)
+            if written is not None:
+                add(f"{name}_setting", *written)
+    return JointDynamics(
+        first.joint,
+        "+".join(dict.fromkeys(row.control for row in rows)),
+        first.span,
+        {name: figures[name] for name in NOUNS if name in figures},
+        network,
+        _links(first),
+        first.natural_frequency,
+        first.damping_ratio,
+    )
+
+
+def _of_spec(actuator: JointActuator) -> Iterator[tuple[str, float | None]]:
+    """What a spec says beyond the ledger."""
+    if actuator.friction_static is not None:
+        yield "friction_static", actuator.friction_static.value
+    if actuator.stribeck_velocity is not None:
+        yield "stribeck_velocity", actuator.stribeck_velocity.value
+    if actuator.filter_cutoff is not None:
+        yield "filter_cutoff", actuator.filter_cutoff.value
+    if actuator.delay is not None and actuator.delay.low != actuator.delay.high:
+        yield "delay_low", actuator.delay.low
+        yield "delay_high", actuator.delay.high
+    if actuator.encoder_bias.value:
+        yield "encoder_bias", actuator.encoder_bias.value
+
+
+def _of_model(view: JointView | None, drives: Sequence[ActuatorView]) -> Iterator[tuple[str, float | None]]:
+    """What a model says beyond the ledger."""
+    if view is not None and view.stiffness and "stiffness" not in view.unknown:
+        yield "spring", view.stiffness
+    for drive in drives:
+        if drive.time_constant > 0.0 and "time_constant" not in drive.unknown:
+            yield "filter_cutoff", 1.0 / (2.0 * math.pi * drive.time_constant)
+
+
+def _network(actuator: JointActuator) -> str | None:
+    """What stands for a network: the hash of its bytes."""
+    import hashlib
+
+    if actuator.network is None:
+        return None
+    try:
+        return hashlib.sha256(read_regular(actuator.network.file, _MOST_NETWORK_BYTES)).hexdigest()
+    except (OSError, ValueError, NotRegular, TooLarge):
+        return os.path.basename(actuator.network.file)
+
+
+def _links(row: LedgerRow) -> tuple[float, float] | None:
+    """Inertia of the links alone."""
+    if row.inertia_min is None or row.inertia_max is None:
+        return None
+    own = row.armature or 0.0
+    return row.inertia_min - own, row.inertia_max - own
+
+
+def _least_range(ranges: Sequence[tuple[float, float] | None]) -> tuple[float, float] | None:
+    """The command range of a joint's first actuator that has one."""
+    return next((ends for ends in ranges if ends is not None), None)
+
+
+def _loose(artifact: Artifact) -> Iterator[JointDynamics]:
+    """What drives a tendon, site or body, with its figures at the transmission, in units that the file knows."""
+    if artifact.robot is None:
+        return
+    for drive in artifact.robot.actuators:
+        if drive.transmission in ("joint", "jointinparent"):
+            continue
+        values: dict[str, float | None] = {
+            name: None if name in drive.unknown else value
+            for name, value in (("kp", drive.kp), ("kd", drive.kd))
+        }
+        if drive.force_range is not None:
+            values["effort_limit"] = abs(drive.gear) * max(abs(end) for end in drive.force_range)
+        figures = {name: Figure(value, "", drive.span, True) for name, value in values.items()}
+        name = f"actuator {drive.name or drive.index}"
+        yield JointDynamics(name, drive.control, drive.span, figures)

@@ -1,0 +1,208 @@
+"""The audit: files to findings.
+
+A rule that breaks off is a fault of actspec and is told as one; the others still run.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
+from actspec.audit.build import case_of
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
+from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
+from actspec.audit.read import PendingFiles, read_files
+from actspec.audit.rule import Rule
+from actspec.audit.rules.registry import all_rules
+from actspec.audit.selection import selected, strength
+from actspec.audit.settings import Settings, matches
+from actspec.diagnostics import Diagnostic, Severity, Span, listed
+
+
+def audit(
+    files: Sequence[str] | PendingFiles,
+    settings: Settings,
+    *,
+    spec: str | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> Report:
+    """Read files and run the rules over them. Nothing that is read is executed.
+
+    Args:
+        files: As the user names them, or already being read.
+        settings: Which rules, and what becomes of their findings.
+        spec: The spec that all files with its joints are held to, whatever they call the robot; one of `files`.
+        progress: Called with how many files are read, of how many.
+
+    Raises: AuditError: the baseline cannot be read.
+    """
+    readings = (
+        files.finish(progress) if isinstance(files, PendingFiles) else read_files(files, progress=progress)
+    )
+    return judge(case_of(readings, settings.versions, settings.options, spec), settings)
+
+
+def judge(case: Case, settings: Settings, rules: Sequence[type[Rule]] | None = None) -> Report:
+    """Run the rules over what was read.
+
+    Args:
+        case: What was read.
+        settings: Which rules, and what becomes of their findings.
+        rules: All rules; default: those of the registry.
+
+    Raises: AuditError: the baseline cannot be read.
+    """
+    everything = all_rules() if rules is None else tuple(rules)
+    asked = selected(everything, settings.select, settings.ignore)
+    baseline = read_baseline(settings.baseline) if settings.baseline is not None else None
+    found, skipped, problems = _run(asked, case)
+    resolved = _resolve(found, everything, settings)
+    ignores = ignores_of(case.files)
+    remarks = [ignore for group in ignores.values() for ignore in group]
+    after = set_aside(resolved, ignores)
+    ran = {rule.code for rule in asked} - {item.code for item in skipped} - {item.where for item in problems}
+    about = (*without_reason(remarks), *unused(after.unused, ran, everything), *unknown(remarks, everything))
+    wanted = {rule.code for rule in asked}
+    meta = _resolve((finding for finding in about if finding.code in wanted), everything, settings)
+    kept, suppressed = _in_order((*after.kept, *meta)), list(after.suppressed)
+    kept = _split(kept, suppressed, Means.SETTING, lambda item: _ignored_by_setting(item, settings))
+    if baseline is not None:
+        folder = os.path.dirname(settings.baseline or "")
+        kept, known, stale = apply_baseline(kept, baseline, folder)
+        suppressed += known
+        problems += _stale(stale, case, ran, settings.baseline or "", folder)
+    kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
+    return Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
+
+
+def _run(
+    rules: Iterable[type[Rule]], case: Case
+) -> tuple[list[Finding], tuple[Skipped, ...], list[Diagnostic]]:
+    """Findings of all rules, those that had no input, and faults of rules."""
+    found: list[Finding] = []
+    skipped: list[Skipped] = []
+    problems: list[Diagnostic] = []
+    for rule in rules:
+        try:
+            for item in rule().check(case):
+                if item.code != rule.code:
+                    raise ValueError(f"speaks for {item.code}")
+                if isinstance(item, Finding):
+                    found.append(item)
+                elif item not in skipped:
+                    skipped.append(item)
+        except Exception as err:
+            problems.append(_fault(rule, err))
+    return found, tuple(skipped), problems
+
+
+def _fault(rule: type[Rule], err: Exception) -> Diagnostic:
+    """A rule broke off: what somebody who mends it needs, in one line."""
+    frame = err.__traceback__
+    while frame is not None and frame.tb_next is not None:
+        frame = frame.tb_next
+    place = ""
+    if frame is not None:
+        place = f" ({os.path.basename(frame.tb_frame.f_code.co_filename)}, line {frame.tb_lineno})"
+    text = f"{type(err).__name__}: {err}" if str(err) else type(err).__name__
+    return Diagnostic(
+        "AUD009",
+        Severity.ERROR,
+        f"the rule broke off, which is a fault of actspec: {text}{place}; the other rules have run",
+        rule.code,
+        None,
+        f"please report it with the file; until then `--ignore {rule.code}`",
+    )
+
+
+def _resolve(
+    found: Iterable[Finding], rules: Sequence[type[Rule]], settings: Settings
+) -> tuple[Reported, ...]:
+    """Findings with name, severity and confidence; the same one of two files that share a part counts once."""
+    by_code = {rule.code: rule for rule in rules}
+    unique: dict[tuple[object, ...], Reported] = {}
+    for finding in found:
+        rule = by_code[finding.code]
+        severity = finding.severity or rule.severity
+        closest = max(
+            ((strength(selector, rule.code, rule.name), selector) for selector in settings.severity),
+            default=(0, ""),
+        )
+        if closest[0]:
+            severity = settings.severity[closest[1]]
+        span = finding.span
+        key = (
+            finding.code,
+            os.path.realpath(span.path),
+            span.line,
+            span.column,
+            finding.joint,
+            finding.message,
+        )
+        confidence = finding.confidence or rule.confidence
+        unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
+    return _in_order(unique.values())
+
+
+def _in_order(found: Iterable[Reported]) -> tuple[Reported, ...]:
+    def key(item: Reported) -> tuple[Span, str, str]:
+        return item.finding.span, item.finding.code, item.finding.joint
+
+    return tuple(sorted(found, key=key))
+
+
+def _split(
+    found: Iterable[Reported], suppressed: list[Suppressed], means: Means, aside: Callable[[Reported], bool]
+) -> tuple[Reported, ...]:
+    """Findings that stay; the others are added to `suppressed`."""
+    kept = []
+    for item in found:
+        if aside(item):
+            suppressed.append(Suppressed(item, means))
+        else:
+            kept.append(item)
+    return tuple(kept)
+
+
+def _ignored_by_setting(item: Reported, settings: Settings) -> bool:
+    if not settings.per_file_ignores:
+        return False
+    path = relative_path(item.finding.span.path, settings.folder)
+    return any(
+        strength(selector, item.finding.code, item.name)
+        for glob, selectors in settings.per_file_ignores
+        if matches(glob, path)
+        for selector in selectors
+    )
+
+
+def _unsure(confidence: Confidence, settings: Settings) -> bool:
+    return CONFIDENCES.index(confidence) < CONFIDENCES.index(settings.min_confidence)
+
+
+def _stale(
+    entries: Counter[Entry], case: Case, ran: set[str], path: str, folder: str
+) -> Iterator[Diagnostic]:
+    """Entries of the baseline that are no longer found, of files and rules that were looked at."""
+    files = {
+        relative_path(file.path, folder)
+        for reading in case.files
+        if reading.readable
+        for file in reading.files
+    }
+    gone = [entry for entry in entries if entry.file in files and entry.code in ran]
+    for code, file in sorted({(entry.code, entry.file) for entry in gone}):
+        joints = sorted(item.joint for item in gone if (item.code, item.file) == (code, file) and item.joint)
+        where = f" ({listed(joints)})" if joints else ""
+        yield Diagnostic(
+            "AUD007",
+            Severity.WARNING,
+            f"{code} is in the baseline and is no longer found in {file}{where}",
+            "",
+            Span(path),
+            f"write the baseline anew with --write-baseline {path}",
+        )

@@ -1,0 +1,207 @@
+"""Fixes put into the text of files: all edits of a fix or none, each file in one step, the model checked.
+
+After a fix of an XML the compiled model differs from the one before in the fields that the fix names
+and in no other, or the fix is not made.
+"""
+
+from __future__ import annotations
+
+import ast
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+from actspec.audit.artifact import FileKind, FileReading
+from actspec.audit.finding import Fix, Safety, TextEdit
+from actspec.audit.outcome import Reported
+from actspec.diagnostics import ActspecError, AuditError, Collector, Diagnostic, Severity, Span, listed
+from actspec.files import replace_file
+from actspec.robot.view import ModelFile, ModelFormat
+
+MOST_PASSES = 10
+"""Chosen: fixes that overlap come one a pass; a chain of ten is two rules that undo each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class FixedFile:
+    """A file with fixes in it, not yet written.
+
+    Attributes:
+        path: As in `FileReading.files`.
+        old: Bytes before.
+        new: Bytes after.
+        titles: What its fixes do, each once.
+    """
+
+    path: str
+    old: bytes
+    new: bytes
+    titles: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Fixes:
+    """What one pass can fix.
+
+    Attributes:
+        files: Files that change, in the order of the findings.
+        refused: Fixes that failed their check.
+    """
+
+    files: tuple[FixedFile, ...]
+    refused: tuple[Diagnostic, ...]
+
+
+def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsafe: bool) -> Fixes:
+    """Put the fixes of findings into the text of their files; nothing is written.
+
+    Of fixes that overlap the first one is taken; the others may fit on the next pass.
+
+    Args:
+        findings: In the report's order.
+        files: What was read.
+        unsafe: Whether fixes that change how the robot behaves are taken too.
+    """
+    data = {_key(file.path): file for reading in files if reading.readable for file in reading.files}
+    wanted = [
+        (item, item.finding.fix)
+        for item in findings
+        if item.finding.fix is not None and (unsafe or item.finding.fix.safety is Safety.SAFE)
+    ]
+    taken: list[tuple[Reported, Fix]] = []
+    edits: set[TextEdit] = set()
+    for item, fix in wanted:
+        own = {replace(edit, path=_key(edit.path)) for edit in fix.edits}
+        # Joints that share a default class share its fix.
+        if all(edit.path in data for edit in own) and not _overlap(own - edits, edits):
+            edits |= own
+            taken.append((item, fix))
+    refused: list[Diagnostic] = []
+    reason = _fault([fix for _, fix in taken], data, files)
+    if reason is not None:
+        # One of them is at fault: each is tried beside those that passed.
+        good: list[tuple[Reported, Fix]] = []
+        for item, fix in taken:
+            reason = _fault([*(other for _, other in good), fix], data, files)
+            if reason is None:
+                good.append((item, fix))
+            else:
+                refused.append(_refusal(item, fix, reason))
+        taken = good
+    return Fixes(tuple(_fixed([fix for _, fix in taken], data)), tuple(dict.fromkeys(refused)))
+
+
+def write_fixes(files: Iterable[FixedFile]) -> None:
+    """Write fixed files, each in one step.
+
+    Raises: AuditError: files that have changed since they were read, or cannot be written.
+    """
+    out = Collector()
+    for file in files:
+        try:
+            with open(file.path, "rb") as stream:
+                if stream.read() != file.old:
+                    out.error(
+                        "AUD012", "the file has changed since it was read; not fixed", span=Span(file.path)
+                    )
+                    continue
+            # Through a link, so that the link stays one.
+            replace_file(os.path.realpath(file.path), file.new)
+        except OSError as err:
+            reason = (err.strerror or str(err)).lower()
+            out.error("AUD006", f"the file cannot be written: {reason}", span=Span(file.path))
+    out.raise_if_failed(AuditError)
+
+
+def _key(path: str) -> str:
+    return os.path.realpath(path)
+
+
+def _overlap(new: set[TextEdit], old: set[TextEdit]) -> bool:
+    """Whether edits touch bytes, or insert at places, that others do."""
+    return any(
+        a.path == b.path and ((a.start < b.end and b.start < a.end) or a.start == b.start)
+        for a in new
+        for b in old
+    )
+
+
+def _edited(fixes: Iterable[Fix], data: Mapping[str, ModelFile]) -> dict[str, bytes]:
+    """Path to new bytes."""
+    by_path: dict[str, set[TextEdit]] = {}
+    for edit in (edit for fix in fixes for edit in fix.edits):
+        by_path.setdefault(_key(edit.path), set()).add(replace(edit, path=""))
+    found = {}
+    for path, edits in by_path.items():
+        text = data[path].data
+        for edit in sorted(edits, key=lambda edit: edit.start, reverse=True):
+            text = text[: edit.start] + edit.new + text[edit.end :]
+        found[path] = text
+    return found
+
+
+def _fixed(fixes: Sequence[Fix], data: Mapping[str, ModelFile]) -> Iterator[FixedFile]:
+    for path, new in _edited(fixes, data).items():
+        titles = dict.fromkeys(
+            fix.title for fix in fixes if any(_key(edit.path) == path for edit in fix.edits)
+        )
+        if new != data[path].data:
+            yield FixedFile(data[path].path, data[path].data, new, tuple(titles))
+
+
+def _refusal(item: Reported, fix: Fix, reason: str) -> Diagnostic:
+    return Diagnostic(
+        "AUD011",
+        Severity.WARNING,
+        f"the fix of {item.finding.code} is not made ({fix.title}): {reason}",
+        item.finding.joint,
+        item.finding.span,
+    )
+
+
+def _fault(fixes: Sequence[Fix], data: Mapping[str, ModelFile], files: Sequence[FileReading]) -> str | None:
+    """Why these fixes together must not be made; None when they may."""
+    new = _edited(fixes, data)
+    fields = {field for fix in fixes for field in fix.fields}
+    for reading in files:
+        touched = reading.readable and any(_key(file.path) in new for file in reading.files)
+        if touched:
+            after = tuple(replace(file, data=new.get(_key(file.path), file.data)) for file in reading.files)
+            reason = _reading_fault(reading, after, fields)
+            if reason is not None:
+                return reason
+    return None
+
+
+def _reading_fault(reading: FileReading, after: tuple[ModelFile, ...], fields: set[str]) -> str | None:
+    if reading.kind in (FileKind.MJCF, FileKind.URDF):
+        return _model_fault(reading, after, fields)
+    import yaml
+
+    for file in after:
+        try:
+            if file.path.endswith(".py"):
+                ast.parse(file.data)
+            else:
+                yaml.compose(file.data, Loader=yaml.SafeLoader)
+        except (SyntaxError, ValueError, RecursionError, yaml.YAMLError) as err:
+            return f"{file.path} could not be read afterwards: {type(err).__name__}"
+    return None
+
+
+def _model_fault(reading: FileReading, after: tuple[ModelFile, ...], fields: set[str]) -> str | None:
+    """What the compiled model says against an edit of its text."""
+    from actspec.robot.mjspec import compile_spec, open_spec
+    from actspec.robot.model_fields import DERIVED, differences
+
+    form = ModelFormat.MJCF if reading.kind is FileKind.MJCF else ModelFormat.URDF
+    try:
+        old = compile_spec(open_spec(reading.files, format=form))
+    except ActspecError:
+        return f"MuJoCo does not take {reading.path} as it is, so the fix cannot be checked"
+    try:
+        new = compile_spec(open_spec(after, format=form))
+    except ActspecError as err:
+        return f"MuJoCo refuses {reading.path} afterwards: {err.diagnostics[0].message}"
+    changed = [text for text in differences(old, new) if text.partition(":")[0] not in fields | DERIVED]
+    return f"it would change {listed(changed, 3)} of the compiled model" if changed else None

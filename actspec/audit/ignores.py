@@ -1,0 +1,171 @@
+"""Remarks in the audited files that set findings aside: `actspec: ignore[CODE] reason`."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.artifact import FileReading
+from actspec.audit.comments import comments
+from actspec.audit.finding import Finding
+from actspec.audit.outcome import Means, Reported, Suppressed
+from actspec.audit.rule import Rule
+from actspec.audit.selection import guess
+from actspec.diagnostics import Span, shortened
+
+FIRST_LINES = 10
+"""An `ignore-file` further down speaks about nothing. Chosen: a reader sees it without scrolling."""
+
+_REMARK = re.compile(r"\s*actspec:\s*(ignore(?:-file)?)\b(?:\s*\[([^\]]*)\])?\s*(.*)", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class Ignore:
+    """One remark.
+
+    Attributes:
+        span: Where its comment begins.
+        codes: Codes or names of rules, as written.
+        reason: Why, in the author's words; "" when none is given.
+        whole_file: Whether it speaks about the whole file.
+        first: First line that it speaks about; 0: none.
+        last: Last such line.
+    """
+
+    span: Span
+    codes: tuple[str, ...]
+    reason: str
+    whole_file: bool
+    first: int
+    last: int
+
+    def covers(self, line: int) -> bool:
+        """Whether it speaks about a line."""
+        if self.whole_file:
+            return self.span.line <= FIRST_LINES
+        return 0 < self.first <= line <= self.last
+
+
+def ignores_of(files: Iterable[FileReading]) -> dict[str, tuple[Ignore, ...]]:
+    """Remarks of every file that was read, by its real path; a file that is included twice counts once."""
+    found: dict[str, tuple[Ignore, ...]] = {}
+    for reading in files:
+        for file in reading.files if reading.readable else ():
+            key = os.path.realpath(file.path)
+            if key not in found:
+                # Most files have none, and are not scanned.
+                there = b"actspec:" in file.data
+                found[key] = tuple(_ignores(file.path, file.data)) if there else ()
+    return found
+
+
+def _ignores(path: str, data: bytes) -> Iterator[Ignore]:
+    for comment in comments(path, data):
+        remark = _REMARK.match(comment.text)
+        if remark is not None:
+            codes = tuple(code.strip() for code in (remark[2] or "").split(",") if code.strip())
+            reason = " ".join(remark[3].split()).lstrip("-:– ")
+            span = Span(path, comment.line, comment.column)
+            yield Ignore(span, codes, reason, remark[1] == "ignore-file", comment.first, comment.last)
+
+
+@dataclass(frozen=True, slots=True)
+class Sorted:
+    """Findings after the remarks.
+
+    Attributes:
+        kept: Those that stay.
+        suppressed: Those that a remark sets aside.
+        unused: Remarks with those of their codes that set nothing aside.
+    """
+
+    kept: tuple[Reported, ...]
+    suppressed: tuple[Suppressed, ...]
+    unused: tuple[tuple[Ignore, str], ...]
+
+
+def set_aside(found: Sequence[Reported], ignores: Mapping[str, tuple[Ignore, ...]]) -> Sorted:
+    """Put findings aside that a remark with a reason names.
+
+    Args:
+        found: All findings.
+        ignores: From `ignores_of`.
+    """
+    kept, suppressed = [], []
+    used: set[tuple[Ignore, str]] = set()
+    for reported in found:
+        span = reported.finding.span
+        matching = [
+            (ignore, code)
+            for ignore in ignores.get(os.path.realpath(span.path), ())
+            if ignore.reason and ignore.covers(span.line)
+            for code in ignore.codes
+            if code in (reported.finding.code, reported.name)
+        ]
+        if matching:
+            used.update(matching)
+            suppressed.append(Suppressed(reported, Means.INLINE, matching[0][0].reason))
+        else:
+            kept.append(reported)
+    unused = tuple(
+        (ignore, code)
+        for group in ignores.values()
+        for ignore in group
+        for code in ignore.codes
+        if ignore.reason and (ignore, code) not in used
+    )
+    return Sorted(tuple(kept), tuple(suppressed), unused)
+
+
+def without_reason(ignores: Iterable[Ignore]) -> Iterator[Finding]:
+    """ACT001: remarks that give no reason."""
+    for ignore in ignores:
+        if ignore.codes and not ignore.reason:
+            yield Finding(
+                "ACT001",
+                "this ignore gives no reason, and is not followed",
+                ignore.span,
+                help=f"say why: `actspec: ignore[{shortened(', '.join(ignore.codes))}] the reason`",
+            )
+
+
+def unused(
+    ignores: Iterable[tuple[Ignore, str]], ran: set[str], rules: Sequence[type[Rule]]
+) -> Iterator[Finding]:
+    """ACT002: remarks that set nothing aside, where their rule has looked.
+
+    Args:
+        ignores: From `set_aside`.
+        ran: Codes of rules that ran and had input.
+        rules: All rules.
+    """
+    codes = {name: rule.code for rule in rules for name in (rule.code, rule.name)}
+    for ignore, code in ignores:
+        if codes.get(code) not in ran:
+            continue
+        message, help = f"this ignore of {code} sets nothing aside", "remove it"
+        if ignore.whole_file and ignore.span.line > FIRST_LINES:
+            message = f"this ignore-file stands below line {FIRST_LINES}, and is not followed"
+            help = "move it to the top of the file"
+        elif not ignore.whole_file and not ignore.first:
+            help = "put it on the line of the finding, or alone on the line before"
+        yield Finding("ACT002", message, ignore.span, help=help)
+
+
+def unknown(ignores: Iterable[Ignore], rules: Sequence[type[Rule]]) -> Iterator[Finding]:
+    """ACT003: remarks that name no rule, or one that is not there."""
+    known = {name for rule in rules for name in (rule.code, rule.name)}
+    for ignore in ignores:
+        if not ignore.codes:
+            message, help = (
+                "this ignore names no rule, and is not followed",
+                "write `actspec: ignore[CODE] the reason`",
+            )
+            yield Finding("ACT003", message, ignore.span, help=help)
+        for code in ignore.codes:
+            if code not in known:
+                near = guess(code, rules)
+                message = f"this ignore names '{shortened(code)}', and no rule has this code or name"
+                yield Finding("ACT003", message, ignore.span, help=near and f"did you mean '{near}'?")

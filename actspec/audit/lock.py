@@ -1,0 +1,229 @@
+"""The dynamics lock: what acts on each joint, as text for version control, and what has changed since.
+
+A joint's hash is of its figures, rounded to nine digits, so that the noise of a sum does not change it. Links'
+inertia is not in it: a lock is about actuators.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import hashlib
+import json
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import fields
+from typing import Any
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.case import Case, Versions
+from actspec.audit.difference import Difference, difference
+from actspec.audit.dynamics import NOUNS, SETTING_NOUNS, Figure, JointDynamics, RobotDynamics, dynamics_of
+from actspec.audit.settings import read_versions
+from actspec.diagnostics import AuditError, Collector, Span, shortened
+
+FORMAT = "actspec-lock/1"
+
+SAME = 2e-9
+"""Largest relative difference from a figure that was rounded to nine digits."""
+
+_MOST = 10**300
+"""Whole numbers beyond are no floats."""
+
+_HASH = 16
+"""Hexadecimal digits of a hash: 64 bits, as in the baseline."""
+
+
+def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
+    """The lock of every file of a case.
+
+    Args:
+        case: What was read.
+        names: Path of a file to its name in the lock.
+    """
+    files: dict[str, Any] = {}
+    for index, artifact in enumerate(case.artifacts):
+        robots = files.setdefault(names[artifact.path], {"kind": artifact.kind.value, "robots": {}})["robots"]
+        robots[artifact.name] = _robot(dynamics_of(case, index))
+    versions = {
+        field.name: value
+        for field in fields(Versions)
+        if (value := getattr(case.versions, field.name)) is not None
+    }
+    return {"format": FORMAT, "versions": versions, "files": files}
+
+
+def text_of(lock: Mapping[str, Any]) -> bytes:
+    """A lock as the bytes of its file: sorted, one figure a line."""
+    return (json.dumps(lock, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n").encode(
+        "utf-8"
+    )
+
+
+def changes(
+    lock: Mapping[str, Any], case: Case, names: Mapping[str, str]
+) -> tuple[tuple[str, Difference], ...]:
+    """What has changed since a lock was written.
+
+    A robot that the lock does not have is all new, one that the files no longer have is all gone.
+
+    Args:
+        lock: From `read_lock`.
+        case: The same files now.
+        names: Path of a file to its name in the lock.
+
+    Returns: Name of the file and the difference, one a robot of those files.
+    """
+    found = []
+    for path, name in names.items():
+        entry = lock["files"][name]
+        kind = FileKind(entry["kind"])
+        now = {a.name: dynamics_of(case, i) for i, a in enumerate(case.artifacts) if a.path == path}
+        for robot in sorted({*entry["robots"], *now}):
+            old = _dynamics(robot, name, kind, entry["robots"].get(robot))
+            found.append((name, difference(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME)))
+    return tuple(found)
+
+
+def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]:
+    """A lock from its bytes.
+
+    Args:
+        path: Of the lock, for messages.
+        data: Its bytes.
+        figures: Check its figures too; without, only which files and versions it is about.
+
+    Raises: AuditError: it is no lock, is of another actspec, names files by an absolute path, or its figures do not
+        fit their hashes.
+    """
+    out = Collector()
+    lock: Any = None
+    with contextlib.suppress(ValueError, RecursionError):
+        lock = json.loads(data.decode("utf-8"))
+    if not isinstance(lock, dict) or not str(lock.get("format", "")).startswith("actspec-lock/"):
+        out.error("LCK001", "is no dynamics lock", span=Span(path), help="move it away, and write one anew")
+    elif lock["format"] != FORMAT:
+        told = shortened(str(lock["format"]))
+        out.error("LCK001", f"has the format {told}, and this actspec knows {FORMAT}", span=Span(path))
+    else:
+        for fault in _faults(lock, figures):
+            out.error("LCK002", fault, span=Span(path), help="write it anew with `actspec lock FILE`")
+        if not out.failed:
+            read_versions(lock["versions"], "versions", Span(path), out)
+    out.raise_if_failed(AuditError)
+    assert isinstance(lock, dict)
+    return lock
+
+
+def versions_of(lock: Mapping[str, Any]) -> Versions:
+    """What the lock's files were meant for."""
+    return Versions(**lock["versions"])
+
+
+def _robot(robot: RobotDynamics) -> dict[str, Any]:
+    joints = {name: _joint(joint) for name, joint in robot.joints.items()}
+    settings = {name: _rounded(value) for name, value in robot.settings.items()}
+    digest = _hash({"settings": settings, "joints": {name: joint["hash"] for name, joint in joints.items()}})
+    return {"hash": digest, "settings": settings, "joints": joints}
+
+
+def _joint(joint: JointDynamics) -> dict[str, Any]:
+    """Figures that are known; the others are left out."""
+    record: dict[str, Any] = {"control": joint.control}
+    if joint.network is not None:
+        record["network"] = joint.network
+    for name, figure in joint.figures.items():
+        if figure.value is not None:
+            record[name] = _rounded(figure.value)
+    return {"hash": _hash(record), **record}
+
+
+def _rounded(value: float | str) -> float | str:
+    """Nine digits; by way of twelve, so that noise beside a figure that people wrote is never at the edge."""
+    if isinstance(value, str):
+        return value
+    if not math.isfinite(value):
+        return "Infinity" if value > 0.0 else "-Infinity"
+    return float(f"{float(f'{value:.12g}'):.9g}") + 0.0
+
+
+def _hash(record: Mapping[str, Any]) -> str:
+    text = json.dumps(record, sort_keys=True, ensure_ascii=True, separators=(",", ":"))
+    return hashlib.sha256(text.encode("ascii")).hexdigest()[:_HASH]
+
+
+def _dynamics(name: str, file: str, kind: FileKind, entry: Mapping[str, Any] | None) -> RobotDynamics:
+    """A robot of a lock; without one, a robot without joints."""
+    if entry is None:
+        return RobotDynamics(name, file, kind, {})
+    joints = {joint: _locked_joint(joint, figures, file) for joint, figures in entry["joints"].items()}
+    return RobotDynamics(name, file, kind, joints, entry["settings"])
+
+
+def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynamics:
+    place = Span(file)
+    figures = {field: Figure(float(entry[field]), "", place, True) for field in NOUNS if field in entry}
+    return JointDynamics(name, entry["control"], place, figures, entry.get("network"))
+
+
+def _faults(lock: Mapping[str, Any], figures: bool) -> Sequence[str]:
+    """What is wrong with a lock that has the right format, the first fault of each robot."""
+    versions, files = lock.get("versions"), lock.get("files")
+    if not isinstance(versions, dict) or not all(isinstance(value, str) for value in versions.values()):
+        return ["`versions` is not as actspec writes it"]
+    if not isinstance(files, dict):
+        return ["`files` is not as actspec writes it"]
+    kinds = [kind.value for kind in FileKind]
+    found = []
+    for name, entry in files.items():
+        robots = entry.get("robots") if isinstance(entry, dict) else None
+        if not _is_relative(name):
+            found.append(f"{shortened(name)!r} is no relative path")
+        elif not isinstance(robots, dict) or entry.get("kind") not in kinds:
+            found.append(f"the entry of {shortened(name)!r} is not as actspec writes it")
+        elif figures:
+            for robot, record in robots.items():
+                fault = _robot_fault(record)
+                if fault is not None:
+                    found.append(f"{shortened(name)}, {shortened(robot)}: {fault}")
+    return found
+
+
+def _robot_fault(record: Any) -> str | None:
+    shape = "is not as actspec writes it"
+    if not isinstance(record, dict) or not isinstance(record.get("joints"), dict):
+        return shape
+    settings = record.get("settings")
+    if not isinstance(settings, dict) or not all(
+        key in SETTING_NOUNS and (isinstance(value, str) or _is_figure(value))
+        for key, value in settings.items()
+    ):
+        return shape
+    hashes = {}
+    for name, joint in record["joints"].items():
+        texts = (joint.get("control"), joint.get("network", "")) if isinstance(joint, dict) else (None,)
+        if not all(isinstance(text, str) for text in texts):
+            return f"{shortened(name)} {shape}"
+        figures = {key: value for key, value in joint.items() if key not in ("hash", "control", "network")}
+        if not all(key in NOUNS and _is_figure(value) for key, value in figures.items()):
+            return f"{shortened(name)} {shape}"
+        own = {key: value for key, value in joint.items() if key != "hash"}
+        if _hash(own) != joint.get("hash"):
+            return f"the figures of {shortened(name)} do not fit their hash: somebody has edited the lock"
+        hashes[name] = joint["hash"]
+    if _hash({"settings": settings, "joints": hashes}) != record.get("hash"):
+        return "the joints do not fit their hash: somebody has edited the lock"
+    return None
+
+
+def _is_figure(value: object) -> bool:
+    if isinstance(value, bool):
+        return False
+    if isinstance(value, int):
+        return abs(value) <= _MOST
+    return isinstance(value, float) or value in ("Infinity", "-Infinity")
+
+
+def _is_relative(name: object) -> bool:
+    if not isinstance(name, str) or not name or "\0" in name or "\\" in name:
+        return False
+    return not name.startswith("/") and name[1:2] != ":"

@@ -1,0 +1,101 @@
+"""What one audit found, with nothing left to a rule's defaults; every report is written from it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.diagnostics import Diagnostic, Severity, Span
+
+SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
+"""From the least to the worst."""
+CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
+"""From the least to the surest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reported:
+    """A finding as it is reported.
+
+    Attributes:
+        finding: As the rule found it.
+        name: Of the rule.
+        severity: After the settings.
+        confidence: The finding's, else the rule's.
+    """
+
+    finding: Finding
+    name: str
+    severity: Severity
+    confidence: Confidence
+
+
+class Means(str, Enum):
+    """How a finding was set aside."""
+
+    INLINE = "inline"
+    SETTING = "per-file-ignores"
+    BASELINE = "baseline"
+    CONFIDENCE = "min-confidence"
+
+
+@dataclass(frozen=True, slots=True)
+class Suppressed:
+    """A finding that was set aside.
+
+    Attributes:
+        reported: The finding.
+        means: How.
+        reason: In the words of who did it; "" where none is asked for.
+    """
+
+    reported: Reported
+    means: Means
+    reason: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Report:
+    """What an audit found.
+
+    Attributes:
+        case: What was judged: files, ledger, robots.
+        rules: Rules that were asked for, by code.
+        findings: By file, line, code and joint.
+        suppressed: Findings that were set aside, in the same order.
+        skipped: Rules that had no input.
+        problems: Errors of actspec itself (a rule that broke off), and notes such as stale baseline entries.
+    """
+
+    case: Case
+    rules: tuple[type[Rule], ...]
+    findings: tuple[Reported, ...]
+    suppressed: tuple[Suppressed, ...] = ()
+    skipped: tuple[Skipped, ...] = ()
+    problems: tuple[Diagnostic, ...] = ()
+
+    @property
+    def complete(self) -> bool:
+        """Whether every file was read and every rule ran to its end."""
+        broken = any(problem.severity is Severity.ERROR for problem in self.problems)
+        return not broken and all(file.readable for file in self.case.files)
+
+    def at_or_above(self, severity: Severity | None) -> tuple[Reported, ...]:
+        """Findings of at least this severity; none for None."""
+        if severity is None:
+            return ()
+        least = SEVERITIES.index(severity)
+        return tuple(found for found in self.findings if SEVERITIES.index(found.severity) >= least)
+
+    def diagnostics(self) -> tuple[Diagnostic, ...]:
+        """What readers and rules have to say; a file that could not be read always has its word."""
+        found: list[Diagnostic] = []
+        for file in self.case.files:
+            found += file.diagnostics
+            if not file.readable and not any(item.severity is Severity.ERROR for item in file.diagnostics):
+                message = f"the file cannot be read: {file.reason}"
+                found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
+        return (*found, *self.problems)

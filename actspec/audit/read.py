@@ -1,0 +1,219 @@
+"""The files that the user named to what is in them. Nothing that is read is executed."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.artifact import Artifact, FileKind, FileReading
+from actspec.audit.workers import FAULT, Task, Workers
+from actspec.diagnostics import ActspecError
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.robot.view import ModelFile
+from actspec.spec.read import is_spec
+
+ROBOT = (".xml", ".urdf", ".mjcf")
+"""Endings of robot files; a file that is named may have any other."""
+PYTHON = (".py",)
+YAML = (".yaml", ".yml")
+
+MOST_YAML_BYTES = 8 * 1024 * 1024
+"""Chosen: the largest deploy file seen has 30 kB."""
+
+_ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
+
+
+@dataclass(frozen=True, slots=True)
+class NamedFile:
+    """A file to read.
+
+    Attributes:
+        path: As the user named it, or below the folder that the user named.
+        folder: That folder; None when the file itself was named.
+    """
+
+    path: str
+    folder: str | None = None
+
+
+def read_files(
+    paths: Sequence[str],
+    *,
+    keep_matrices: bool | None = None,
+    skip_other: bool = False,
+    jobs: int | None = None,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[FileReading, ...]:
+    """Read files; what cannot be read says why, and the others still are.
+
+    Files are read in other processes, so that a crash or an endless loop of MuJoCo loses only the file
+    that it was on, which is then read from its text.
+
+    Args:
+        paths: Files and folders, as the user names them. A folder stands for the files in it that have
+            something to audit; see `expand`.
+        keep_matrices: Keep the mass matrices of robot files, which rows of a configuration are made
+            from; default: where a file may be a configuration.
+        skip_other: Pass over named files that have nothing to audit, as over those in a folder.
+        jobs: Processes that read; default: one a core.
+        progress: Called with how many files are read, of how many.
+
+    Returns: One reading a file, in the order of the paths.
+    """
+    with PendingFiles(paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs) as pending:
+        return pending.finish(progress)
+
+
+class PendingFiles:
+    """Files that are being read, so that the caller can do something else in the meantime."""
+
+    def __init__(
+        self,
+        paths: Sequence[str],
+        *,
+        keep_matrices: bool | None = None,
+        skip_other: bool = False,
+        jobs: int | None = None,
+    ) -> None:
+        """Begin to read.
+
+        Args:
+            paths: As in `read_files`, and so are the others.
+            keep_matrices: Likewise.
+            skip_other: Likewise.
+            jobs: Likewise.
+        """
+        self._paths = tuple(paths)
+        self._skip_other = skip_other
+        self._files = expand(paths, skip_other=skip_other)
+        if keep_matrices is None:
+            keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
+        tasks = [Task(index, file.path, keep_matrices) for index, file in enumerate(self._files)]
+        self._workers = Workers(tasks, jobs, read_file)
+
+    def __enter__(self) -> PendingFiles:
+        """The same."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Stop reading."""
+        self._workers.__exit__()
+
+    def finish(self, progress: Callable[[int, int], None] | None = None) -> tuple[FileReading, ...]:
+        """Wait until all are read.
+
+        Args:
+            progress: As in `read_files`.
+
+        Returns: Likewise.
+        """
+        found: dict[int, FileReading] = {}
+        for index, reading in self._workers.results():
+            found[index] = reading
+            if progress is not None:
+                progress(len(found), len(self._files))
+        return tuple(_chosen(self._paths, self._files, found, self._skip_other))
+
+
+def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile, ...]:
+    """Put the files of a folder in its place: those with a known ending, by name, folders below it too.
+
+    Hidden files and folders are passed over, links to folders are not followed, and a file that was
+    there before is not taken again.
+
+    Args:
+        paths: Files and folders, as the user names them.
+        skip_other: Pass over named files with another ending too.
+    """
+    found: dict[str, NamedFile] = {}
+    for path in paths:
+        if not os.path.isdir(path):
+            if not skip_other or _has_known_ending(path) or not os.path.exists(path):
+                found.setdefault(path, NamedFile(path))
+            continue
+        for folder, folders, names in os.walk(path):
+            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            for name in sorted(names):
+                if _has_known_ending(name) and not name.startswith("."):
+                    full = os.path.join(folder, name)
+                    found.setdefault(full, NamedFile(full, path))
+    return tuple(found.values())
+
+
+def _has_known_ending(path: str) -> bool:
+    return path.lower().endswith((*ROBOT, *PYTHON, *YAML))
+
+
+def read_file(task: Task) -> FileReading:
+    """Read one file, here and now, as what its name and content say that it is.
+
+    Args:
+        task: The file.
+    """
+    lower = task.path.lower()
+    if lower.endswith(PYTHON):
+        from actspec.audit.readers.python import read_python
+
+        return read_python(task.path)
+    if lower.endswith(YAML):
+        return _read_yaml(task.path)
+    from actspec.audit.readers.robot import read_robot
+
+    return read_robot(task.path, keep_matrices=task.keep_matrices, refusal=task.refusal)
+
+
+def _chosen(
+    paths: Sequence[str], files: Sequence[NamedFile], found: dict[int, FileReading], skip_other: bool
+) -> list[FileReading]:
+    """The readings without files that have nothing to do with actuators and that nobody named."""
+    chosen = []
+    told = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
+    empty = {path for path in paths if os.path.isdir(path)} - told
+    for index, file in enumerate(files):
+        # A file that is not there was named by somebody.
+        named = file.folder is None and not (skip_other and os.path.exists(file.path))
+        if named or _concerns(found[index]):
+            chosen.append(found[index])
+    for path in dict.fromkeys(paths):
+        if path in empty:
+            reason = "the folder has no robot file, configuration, deploy file or spec"
+            chosen.append(FileReading(path, None, reason))
+    return chosen
+
+
+def _concerns(reading: FileReading) -> bool:
+    """Whether a file that was found in a folder has something to audit, or would have if it could be read."""
+    if reading.artifacts or reading.kind in (FileKind.MJCF, FileKind.URDF, FileKind.SPEC):
+        return True
+    if any(item.code == FAULT for item in reading.diagnostics):
+        return True
+    return reading.kind is None and any(_ROBOT_ROOT.search(file.data) for file in reading.files)
+
+
+def _read_yaml(path: str) -> FileReading:
+    """A spec by its key, else a deploy file."""
+    try:
+        data = read_regular(path, MOST_YAML_BYTES)
+    except NotRegular as err:
+        return FileReading(path, None, f"it is {err}")
+    except TooLarge:
+        return FileReading(path, None, f"it is larger than {MOST_YAML_BYTES >> 20} MiB")
+    except (OSError, ValueError) as err:
+        return FileReading(path, None, f"it cannot be read: {getattr(err, 'strerror', None) or 'bad path'}")
+    if not is_spec(data):
+        from actspec.audit.readers.deploy import read_deploy
+
+        return read_deploy(path)
+    from actspec.audit.readers.robot import reason_of
+    from actspec.audit.readers.spec import resolved
+
+    files = (ModelFile(path, "", data),)
+    try:
+        actuators = resolved(path)
+    except ActspecError as err:
+        reason = reason_of(err.diagnostics, path)
+        return FileReading(path, FileKind.SPEC, reason, (), files, err.diagnostics)
+    artifact = Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators)
+    return FileReading(path, FileKind.SPEC, None, (artifact,), files, actuators.diagnostics)

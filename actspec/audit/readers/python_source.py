@@ -1,0 +1,259 @@
+"""Python files as text: decoding, parsing, and which file an import names. Nothing is imported or executed.
+
+An import is followed to files of the named file's own tree only: below the topmost package that it is in, or beside
+it when its folder is none. Files that a symbolic link leads to from there to elsewhere are not read.
+"""
+
+from __future__ import annotations
+
+import ast
+import codecs
+import os
+import re
+import warnings
+from bisect import bisect_left
+from dataclasses import dataclass, field
+
+from actspec.diagnostics import Span, one_line
+from actspec.files import NotRegular, TooLarge, read_regular
+
+MAX_BYTES = 1 << 20
+"""Size of one file [bytes]. Chosen: ten times the largest configuration that we know."""
+
+MAX_TREE_BYTES = 4 << 20
+"""Size of all files of one reading [bytes]. Chosen: parsing takes about a hundred times that in memory."""
+
+MAX_FILES = 100
+"""Files that one reading opens. Chosen: imports are followed when used, real tasks need about 10."""
+
+MAX_LEVELS = 32
+"""Nested packages. Chosen: far above any."""
+
+MAX_GAP = 2
+"""Folders without `__init__.py` between a file and the package that it belongs to. Chosen: unitree_rl_lab has two."""
+
+FRAMEWORKS = {"mjlab": ("asset_zoo", "tasks"), "isaaclab": (), "omni": ()}
+"""Frameworks' own packages, and what of them describes robots: the rest is known here by its names alone."""
+
+_CODECS = re.compile(
+    r"utf-?8(-sig)?|us-ascii|ascii|latin-?1|iso-?8859-?\d{1,2}|(cp|windows-?)\d{3,5}|gbk|gb2312|gb18030|big5(-?hkscs)?"
+    r"|shift-?jis|euc-?(jp|kr|cn)|koi8-?[ru]|mac-?roman",
+    re.IGNORECASE,
+)
+"""Encodings that are decoded. Chosen: those of texts; others (punycode) take quadratic time."""
+
+
+class UnreadableError(Exception):
+    """A file cannot be read or parsed; the text says why."""
+
+
+@dataclass(eq=False, slots=True)
+class Source:
+    """One parsed file.
+
+    Attributes:
+        path: As reached from the user's argument.
+        package: Its package, outermost first; () outside packages.
+        data: Its bytes.
+        tree: Its syntax.
+        include: The import that named it; "" for the named file.
+    """
+
+    path: str
+    package: tuple[str, ...]
+    data: bytes
+    tree: ast.Module
+    include: str
+    _lines: list[str]
+    _inner: dict[int, list[int]] = field(default_factory=dict)
+
+    def span(self, node: ast.AST) -> Span:
+        """Where a node begins; columns count characters, where Python's count bytes."""
+        line: int = getattr(node, "lineno", 0)
+        column: int = getattr(node, "col_offset", 0)
+        if not 0 < line <= len(self._lines):
+            return Span(self.path, line)
+        if line not in self._inner:
+            # Bytes that begin no character, found once: a hostile file is one long line.
+            text = self._lines[line - 1]
+            data = b"" if text.isascii() else text.encode("utf-8", "surrogatepass")
+            self._inner[line] = [at for at, byte in enumerate(data) if byte & 0xC0 == 0x80]
+        return Span(self.path, line, column - bisect_left(self._inner[line], column) + 1)
+
+
+@dataclass(slots=True)
+class Library:
+    """The files of one reading.
+
+    Attributes:
+        top: Folder that holds the topmost package.
+        package: Folders from there to the named file; () when it is in no package.
+        beside: The named file's folder, when that is no package of its own; None when it is.
+        sources: Files read so far by path; None for one that could not be.
+    """
+
+    top: str
+    package: tuple[str, ...]
+    beside: str | None
+    sources: dict[str, Source | None] = field(default_factory=dict)
+    _problems: dict[str, str] = field(default_factory=dict)
+    _bytes: int = 0
+
+    def open(self, path: str) -> Source:
+        """Parse the named file.
+
+        Raises: UnreadableError: it cannot be read or parsed.
+        """
+        source = parse(path, self.package, "", MAX_BYTES)
+        self._bytes = len(source.data)
+        self.sources[os.path.join(self.top, *self.package, os.path.basename(path))] = source
+        return source
+
+    def find(self, importer: Source, level: int, module: str) -> Source | str:
+        """The file of a module, or why it is not read.
+
+        Args:
+            importer: File with the import.
+            level: Dots before the module's name.
+            module: Its name; "" for `from . import x`.
+        """
+        outside = "is not beside this file"
+        asked = tuple(module.split(".")) if module else ()
+        if not all(part.isidentifier() for part in asked):
+            return outside
+        top, parts = self.top, asked
+        if level:
+            if level - 1 > max(len(importer.package) - 1, 0):
+                return outside
+            parts = importer.package[: len(importer.package) - (level - 1)] + asked
+        elif asked[:1] != self.package[:1] or not asked:
+            if self.beside is None:
+                return outside
+            top = self.beside
+        if len(parts) > 1 and parts[0] in FRAMEWORKS and parts[1] not in FRAMEWORKS[parts[0]]:
+            return "is the framework's own"
+        base = os.path.join(top, *parts)
+        for path in (os.path.join(base, "__init__.py"), f"{base}.py" if parts else ""):
+            if path and os.path.isfile(path):
+                package = parts if path.endswith("__init__.py") else parts[:-1]
+                return self._read(path, package if top == self.top else (), f"{'.' * level}{module}")
+        return outside
+
+    def _read(self, path: str, package: tuple[str, ...], include: str) -> Source | str:
+        if path not in self.sources:
+            if not self._inside(path):
+                return "is a link to outside this folder"
+            if len(self.sources) >= MAX_FILES:
+                return f"is not read, because {MAX_FILES} files are"
+            try:
+                source = parse(path, package, include, MAX_TREE_BYTES - self._bytes)
+                self._bytes += len(source.data)
+                self.sources[path] = source
+            except UnreadableError as err:
+                self.sources[path] = None
+                self._problems[path] = f"cannot be read: {err}"
+        return self.sources[path] or self._problems[path]
+
+    def _inside(self, path: str) -> bool:
+        """Whether a file is where its path says, below the topmost package or beside the named file."""
+        roots = [os.path.join(self.top, *self.package[:1])] if self.package else []
+        roots += [self.beside] if self.beside is not None else []
+        try:
+            real = os.path.realpath(path)
+            return any(real.startswith(os.path.join(os.path.realpath(root), "")) for root in roots)
+        except OSError:
+            return False
+
+
+def open_library(path: str) -> Library:
+    """Find the tree that a file's imports stay in: the packages that it is in.
+
+    Folders without an `__init__.py` at the lower end count too, as in legged_gym, whose robots have none.
+    """
+    folder = os.path.dirname(path)
+    beside = None if _is_package(folder) else folder
+    names: list[str] = []
+    here = os.path.abspath(folder)
+    lower = 0
+    while len(names) < MAX_LEVELS:
+        if not _is_package(here) and len(names) > lower:
+            break
+        if not _is_package(here):
+            lower += 1
+        here, name = os.path.split(here)
+        if not name or lower > MAX_GAP:
+            return Library(folder, (), folder)
+        names.insert(0, name)
+    if len(names) == lower:
+        return Library(folder, (), folder)
+    # As the user wrote it, as far as that goes.
+    back = os.path.normpath(os.path.join(folder, *[".."] * len(names)))
+    top = back if not os.path.isabs(folder) and os.path.abspath(back) == here else here
+    return Library("" if top == "." else top, tuple(names), beside)
+
+
+def _is_package(folder: str) -> bool:
+    return os.path.isfile(os.path.join(folder, "__init__.py"))
+
+
+def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Source:
+    """Read and parse one file.
+
+    Args:
+        path: Where.
+        package: Its package.
+        include: The import that named it.
+        most: Bytes that are left for it.
+
+    Raises: UnreadableError: it cannot be read or parsed; the text has the line.
+    """
+    try:
+        data = read_regular(path, min(most, MAX_BYTES))
+    except NotRegular as err:
+        raise UnreadableError(f"it is {err}") from err
+    except TooLarge as err:
+        raise UnreadableError(f"{err.size} bytes, more than {min(most, MAX_BYTES)}") from err
+    except (OSError, ValueError) as err:
+        raise UnreadableError(getattr(err, "strerror", None) or str(err)) from err
+    text = _decode(data)
+    if "\0" in text:
+        raise UnreadableError(f"line {text[: text.index(chr(0))].count(chr(10)) + 1} has a null byte")
+    try:
+        # A stranger's `"\d"` is no reason to warn our user.
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            tree = ast.parse(text)
+    except SyntaxError as err:
+        raise UnreadableError(f"line {err.lineno or 0}: {one_line(err.msg or 'syntax error')}") from err
+    except (RecursionError, MemoryError) as err:
+        raise UnreadableError("its expressions are nested too deep for Python's parser") from err
+    except ValueError as err:
+        raise UnreadableError(one_line(str(err))) from err
+    # Python's parser ends lines here, str.splitlines at form feeds too.
+    return Source(path, package, data, tree, include, re.split("\r\n|\r|\n", text))
+
+
+def _decode(data: bytes) -> str:
+    """The text of a file, in the encoding that its first two lines declare (PEP 263)."""
+    marked = data.startswith(codecs.BOM_UTF8)
+    encoding = "utf-8"
+    for line in data.removeprefix(codecs.BOM_UTF8).split(b"\n", 2)[:2]:
+        found = re.match(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)", line)
+        if found:
+            encoding = found[1].decode("ascii").replace("_", "-")
+            break
+        if line.split(b"#")[0].strip():
+            break
+    if not _CODECS.fullmatch(encoding) or (
+        marked and not re.fullmatch("utf-?8(-sig)?", encoding, re.IGNORECASE)
+    ):
+        raise UnreadableError(f"its encoding {encoding!r} is not one that is read")
+    try:
+        return codecs.decode(data.removeprefix(codecs.BOM_UTF8), encoding)
+    except UnicodeDecodeError as err:
+        line_number = data[: err.start].count(b"\n") + 1
+        raise UnreadableError(
+            f"line {line_number} is not {encoding}, byte 0x{err.object[err.start]:02x}"
+        ) from err
+    except (LookupError, ValueError) as err:
+        raise UnreadableError(f"its encoding: {one_line(str(err))}") from err

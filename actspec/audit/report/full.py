@@ -1,0 +1,61 @@
+"""Findings with the text that they are about, the help, and the other places."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.outcome import Report
+from actspec.audit.report import ReportOptions
+from actspec.audit.report.groups import Group, grouped
+from actspec.audit.report.sources import Sources
+from actspec.audit.report.style import Style
+from actspec.audit.report.text import around
+from actspec.diagnostics import Span, listed, one_line
+
+_MOST_JOINTS = 24
+_MOST_PLACES = 8
+_MOST_RELATED = 3
+
+
+def render(report: Report, options: ReportOptions) -> str:
+    """The report with excerpts."""
+    return around(report, options, _findings(report, Style(options.colour)))
+
+
+def _findings(report: Report, style: Style) -> Iterator[str]:
+    sources = Sources(report.case.files)
+    for group in grouped(report.findings, fold=True):
+        yield from _group(group, sources, style)
+        yield ""
+
+
+def _group(group: Group, sources: Sources, style: Style) -> Iterator[str]:
+    item, finding = group.first, group.first.finding
+    yield style.headline(group)
+    yield from _excerpt(sources, finding.span, style)
+    if len(group.joints) > 2:
+        yield f"  = joints: {one_line(listed(group.joints, _MOST_JOINTS))}"
+    also_on = group.also_on(_MOST_PLACES)
+    if also_on:
+        yield f"  = {also_on}"
+    if finding.help:
+        yield f"  = help: {one_line(finding.help)}"
+    fix = finding.fix
+    if fix is not None:
+        flag = "--fix" if fix.safety.value == "safe" else "--unsafe-fixes"
+        yield f"  = fix: {one_line(fix.title)} ({flag})"
+    related = group.related()
+    if related:
+        yield f"  = see {style.bold(str(related[0]))}"
+        yield from _excerpt(sources, related[0], style)
+    if len(related) > 1:
+        yield f"  = see also {listed([str(span) for span in related[1:]], _MOST_RELATED)}"
+    yield style.faint(
+        f"  = rule: {item.name}, {item.confidence.value} confidence; `actspec rule {finding.code}`"
+    )
+
+
+def _excerpt(sources: Sources, span: Span, style: Style) -> Iterator[str]:
+    for line in sources.excerpt(span):
+        margin, bar, text = line.partition("|")
+        yield "  " + style.faint(margin + bar) + (style.bold(text) if text.strip() == "^" else text)

@@ -1,0 +1,132 @@
+"""Findings that say the same of many joints, put together."""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.outcome import Reported
+from actspec.diagnostics import Span, listed
+
+MOST_ALIKE = 3
+"""Groups that differ in figures only and are still shown one by one. Chosen: more of them say nothing new."""
+
+_FIGURE = re.compile(r"(?<![\w./-])[-+]?(?:x?\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf)(?![\w/]|[.]\w)|'[^']*'")
+"""Figures and quoted texts in a message; not digits in a joint's or file's name."""
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Findings with the same rule, file, message, help and severity.
+
+    Attributes:
+        members: In the report's order, at least one.
+        alike: Others that say the same of the same file with other figures; these are the worst.
+    """
+
+    members: tuple[Reported, ...]
+    alike: tuple[Reported, ...] = ()
+
+    @property
+    def first(self) -> Reported:
+        """The one whose place stands for all."""
+        return self.members[0]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Their joints, each once."""
+        return tuple(dict.fromkeys(item.finding.joint for item in self.members if item.finding.joint))
+
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """Their places, each once; the first stands for all."""
+        return tuple(dict.fromkeys(item.finding.span for item in self.members))
+
+    def also_on(self, most: int) -> str:
+        """The other lines that the findings are on, in words; "" when there is none.
+
+        Args:
+            most: Lines that are named.
+        """
+        lines = dict.fromkeys(span.line for span in self.spans if span.line != self.spans[0].line)
+        return (
+            f"also on line{'s' * (len(lines) > 1)} {listed([str(n) for n in lines], most)}" if lines else ""
+        )
+
+    def related(self) -> tuple[Span, ...]:
+        """Other places that the findings are about, each once."""
+        places = (span for item in self.members for span in item.finding.related)
+        return tuple(span for span in dict.fromkeys(places) if span not in self.spans)
+
+    def headline(self, most: int = 2) -> str:
+        """Joints and message, in one sentence.
+
+        Args:
+            most: Joints that are named.
+        """
+        joints = listed(self.joints, most)
+        message = self.first.finding.message
+        return (f"{joints}: {message}" if joints else message) + self.others(most)
+
+    def others(self, most: int) -> str:
+        """Whom else it concerns with other figures, in brackets; "" where nobody.
+
+        Args:
+            most: Joints that are named.
+        """
+        joints = tuple(dict.fromkeys(item.finding.joint for item in self.alike if item.finding.joint))
+        told = listed(joints, most) if joints else f"{len(self.alike)} more"
+        return f" (alike: {told})" if self.alike else ""
+
+
+def grouped(found: Iterable[Reported], *, by_place: bool = False, fold: bool = False) -> tuple[Group, ...]:
+    """Groups in the order of their first findings.
+
+    Args:
+        found: Findings in the report's order.
+        by_place: Put only those of one place together.
+        fold: Of more than `MOST_ALIKE` groups that differ in figures only, keep the worst, and name the joints of
+            the others. For people: nothing may be looked up in the result.
+    """
+    groups: dict[tuple[object, ...], list[Reported]] = {}
+    for item in found:
+        finding = item.finding
+        place = finding.span if by_place else finding.span.path
+        key = (finding.code, place, finding.message, finding.help, item.severity, item.confidence)
+        groups.setdefault(key, []).append(item)
+    each = tuple(Group(tuple(members)) for members in groups.values())
+    return _folded(each) if fold else each
+
+
+def _folded(groups: Sequence[Group]) -> tuple[Group, ...]:
+    alike: dict[tuple[object, ...], list[Group]] = {}
+    for group in groups:
+        item, finding = group.first, group.first.finding
+        texts = (_FIGURE.sub("#", text or "") for text in (finding.message, finding.help))
+        key = (finding.code, finding.span.path, item.severity, item.confidence, *texts)
+        alike.setdefault(key, []).append(group)
+    found: list[Group] = []
+    for same in alike.values():
+        if len(same) <= MOST_ALIKE:
+            found += same
+            continue
+        worst = max(same, key=_badness)
+        found.append(
+            Group(
+                worst.members, tuple(item for group in same if group is not worst for item in group.members)
+            )
+        )
+    place = {id(group.first): index for index, group in enumerate(groups)}
+    return tuple(sorted(found, key=lambda group: place[id(group.first)]))
+
+
+def _badness(group: Group) -> float:
+    """How far the figure is off, by ratio where it is known what it should be; else its size."""
+    value, expected = group.first.finding.value, group.first.finding.expected
+    if value is None or math.isnan(value):
+        return 0.0
+    if expected and value / expected > 0.0 and math.isfinite(value / expected):
+        return abs(math.log(value / expected))
+    return abs(value)

@@ -1,0 +1,82 @@
+"""What stands around the findings in text: files that could not be read, the ledger, counts, the summary."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Iterator
+
+from actspec.audit.outcome import SEVERITIES, Means, Report
+from actspec.audit.report import ReportOptions
+from actspec.audit.report.ledger import ledger_lines
+from actspec.audit.report.style import Style
+from actspec.diagnostics import Severity, listed, one_line
+from actspec.tables import table
+
+MOST_REASONS = 3
+"""Reasons for skipping rules that are told. Chosen: who asks for a few rules wants to know why one is silent, who asks
+for all wants the findings; the formats for programs have them all."""
+
+_MEANS = {
+    Means.INLINE: "ignored in the files",
+    Means.SETTING: "by per-file-ignores",
+    Means.BASELINE: "in the baseline",
+    Means.CONFIDENCE: "below --min-confidence",
+}
+
+
+def around(report: Report, options: ReportOptions, findings: Iterable[str]) -> str:
+    """A whole text report.
+
+    Args:
+        report: What was found.
+        options: How it is to look.
+        findings: Lines of the findings.
+    """
+    style = Style(options.colour)
+    lines: list[str] = []
+    if options.ledger:
+        lines += [*ledger_lines(report.case, style), ""]
+    lines += statistics(report) if options.statistics else findings
+    return "".join(f"{line}\n" for line in (*lines, *summary(report, style)))
+
+
+def statistics(report: Report) -> list[str]:
+    """Counts by rule, the most frequent first."""
+    counts = Counter((item.finding.code, item.name, item.severity.value) for item in report.findings)
+    rows = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))
+    return table([(str(count), *key) for key, count in rows], "", headings=0)
+
+
+def summary(report: Report, style: Style) -> Iterator[str]:
+    """How much was found, set aside and skipped."""
+    skipped: dict[str, list[str]] = {}
+    for item in report.skipped:
+        skipped.setdefault(item.reason, []).append(item.code)
+    if len(skipped) <= MOST_REASONS:
+        for reason, codes in skipped.items():
+            yield style.faint(f"skipped {listed(codes)}: {one_line(reason)}")
+    else:
+        count = len({item.code for item in report.skipped})
+        yield style.faint(
+            f"skipped {many(count, 'rule')} that lack their input; with `--select CODE` one says what it lacks"
+        )
+    aside = Counter(item.means for item in report.suppressed)
+    told = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]
+    unread = sum(not file.readable for file in report.case.files)
+    if unread:
+        told.insert(0, f"{many(unread, 'file')} could not be read")
+    read = many(len(report.case.files) - unread, "file")
+    yield f"{counted(report)} in {read}" + "".join(f"; {text}" for text in told)
+
+
+def counted(report: Report) -> str:
+    """`2 errors, 1 warning`; `no findings`."""
+    counts = Counter(item.severity for item in report.findings)
+    nouns = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "remark"}
+    parts = [many(counts[severity], nouns[severity]) for severity in reversed(SEVERITIES) if counts[severity]]
+    return ", ".join(parts) or "no findings"
+
+
+def many(count: int, noun: str) -> str:
+    """A count with its noun."""
+    return f"{count} {noun}{'s' * (count != 1)}"

@@ -1,0 +1,1 @@
+"""Ledger rows: from models and specs (`robot`), from configurations (`config`)."""

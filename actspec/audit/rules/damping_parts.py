@@ -1,0 +1,62 @@
+"""The damping of one joint of an MJCF, by where it comes from."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from actspec.audit.ledger import LedgerRow
+
+SAME = 0.05
+"""Relative difference up to which two figures are taken for one. Chosen: rounding of published gains."""
+
+THIRD = 0.1
+"""Least share of the total for a part to count as one of three. Chosen: as DMP101's `share`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parts:
+    """The damping of one joint by origin, all its drives together [N*m*s/rad or N*s/m].
+
+    Attributes:
+        kd: Of the drives.
+        joint: Of the joint.
+        actuator: At the actuators (MuJoCo 3.7 and later), gear squared.
+    """
+
+    kd: float
+    joint: float
+    actuator: float
+
+    @property
+    def passive(self) -> float:
+        """What no torque limit clamps."""
+        return self.joint + self.actuator
+
+    @property
+    def total(self) -> float:
+        """What the joint gets."""
+        return self.kd + self.passive
+
+    @property
+    def in_three_places(self) -> bool:
+        """Whether each of the three counts."""
+        return min(self.kd, self.joint, self.actuator) >= THIRD * self.total > 0.0
+
+
+def parts_of(rows: Sequence[LedgerRow]) -> Parts | None:
+    """The parts of a joint from all its rows; None when one is unknown or negative."""
+    joint = rows[0].joint_damping
+    kds = [row.kd for row in rows if row.kd is not None]
+    actuators = [row.actuator_damping for row in rows if row.actuator_damping is not None]
+    if joint is None or len(kds) < len(rows) or len(actuators) < len(rows):
+        return None
+    if min(joint, *kds, *actuators) < 0.0:
+        return None
+    return Parts(sum(kds), joint, sum(actuators))
+
+
+def same(one: float, other: float) -> bool:
+    """Whether two figures are one, but for rounding."""
+    return math.isclose(one, other, rel_tol=SAME)

@@ -1,0 +1,220 @@
+"""GEA: reductions that one file has and another leaves out."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.reductions import SAME, Figures, Reduction, figures, joints_above, reductions, same
+from actspec.diagnostics import Severity
+from actspec.units import format_quantity
+
+_MODELS = (FileKind.MJCF, FileKind.URDF, FileKind.SPEC)
+
+
+class HiddenGear(Rule):
+    """A file leaves out a reduction that another file of the robot has.
+
+    ## What it does
+    Effort times speed does not change behind a gear. Where a file gives two joints the same product and different
+    efforts, they have one motor behind different reductions. Reports files of the same robot that agree on the joint
+    with less reduction and give the other one the same figures, or the figures of another reduction.
+
+    ## Why it matters
+    The joint (the knee, as a rule) gets a fraction of its torque and a multiple of its speed, and the policy learns
+    to walk on them. Its armature is too small too, by the square.
+
+    ## Example
+    ```xml leg.urdf
+    <robot name="leg">
+      <link name="base"/>
+      <link name="thigh"/>
+      <link name="shank"/>
+      <joint name="hip_joint" type="revolute">
+        <parent link="base"/>
+        <child link="thigh"/>
+        <limit lower="-1" upper="1" effort="23.7" velocity="30.1"/>
+      </joint>
+      <joint name="knee_joint" type="revolute">
+        <parent link="thigh"/>
+        <child link="shank"/>
+        <limit lower="-2" upper="0" effort="45.43" velocity="15.70"/>
+      </joint>
+    </robot>
+    ```
+    ```python leg_cfg.py
+    from isaaclab.actuators import DCMotorCfg
+    from isaaclab.assets.articulation import ArticulationCfg
+
+    LEG_CFG = ArticulationCfg(
+        actuators={
+            "legs": DCMotorCfg(
+                joint_names_expr=[".*_joint"],
+                effort_limit=23.5,
+                saturation_effort=23.5,
+                velocity_limit=30.0,
+                stiffness=25.0,
+                damping=0.5,
+            )
+        }
+    )
+    ```
+
+    ## Use instead
+    ```python leg_cfg.py
+    from isaaclab.actuators import DCMotorCfg
+    from isaaclab.assets.articulation import ArticulationCfg
+
+    LEG_CFG = ArticulationCfg(
+        actuators={
+            "hip": DCMotorCfg(
+                joint_names_expr=["hip_joint"],
+                effort_limit=23.7,
+                saturation_effort=23.7,
+                velocity_limit=30.1,
+                stiffness=25.0,
+                damping=0.5,
+            ),
+            "knee": DCMotorCfg(
+                joint_names_expr=["knee_joint"],
+                effort_limit=45.43,
+                saturation_effort=45.43,
+                velocity_limit=15.70,
+                stiffness=25.0,
+                damping=0.5,
+            ),
+        }
+    )
+    ```
+
+    ## Limits
+    Silent where a third model of the robot has the figure too: the files are then of two revisions. Two URDF are
+    compared only where both have a reduction. Which file is right, no rule can tell.
+
+    ## Source
+    isaac-sim/IsaacLab#7479: a cfg of 23.5 N*m and 30 rad/s on all joints beside a URDF with 45.43 N*m and 15.70 rad/s
+    at the calf, a factor of 1.917. Chosen: products within 2 %, see `actspec/audit/rules/reductions.py`.
+    """
+
+    code = "GEA101"
+    name = "hidden-gear"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the files of each robot with the reductions that one of them has."""
+        looked = False
+        known = figures(case)
+        for robot in case.robots:
+            above = joints_above(case, robot)
+            for reference in robot.artifacts:
+                found = list(reductions(known.get(reference, {}), above))
+                for other in robot.artifacts:
+                    if other == reference or other not in known:
+                        continue
+                    looked = looked or any(
+                        joint.speed is not None for joint in known.get(reference, {}).values()
+                    )
+                    seen = set()
+                    for reduction in found:
+                        finding = self._compare(case, known, reduction, other)
+                        if finding is not None and finding.joint not in seen:
+                            seen.add(finding.joint)
+                            yield finding
+        if not looked:
+            yield Skipped(
+                self.code, "no file with effort and speed limits beside another file of the same robot"
+            )
+
+    def _compare(
+        self, case: Case, known: Mapping[int, Mapping[str, Figures]], reduction: Reduction, other: int
+    ) -> Finding | None:
+        there = known[other]
+        joint, base = there.get(reduction.joint.row.joint), there.get(reduction.base.row.joint)
+        if joint is None or base is None:
+            return None
+        agree = same(base.effort, reduction.base.effort) and same(base.speed, reduction.base.speed)
+        if not agree or same(joint.effort, reduction.joint.effort):
+            return None
+        if _is_equal(joint, base):
+            urdf = case.artifacts[reduction.joint.row.artifact].kind is FileKind.URDF
+            twins = urdf and case.artifacts[other].kind is FileKind.URDF
+            if twins or _confirmed(case, known, joint):
+                return None
+            return self._left_out(joint, reduction)
+        # Told once, at the second file: the first one's reduction is known from its own products.
+        ratio = joint.effort / base.effort
+        powers = [one.effort * one.speed for one in (joint, base) if one.speed is not None]
+        consistent = len(powers) == 2 and math.isclose(*powers, rel_tol=SAME)
+        if not consistent or other < reduction.joint.row.artifact:
+            return None
+        return self._different(joint, reduction, ratio)
+
+    def _left_out(self, joint: Figures, reduction: Reduction) -> Finding:
+        right, ratio = reduction.joint, reduction.ratio
+        share = format_quantity(joint.effort / right.effort, "", 2)
+        gets = f"it gets {share} of its torque"
+        if joint.speed is not None and right.speed is not None:
+            gets += f" and {format_quantity(joint.speed / right.speed, '', 3)} times its speed"
+        return Finding(
+            self.code,
+            f"a reduction of {ratio:.4g} is left out: this joint has the limits of joints with less gear "
+            f"({_limits(joint)}), and {right.row.place('effort_limit').path} gives it {_limits(right)} against their "
+            f"{_limits(reduction.base)}, the same power behind {ratio:.4g} times the reduction: {gets}, and its "
+            f"armature must be {ratio**2:.3g} times theirs",
+            joint.row.place("effort_limit"),
+            joint.row.joint,
+            joint.effort,
+            unit(joint.row, "effort_limit"),
+            right.effort,
+            f"give this joint a group of its own with {_limits(right)}, if the reduction is there on the robot",
+            (right.row.place("effort_limit"), reduction.base.row.place("effort_limit")),
+        )
+
+    def _different(self, joint: Figures, reduction: Reduction, ratio: float) -> Finding:
+        right = reduction.joint
+        return Finding(
+            self.code,
+            f"the reduction is {ratio:.4g} times that of joints with the same motor here ({_limits(joint)}), and "
+            f"{reduction.ratio:.4g} times in {right.row.place('effort_limit').path} ({_limits(right)}): one of the "
+            "files is of another robot or revision",
+            joint.row.place("effort_limit"),
+            joint.row.joint,
+            joint.effort,
+            unit(joint.row, "effort_limit"),
+            right.effort,
+            "find out which reduction the robot has",
+            (right.row.place("effort_limit"),),
+            confidence=Confidence.MEDIUM,
+        )
+
+
+def _is_equal(joint: Figures, base: Figures) -> bool:
+    """Whether a file gives both joints the same figures."""
+    speeds = joint.speed is None or base.speed is None or math.isclose(joint.speed, base.speed, rel_tol=0.01)
+    return math.isclose(joint.effort, base.effort, rel_tol=0.01) and speeds
+
+
+def _confirmed(case: Case, known: Mapping[int, Mapping[str, Figures]], joint: Figures) -> bool:
+    """Whether another model of the robot, not a copy of the same lines, has the joint's figure too."""
+    place = joint.row.place("effort_limit")
+    for other in case.robot_of(joint.row.artifact).artifacts:
+        there = known.get(other, {}).get(joint.row.joint)
+        if there is None or case.artifacts[other].kind not in _MODELS or other == joint.row.artifact:
+            continue
+        if there.row.place("effort_limit") != place and same(there.effort, joint.effort):
+            return True
+    return False
+
+
+def _limits(joint: Figures) -> str:
+    text = shown(joint.row, "effort_limit", joint.effort)
+    return text if joint.speed is None else f"{text} at {shown(joint.row, 'velocity_limit', joint.speed)}"
+
+
+RULES: tuple[type[Rule], ...] = (HiddenGear,)

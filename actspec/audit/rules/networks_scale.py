@@ -1,0 +1,160 @@
+"""NET: scales of an actuator network in a configuration."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from os.path import basename
+from typing import ClassVar
+
+from actspec.audit.artifact import NetworkConventions
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.networks import SAME, networks
+from actspec.diagnostics import Severity, Span
+
+SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
+"""Field of the class to the manifest's."""
+
+
+class NetworkScale(Rule):
+    """A scale of a network turns its sign, or switches it off.
+
+    ## What it does
+    Compares `pos_scale`, `vel_scale` and `torque_scale` with the manifest beside the network: another sign is an error,
+    another size a warning. Without a manifest it reports scales of 0, and remarks negative ones.
+
+    ## Why it matters
+    The classes feed target - measured. A network that was trained on measured - target needs `pos_scale=-1`; with the
+    wrong sign the torque drives the joint away from its target.
+
+    ## Example
+    ```json leg.json
+    {"format": "actspec-network/1", "kind": "mlp", "inputs": "position_velocity", "taps": [0, 1, 2],
+     "tap_period": "5 ms", "position_scale": -1.0, "velocity_scale": 1.0, "torque_scale": 1.0,
+     "initial_history": "zero"}
+    ```
+    ```python cfg.py
+    from isaaclab.actuators import ActuatorNetMLPCfg
+    from isaaclab.assets import ArticulationCfg
+
+    DOG_CFG = ArticulationCfg(
+        actuators={
+            "legs": ActuatorNetMLPCfg(
+                joint_names_expr=[".*"],
+                network_file="leg.pt",
+                pos_scale=1.0,
+                vel_scale=1.0,
+                torque_scale=1.0,
+                input_order="pos_vel",
+                input_idx=[0, 1, 2],
+                saturation_effort=23.7,
+                effort_limit=23.7,
+                velocity_limit=30.0,
+            )
+        }
+    )
+    ```
+
+    ## Use instead
+    ```python cfg.py
+    from isaaclab.actuators import ActuatorNetMLPCfg
+    from isaaclab.assets import ArticulationCfg
+
+    DOG_CFG = ArticulationCfg(
+        actuators={
+            "legs": ActuatorNetMLPCfg(
+                joint_names_expr=[".*"],
+                network_file="leg.pt",
+                pos_scale=-1.0,
+                vel_scale=1.0,
+                torque_scale=1.0,
+                input_order="pos_vel",
+                input_idx=[0, 1, 2],
+                saturation_effort=23.7,
+                effort_limit=23.7,
+                velocity_limit=30.0,
+            )
+        }
+    )
+    ```
+
+    ## Limits
+    Without a manifest a sign cannot be judged: `pos_scale=-1` is right for the network of walk-these-ways.
+
+    ## Source
+    Isaac Lab 2.3.2 and mjlab 1.6.0, measured: the error is target - measured, the velocity the measured one.
+    """
+
+    code = "NET102"
+    name = "network-scale-or-sign"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    _NOTHING: ClassVar[dict[str, str]] = {
+        "pos_scale": "the network does not see how far the joint is from its target",
+        "vel_scale": "the network does not see the joint's speed",
+        "torque_scale": "the network gives no torque",
+    }
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare scales."""
+        looked = False
+        for _, _, group in networks(case):
+            manifest = group.network.manifest if group.network is not None else None
+            for name, theirs in SCALES.items():
+                setting = group.settings.get(name)
+                value = setting.value if setting is not None else None
+                if setting is None or not isinstance(value, int | float) or isinstance(value, bool):
+                    continue
+                looked = True
+                if manifest is not None:
+                    yield from self._against(
+                        name, float(value), setting.span, manifest, getattr(manifest, theirs)
+                    )
+                elif value == 0.0:
+                    yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
+                elif value < 0.0 and name != "torque_scale":
+                    yield self._negative(name, float(value), setting.span)
+        if not looked:
+            yield Skipped(self.code, "no configuration of a network with scales among the files")
+
+    def _negative(self, name: str, value: float, span: Span) -> Finding:
+        fed = "measured - target" if name == "pos_scale" else "minus the measured velocity"
+        return Finding(
+            self.code,
+            f"{name} {value:g} feeds the network {fed}: right only for a network that was trained so",
+            span,
+            help="write it down in a manifest beside the network; `actspec schema network` has its keys",
+            severity=Severity.INFO,
+            confidence=Confidence.LOW,
+        )
+
+    def _against(
+        self, name: str, value: float, span: Span, manifest: NetworkConventions, trained: float
+    ) -> Iterator[Finding]:
+        if math.isclose(value, trained, rel_tol=SAME):
+            return
+        turned = value * trained < 0.0
+        effect = ""
+        if turned:
+            effect = (
+                ": the torque pushes the wrong way"
+                if name != "vel_scale"
+                else ": it drives where it should brake"
+            )
+        yield Finding(
+            self.code,
+            f"{name} is {value:g}, and {basename(manifest.path)} says {trained:g}{effect}",
+            span,
+            "",
+            value,
+            "1",
+            trained,
+            f"{name}={trained:g}",
+            (Span(manifest.path),),
+            severity=Severity.ERROR if turned else self.severity,
+        )
+
+
+RULES: tuple[type[Rule], ...] = (NetworkScale,)

@@ -1,0 +1,98 @@
+"""PRV: where the figures of a spec come from."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.diagnostics import Severity
+from actspec.ir import Origin
+from actspec.units import format_quantity
+
+_MEASURED = (
+    "effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "peak_torque", "continuous_torque",
+    "armature", "reflected_inertia", "friction_coulomb", "friction_static", "friction_viscous",
+)  # fmt: skip
+"""Figures of the hardware. Gains, delays, filters and scales are the author's choice and need no source."""
+
+
+class FigureWithoutSource(Rule):
+    """A figure of the hardware has no source.
+
+    ## What it does
+    Reports limits, torque-speed figures, inertia and friction that a spec states without a `source` and without a
+    `note`. Gains, delays and scales are choices, and are not reported.
+
+    ## Why it matters
+    A datasheet's figure, a measured one and a guess look alike. The next person who sees another number in another
+    file cannot tell which to correct.
+
+    ## Example
+    ```yaml spec.yaml
+    actspec: 1
+    robot:
+      name: leg
+      model: none
+      joints: [knee]
+    actuators:
+      legs: {joints: [knee], level: ideal_pd, kp: 25 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: 33.5 N*m}
+    ```
+
+    ## Use instead
+    ```yaml spec.yaml
+    actspec: 1
+    robot:
+      name: leg
+      model: none
+      joints: [knee]
+    sources:
+      manual: {title: Manual of the motor, page: 12}
+    actuators:
+      legs:
+        joints: [knee]
+        level: ideal_pd
+        kp: 25 N*m/rad
+        kd: 0.5 N*m*s/rad
+        effort_limit: {value: 33.5 N*m, source: manual}
+    ```
+
+    ## Source
+    Chosen. Users ask for it: mujoco_menagerie#38, HybridRobotics/whole_body_tracking#11, amazon-far/holosoma#47.
+    """
+
+    code = "PRV101"
+    name = "figure-without-source"
+    severity = Severity.INFO
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Look at every authored figure of the hardware."""
+        looked = False
+        for _, artifact in case.of_kind(FileKind.SPEC):
+            if artifact.spec is None:
+                continue
+            looked = True
+            for actuator in artifact.spec.joints:
+                for field, quantity in actuator.quantities():
+                    if field not in _MEASURED or quantity.origin is not Origin.AUTHORED:
+                        continue
+                    if quantity.source or quantity.note or quantity.span is None or quantity.value is None:
+                        continue
+                    figure = format_quantity(quantity.value, quantity.unit, 3)
+                    yield Finding(
+                        self.code,
+                        f"{field.replace('_', ' ')} {figure} has no source: nobody can tell a datasheet from a guess",
+                        quantity.span,
+                        actuator.joint,
+                        quantity.value,
+                        quantity.unit,
+                        help="write {value: ..., source: KEY}, with KEY in `sources`, or a note that says whence it is",
+                    )
+        if not looked:
+            yield Skipped(self.code, "no spec among the files")
+
+
+RULES: tuple[type[Rule], ...] = (FigureWithoutSource,)

@@ -1,0 +1,82 @@
+"""The joints that a range randomises, and what their nominal values are."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.artifact import FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.audit.case import Case
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.pair import matching
+from actspec.audit.rules.cfg_groups import groups_of
+from actspec.audit.rules.joint_units import unit
+from actspec.units import format_quantity
+
+DEVIATIONS = 3.0
+"""Half width of a normal distribution's range, in deviations. Chosen: 99.7 % of the draws."""
+
+FIELDS = {
+    "kp": "kp",
+    "kd": "kd",
+    "armature": "armature",
+    "friction": "frictionloss",
+    "joint_damping": "joint_damping",
+    "effort_limit": "effort_limit",
+}
+"""Field of a range to the field of a row."""
+
+
+def ranges(case: Case) -> Iterator[tuple[int, RobotConfig, RandomizedRange]]:
+    """Every range of every configuration: artifact, configuration, range."""
+    for index, artifact in case.of_kind(FileKind.CFG):
+        if artifact.config is not None:
+            for one in artifact.config.randomize:
+                yield index, artifact.config, one
+
+
+def rows_in(case: Case, artifact: int, one: RandomizedRange) -> list[LedgerRow]:
+    """Rows of the configuration whose joints a range takes.
+
+    Without a model a row stands for a pattern, which is in the range when the range's pattern matches its text.
+    """
+    config = case.artifacts[artifact].config
+    assert config is not None
+    rows = case.rows_of(artifact)
+    if one.joints is None:
+        return list(rows)
+    names = [row.joint for row in rows]
+    inside = {name for pattern in one.joints for name in matching(config.framework, pattern, names)}
+    return [row for row in rows if row.joint in inside or row.joint in one.joints]
+
+
+def nominal(case: Case, config: RobotConfig, row: LedgerRow, one: RandomizedRange) -> float | None:
+    """What the configuration states for the randomised field of a joint, in the range's own unit."""
+    if one.field == "friction" and config.framework is Framework.ISAACLAB:
+        # A coefficient or a torque: the range is in the same unit as the setting.
+        for group in groups_of(case, Framework.ISAACLAB):
+            if row in group.rows:
+                return group.number(group.written("friction"), row.joint)
+        return None
+    field = FIELDS.get(one.field)
+    value: float | None = getattr(row, field) if field is not None else None
+    return value
+
+
+def range_unit(config: RobotConfig, row: LedgerRow, one: RandomizedRange) -> str:
+    """Unit of the nominal value; `1` where the version decides on it."""
+    if one.field == "friction" and config.framework is Framework.ISAACLAB:
+        return "1"
+    return unit(row, FIELDS[one.field])
+
+
+def ends(one: RandomizedRange) -> tuple[float, float]:
+    """Least and greatest value that is drawn; of a normal distribution within three deviations."""
+    if one.distribution == "gaussian":
+        half = DEVIATIONS * abs(one.high)
+        return one.low - half, one.low + half
+    return min(one.low, one.high), max(one.low, one.high)
+
+
+def written(low: float, high: float, unit: str = "1") -> str:
+    """`0.8 to 1.2`."""
+    return f"{low:.3g} to {format_quantity(high, unit, 3)}"

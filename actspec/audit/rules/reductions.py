@@ -1,0 +1,116 @@
+"""Reductions that limits give away: one motor behind two gears has the same torque times speed at both joints."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+
+from actspec.audit.case import Case, Robot
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rules.partners import by_joint
+from actspec.ir import JointKind
+
+SAME_POWER = 0.02
+"""Relative difference up to which two products are one. Source: published pairs of one motor behind two gears (Unitree
+A2, Aliengo, Go1, Go2, G1 and H2) are within 1.3 %; B2 and H1, whose knees are other motors, 2.6 % and 8.7 % apart."""
+
+LEAST = 1.1
+"""Ratio from which a reduction is told from rounding. Chosen: the least published one is 1.26 (Aliengo)."""
+
+SAME = 0.05
+"""Relative difference up to which two files give a joint the same figure. Chosen: 23.5 and 23.7 N*m are one motor."""
+
+_PLACEHOLDER = 1e5
+
+
+@dataclass(frozen=True, slots=True)
+class Figures:
+    """Limits of one joint in one file.
+
+    Attributes:
+        row: Where they stand.
+        effort: [N*m].
+        speed: [rad/s]; None where the file has none.
+    """
+
+    row: LedgerRow
+    effort: float
+    speed: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class Reduction:
+    """A joint that a file gives the same motor as another, behind more gear.
+
+    Attributes:
+        joint: Behind more gear.
+        base: The other.
+        ratio: Of the two reductions, above 1.
+    """
+
+    joint: Figures
+    base: Figures
+    ratio: float
+
+
+def figures(case: Case) -> dict[int, dict[str, Figures]]:
+    """Hinges with an effort limit that a file states, by artifact and joint."""
+    found: dict[int, dict[str, Figures]] = {}
+    for (index, joint), rows in by_joint(case).items():
+        row = rows[0]
+        effort = row.effort_limit
+        if row.kind is JointKind.SLIDE or effort is None or "effort_limit" not in row.stated:
+            continue
+        if 0.0 < effort < _PLACEHOLDER:
+            speed = row.no_load_speed if row.no_load_speed is not None else row.velocity_limit
+            told = speed if speed is not None and 0.0 < speed < _PLACEHOLDER else None
+            found.setdefault(index, {})[joint] = Figures(row, effort, told)
+    return found
+
+
+def reductions(joints: Mapping[str, Figures], above: Mapping[str, frozenset[str]]) -> Iterator[Reduction]:
+    """Every joint of one file with those of its limb that have the same power, less torque and more speed.
+
+    Args:
+        joints: Of one artifact, in its order.
+        above: From `joints_above`; empty: nobody knows the limbs.
+    """
+    for name, joint in joints.items():
+        for other, base in joints.items():
+            ratio = _ratio(joint, base)
+            if ratio is not None and (
+                not above or other in above.get(name, ()) or name in above.get(other, ())
+            ):
+                yield Reduction(joint, base, ratio)
+
+
+def joints_above(case: Case, robot: Robot) -> dict[str, frozenset[str]]:
+    """Each joint of a robot with those between it and the base, as its models have them.
+
+    An ankle and an elbow of the same power may have two motors; joints of one limb seldom do.
+    """
+    found: dict[str, frozenset[str]] = {}
+    for index in robot.artifacts:
+        view = case.artifacts[index].robot
+        parents = {} if view is None else {joint.name: joint.parent for joint in view.joints}
+        for name in parents:
+            chain: list[str] = []
+            parent = parents[name]
+            while parent in parents and parent not in chain:
+                chain.append(parent)
+                parent = parents[parent]
+            found.setdefault(name, frozenset(chain))
+    return found
+
+
+def _ratio(joint: Figures, base: Figures) -> float | None:
+    if joint.speed is None or base.speed is None or joint.effort < LEAST * base.effort:
+        return None
+    power = joint.effort * joint.speed / (base.effort * base.speed)
+    return joint.effort / base.effort if abs(power - 1.0) <= SAME_POWER else None
+
+
+def same(one: float | None, other: float | None) -> bool:
+    """Whether two files give one figure; a figure that one of them lacks does not speak against it."""
+    return one is None or other is None or math.isclose(one, other, rel_tol=SAME)

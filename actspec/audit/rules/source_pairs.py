@@ -1,0 +1,231 @@
+"""Figures of one joint that two files of a robot state, and that differ."""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.case import Case, Robot
+from actspec.audit.dynamics import Figure, figure
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.pair import joint_names
+from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.reductions import SAME_POWER
+
+_SLIPS = (180.0 / math.pi, 30.0 / math.pi)
+"""Degrees for radians, rpm for rad/s."""
+
+_REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
+    FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
+    FileKind.CFG: ((FileKind.URDF, FileKind.MJCF),),
+    FileKind.MJCF: ((FileKind.URDF,),),
+    FileKind.URDF: (),
+}
+"""What a kind of file is held to, the first that states the figure; then earlier files of its own kind."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """One figure of one joint in two files.
+
+    Attributes:
+        rows: The joint's rows in the file that departs.
+        others: In the file that it is held to.
+        field: Name of the figure in `rows`.
+        mine: The figure that departs.
+        theirs: The other.
+        variant: Whether the files describe variants: of the same kind, or with other joints.
+    """
+
+    rows: Sequence[LedgerRow]
+    others: Sequence[LedgerRow]
+    field: str
+    mine: Figure
+    theirs: Figure
+    variant: bool
+
+    @property
+    def ratio(self) -> float | None:
+        """How many times the other figure; None beside 0."""
+        if not self.mine.value or not self.theirs.value:
+            return None
+        return self.mine.value / self.theirs.value
+
+    @property
+    def times(self) -> str:
+        """The ratio for a message: ` (x0.517)`, or nothing."""
+        return "" if self.ratio is None else f" (x{self.ratio:.3g})"
+
+
+def disagreements(
+    case: Case, fields: Sequence[str], tolerance: float, absolute: float = 0.0
+) -> Iterator[Disagreement]:
+    """Where files of one robot state different figures.
+
+    A file is held to the URDF and MJCF of its robot, a deploy file to the training configuration. One that agrees
+    with any of them is right; else the nearest is named: with the same joints, by the same name, the first. A figure
+    that a file does not state is not compared.
+
+    Args:
+        case: The case.
+        fields: Fields of a row; of several, the first that a file states is its figure.
+        tolerance: Largest relative difference of equal figures.
+        absolute: Largest absolute difference of equal figures.
+
+    Yields: One a joint and departing file.
+    """
+    joints = _joints(case)
+    for robot in case.robots:
+        if len(robot.artifacts) > 1:
+            yield from _of_robot(case, robot, joints, fields, tolerance, absolute)
+
+
+def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
+    """Whether two files of one robot state such a figure of one joint.
+
+    Args:
+        case: The case.
+        fields: Fields of a row.
+        kind: What the later of the two is; None: anything but a spec.
+    """
+    joints = _joints(case)
+    for robot in case.robots:
+        seen: dict[str, set[FileKind]] = {}
+        for index in robot.artifacts:
+            own = case.artifacts[index].kind
+            if own is FileKind.SPEC:
+                continue
+            for joint, rows in joints.get(index, {}).items():
+                if _stated(rows, fields) is None:
+                    continue
+                kinds = seen.setdefault(joint, set())
+                if kinds and (kind is None or (own is kind) != (kind in kinds)):
+                    return True
+                kinds.add(own)
+    return False
+
+
+def hidden_gear(effort: float | None, speed: float | None) -> bool:
+    """Whether two ratios of limits, of torque and of speed, are one gear: the power is the same.
+
+    Args:
+        effort: Effort limit of one file over that of the other; None: unknown.
+        speed: Speed likewise.
+    """
+    if effort is None or speed is None:
+        return False
+    return abs(effort * speed - 1.0) <= SAME_POWER < abs(effort - 1.0)
+
+
+def unit_slip(ratio: float | None, tolerance: float) -> bool:
+    """Whether a ratio is that of degrees to radians or of rpm to rad/s, one way or the other."""
+    if ratio is None:
+        return False
+    return any(
+        math.isclose(abs(ratio), factor, rel_tol=tolerance)
+        for slip in _SLIPS
+        for factor in (slip, 1.0 / slip)
+    )
+
+
+def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | None:
+    """The first of the fields that a joint's file states; None where it states none.
+
+    Args:
+        rows: Of one joint in one file.
+        fields: Fields of a row.
+    """
+    found = _stated(rows, fields)
+    return None if found is None else found[1]
+
+
+def _of_robot(
+    case: Case,
+    robot: Robot,
+    joints: Mapping[int, Mapping[str, list[LedgerRow]]],
+    fields: Sequence[str],
+    tolerance: float,
+    absolute: float,
+) -> Iterator[Disagreement]:
+    artifacts = [i for i in robot.artifacts if case.artifacts[i].kind is not FileKind.SPEC and i in joints]
+    for index in artifacts:
+        kind = case.artifacts[index].kind
+        earlier = [
+            i
+            for i in artifacts
+            if i < index and case.artifacts[i].kind is kind and not _same_file(case, i, index)
+        ]
+        ranks = [
+            [i for k in kinds for i in artifacts if case.artifacts[i].kind is k]
+            for kinds in _REFERENCES[kind]
+        ]
+        for joint, rows in joints[index].items():
+            mine = _stated(rows, fields)
+            if mine is None:
+                continue
+            for rank, held in enumerate((*ranks, earlier)):
+                stated = [
+                    (i, found)
+                    for i in held
+                    if (found := _stated(joints[i].get(joint, ()), fields)) is not None
+                ]
+                if not stated:
+                    continue
+                if not any(
+                    _same(mine[1], theirs[1], tolerance, absolute) or _is_one_place(mine[1], theirs[1])
+                    for _, theirs in stated
+                ):
+                    other, theirs = min(stated, key=lambda each: _distance(case, index, each[0]))
+                    variant = rank == len(ranks) or _are_variants(case, index, other)
+                    yield Disagreement(rows, joints[other][joint], mine[0], mine[1], theirs[1], variant)
+                break
+
+
+def _joints(case: Case) -> dict[int, dict[str, list[LedgerRow]]]:
+    """Rows of each joint of each artifact."""
+    found: dict[int, dict[str, list[LedgerRow]]] = {}
+    for (index, joint), rows in by_joint(case).items():
+        found.setdefault(index, {})[joint] = rows
+    return found
+
+
+def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, Figure] | None:
+    """The first of the fields that a joint's file states, and its finite figure."""
+    for name in fields if rows else ():
+        found = figure(rows, name)
+        if found.stated and found.value is not None and math.isfinite(found.value):
+            return name, found
+    return None
+
+
+def _same(mine: Figure, theirs: Figure, tolerance: float, absolute: float) -> bool:
+    assert mine.value is not None and theirs.value is not None
+    return math.isclose(mine.value, theirs.value, rel_tol=tolerance, abs_tol=absolute)
+
+
+def _is_one_place(mine: Figure, theirs: Figure) -> bool:
+    """Whether a scene and the model that it includes were both named."""
+    one, other = mine.place, theirs.place
+    return one.line == other.line and os.path.realpath(one.path) == os.path.realpath(other.path)
+
+
+def _same_file(case: Case, one: int, other: int) -> bool:
+    """Whether two artifacts stand in one file, whose author knows of both."""
+    return case.artifacts[one].path == case.artifacts[other].path
+
+
+def _distance(case: Case, one: int, other: int) -> tuple[bool, bool]:
+    """Sorting key of the files that another may be held to: those of the same variant, then of the same name."""
+    stems = {os.path.splitext(os.path.basename(case.artifacts[index].path))[0] for index in (one, other)}
+    return _are_variants(case, one, other), len(stems) > 1
+
+
+def _are_variants(case: Case, one: int, other: int) -> bool:
+    """Whether two models have different joints."""
+    mine, theirs = joint_names(case.artifacts[one]), joint_names(case.artifacts[other])
+    if case.artifacts[one].robot is None or mine is None or theirs is None:
+        return False
+    return set(mine) != set(theirs)

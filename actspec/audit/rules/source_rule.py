@@ -1,0 +1,81 @@
+"""What the SRC rules have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.dynamics import NOUNS
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.source_pairs import (
+    Disagreement,
+    compared,
+    disagreements,
+    unit_slip,
+)
+from actspec.diagnostics import Severity
+from actspec.units import format_quantity
+
+
+def shown(value: float | None, unit: str) -> str:
+    """A figure for a message, three digits."""
+    return format_quantity(value, unit, 3)
+
+
+class SourceRule(Rule):
+    """What the rules of this family have in common."""
+
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
+    groups: ClassVar[tuple[tuple[str, ...], ...]]
+    """Fields that are compared; of those in one tuple the first that a file states."""
+    lacks: ClassVar[str]
+    """Why there was nothing to compare."""
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the files of each robot."""
+        tolerance = self.option(case, "tolerance")
+        for fields in self.groups:
+            for found in disagreements(case, fields, tolerance):
+                if not self.is_explained(case, found, tolerance):
+                    yield self.finding(case, found)
+        if not any(compared(case, fields) for fields in self.groups):
+            yield Skipped(self.code, f"no two files of one robot state {self.lacks}")
+
+    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """Whether another rule says more about it, or it is none."""
+        return unit_slip(found.ratio, tolerance)
+
+    def consequence(self, case: Case, found: Disagreement) -> str:
+        """What it does to the robot, with a number."""
+        raise NotImplementedError
+
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """By what the files are."""
+        return self.severity, self.confidence
+
+    def finding(self, case: Case, found: Disagreement) -> Finding:
+        """The finding of one joint, at the file that departs."""
+        mine, theirs = found.mine, found.theirs
+        severity, confidence = self.severity_of(case, found)
+        if found.variant:
+            severity, confidence = Severity.INFO, Confidence.LOW
+        other = found.others[0].file
+        return Finding(
+            self.code,
+            f"the {NOUNS[found.field]} is {shown(mine.value, mine.unit)} here and "
+            f"{shown(theirs.value, theirs.unit)} in {other}{found.times}: {self.consequence(case, found)}",
+            mine.place,
+            found.rows[0].joint,
+            mine.value,
+            mine.unit or None,
+            expected=theirs.value,
+            help=f"find out which is right, and write it in both, or set this aside with the reason: {other} may be "
+            "of another variant",
+            related=(theirs.place,),
+            severity=severity,
+            confidence=confidence,
+        )

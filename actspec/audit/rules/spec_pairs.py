@@ -1,0 +1,207 @@
+"""Joints of files beside the same joints of a spec, and what the rules about that have in common."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.case import Case
+from actspec.audit.dynamics import NOUNS, Figure, figure, friction_setting
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.source_rule import shown
+from actspec.diagnostics import Severity
+from actspec.ir import JointActuator
+
+NO_SPEC = "no spec among the files that describes a robot of the others"
+SHARE = 0.1
+"""Least part of the spec's kd that is a second one and no friction. Chosen: as DMP101's `share`."""
+
+DRIVEN = frozenset({"position", "velocity", "dcmotor", "pid"})
+"""Controls of an MJCF whose actuator is all that drives the joint: what such a file leaves out is the engine's 0."""
+
+_FACTORS = {1000.0: "m{}", 1e-3: "k{}", 1.0 / 0.0980665: "kgf*cm", 1.0 / 9.80665: "kgf*m"}
+"""How many of another unit are one N*m, and that unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class SpecJoint:
+    """One joint of one file and of the spec.
+
+    Attributes:
+        rows: The joint's rows in the file.
+        spec: Its row in the spec.
+        actuator: Its actuator in the spec.
+        kind: What the file is.
+    """
+
+    rows: Sequence[LedgerRow]
+    spec: LedgerRow
+    actuator: JointActuator
+    kind: FileKind
+
+    def mine(self, field: str) -> Figure | None:
+        """What the file says; None where it leaves that to others."""
+        found = figure(self.rows, field)
+        runs = self.kind is FileKind.MJCF and self.rows[0].control in DRIVEN
+        return found if found.value is not None and (found.stated or runs) else None
+
+    def wanted(self, field: str) -> Figure | None:
+        """What the spec says; None where it says nothing."""
+        found = figure((self.spec,), field)
+        return found if found.value is not None and found.stated else None
+
+
+def spec_joints(case: Case) -> Iterator[SpecJoint]:
+    """Every joint of every file that a spec of the same robot describes."""
+    rows = by_joint(case)
+    for index, artifact in case.of_kind(FileKind.SPEC):
+        assert artifact.spec is not None
+        for other in case.robot_of(index).artifacts:
+            kind = case.artifacts[other].kind
+            if kind is FileKind.SPEC:
+                continue
+            for actuator in artifact.spec.joints:
+                mine, wanted = rows.get((other, actuator.joint)), rows.get((index, actuator.joint))
+                if mine and wanted:
+                    yield SpecJoint(mine, wanted[0], actuator, kind)
+
+
+def counted_twice(joint: SpecJoint, tolerance: float) -> float | None:
+    """Damping of a file beyond the spec's kd and viscous friction that is a second kd; None: there is none.
+
+    The passive part beyond the spec's friction is all of the extra, or the extra is the spec's kd once more.
+
+    Args:
+        joint: The joint.
+        tolerance: Relative difference of equal figures.
+    """
+    wanted_kd, viscous = joint.spec.kd, joint.spec.joint_damping
+    kd = figure(joint.rows, "kd").value
+    first = joint.rows[0]
+    actuator = figure(joint.rows, "actuator_damping").value or 0.0
+    if not wanted_kd or viscous is None or kd is None or first.joint_damping is None:
+        return None
+    passive = first.joint_damping + actuator
+    extra = kd + passive - (wanted_kd + viscous)
+    if passive - viscous < SHARE * wanted_kd:
+        return None
+    explained = (passive - viscous, wanted_kd)
+    return extra if any(math.isclose(extra, part, rel_tol=tolerance) for part in explained) else None
+
+
+def is_sum(joint: SpecJoint, tolerance: float) -> bool:
+    """Whether a configuration that states no passive damping has the spec's in its kd."""
+    kd, total = figure(joint.rows, "kd").value, joint.spec.total_damping
+    if kd is None or total is None or joint.kind not in (FileKind.CFG, FileKind.DEPLOY):
+        return False
+    return "joint_damping" not in joint.rows[0].stated and math.isclose(kd, total, rel_tol=tolerance)
+
+
+def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figure, str] | None:
+    """Friction of a file that is the spec's in another unit.
+
+    Args:
+        case: The case; its versions decide what Isaac Lab's `friction` is.
+        joint: The joint.
+        tolerance: Relative difference of equal figures.
+
+    Returns: The file's figure, and what happened; None where nothing of the kind did.
+    """
+    wanted = joint.wanted("frictionloss")
+    if wanted is None or not wanted.value:
+        return None
+    first = joint.rows[0]
+    found = joint.mine("frictionloss")
+    written = friction_setting(case.artifacts[first.artifact], first, "friction")
+    if found is None and written is not None:
+        found = Figure(written[0], wanted.unit, written[1], True)
+        coefficient = _coefficient(case)
+        if coefficient is not None and math.isclose(written[0], wanted.value, rel_tol=tolerance):
+            return Figure(written[0], "", written[1], True), (
+                f"is {written[0]:.3g}, the spec's {shown(wanted.value, wanted.unit)}: in {coefficient} the field is a "
+                "coefficient without unit, and the joint's load decides on the torque"
+            )
+    if found is None or not found.value:
+        return None
+    ratio = found.value / wanted.value
+    for factor, unit in _FACTORS.items():
+        if math.isclose(ratio, factor, rel_tol=tolerance):
+            other = unit.format(wanted.unit)
+            return found, (
+                f"is {found.value:.3g}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
+                f"figure in {other}, where the file means {wanted.unit} (x{ratio:.3g})"
+            )
+    return None
+
+
+def _coefficient(case: Case) -> str | None:
+    """The named stack in which Isaac Lab's `friction` is a coefficient; None: it is not, or nobody named one."""
+    versions = case.versions
+    if versions.isaaclab is None:
+        return None
+    if int(versions.isaaclab.split(".")[0]) >= 3:
+        return f"Isaac Lab {versions.isaaclab} on OVPhysX" if versions.backend == "ovphysx" else None
+    if versions.isaac_sim is None or int(versions.isaac_sim.split(".")[0]) >= 5:
+        return None
+    return f"Isaac Lab {versions.isaaclab} on Isaac Sim {versions.isaac_sim}"
+
+
+class SpecRule(Rule):
+    """What the rules about figures that depart from the spec have in common."""
+
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
+    fields: ClassVar[tuple[str, ...]]
+    absolute: ClassVar[float] = 0.0
+    """Largest absolute difference of equal figures."""
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare every file with the spec of its robot."""
+        looked = False
+        tolerance = self.option(case, "tolerance")
+        for joint in spec_joints(case):
+            looked = True
+            for field in self.fields:
+                mine, wanted = joint.mine(field), joint.wanted(field)
+                if mine is None or wanted is None or mine.value is None or wanted.value is None:
+                    continue
+                if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=self.absolute):
+                    continue
+                if not self.is_told_elsewhere(case, joint, field, tolerance):
+                    yield self._finding(joint, field, mine, wanted)
+        if not looked:
+            yield Skipped(self.code, NO_SPEC)
+
+    def is_told_elsewhere(self, case: Case, joint: SpecJoint, field: str, tolerance: float) -> bool:
+        """Whether another rule says more about it."""
+        return False
+
+    def _finding(self, joint: SpecJoint, field: str, mine: Figure, wanted: Figure) -> Finding:
+        assert mine.value is not None and wanted.value is not None
+        ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
+        if math.isinf(mine.value):
+            told = f"there is no {NOUNS[field]}"
+        elif mine.stated:
+            told = f"the {NOUNS[field]} is {shown(mine.value, mine.unit)}"
+        else:
+            told = f"the {NOUNS[field]} is not written, so {shown(mine.value, mine.unit)}"
+        if math.isinf(mine.value) or math.isinf(wanted.value):
+            ratio = ""
+        return Finding(
+            self.code,
+            f"{told}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
+            mine.place,
+            joint.rows[0].joint,
+            mine.value,
+            mine.unit or None,
+            expected=wanted.value,
+            help="compile the file from the spec, or correct the spec",
+            related=(wanted.place,),
+        )

@@ -1,0 +1,235 @@
+"""SYM: left and right of a robot."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import combinations
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.partners import by_joint
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+from actspec.units import format_quantity
+
+_SIDES = (
+    ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
+    ("lf", "rf"), ("lh", "rh"), ("lb", "rb"), ("lm", "rm"),
+)  # fmt: skip
+"""Words for the sides, in lower case. Chosen: from the joint names in the surveyed repositories."""
+
+_RIGHT = {
+    form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
+}
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
+
+_DRIVE = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "velocity_limit",
+    "stall_torque",
+    "no_load_speed",
+    "delay",
+    "action_scale",
+)
+_PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
+
+_PD = ("position", "implicit", "ideal_pd", "dc_motor")
+
+_SHARED = 0.8
+"""Share of a file's joints that another must mirror to be its other side. Chosen: as for pairing files."""
+
+_Rows = Mapping[str, Sequence[LedgerRow]]
+
+
+class LeftRightDiffer(Rule):
+    """Left and right differ.
+
+    ## What it does
+    Compares joints whose names mirror each other (`left_`/`right_`, `L`/`R`, `FL`/`FR`, `_l`/`_r`, `lf`/`rf`) in one
+    file, and in two files of which one mirrors the other. Reports gains, limits, armature, friction and damping that
+    differ by more than `relative` (default 0.01), an effort limit of 0 on one side alone as an error, and, as a
+    remark, ranges of the joint that neither agree nor mirror by more than `angle` (default 0.02 rad).
+
+    ## Why it matters
+    The two sides of a robot are the same motors. A number that was corrected on one side alone makes a policy limp, or
+    turn. A limit of 0 on one side is a dead joint.
+
+    ## Example
+    ```xml
+    <robot name="legs">
+      <link name="base"/>
+      <link name="left_shank"/>
+      <link name="right_shank"/>
+      <joint name="left_knee" type="revolute">
+        <parent link="base"/>
+        <child link="left_shank"/>
+        <limit lower="-2" upper="0" effort="139" velocity="20"/>
+      </joint>
+      <joint name="right_knee" type="revolute">
+        <parent link="base"/>
+        <child link="right_shank"/>
+        <limit lower="-2" upper="0" effort="88" velocity="20"/>
+      </joint>
+    </robot>
+    ```
+
+    ## Use instead
+    ```xml
+    <robot name="legs">
+      <link name="base"/>
+      <link name="left_shank"/>
+      <link name="right_shank"/>
+      <joint name="left_knee" type="revolute">
+        <parent link="base"/>
+        <child link="left_shank"/>
+        <limit lower="-2" upper="0" effort="139" velocity="20"/>
+      </joint>
+      <joint name="right_knee" type="revolute">
+        <parent link="base"/>
+        <child link="right_shank"/>
+        <limit lower="-2" upper="0" effort="139" velocity="20"/>
+      </joint>
+    </robot>
+    ```
+
+    ## Limits
+    Grippers drive one finger of two: where only one of a pair has an actuator, the two are not compared.
+
+    ## Source
+    unitree_ros, Dex5 hands: an effort of 0 on 16 of 20 joints of the right hand, 0.93 N*m on all of the left. The
+    thresholds are chosen: digits that converters round away are below them.
+    """
+
+    code = "SYM101"
+    name = "left-right-asymmetry"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare every pair."""
+        looked = False
+        for left, right in _pairs(case):
+            looked = True
+            if (left[0].control == "none") != (right[0].control == "none"):
+                continue
+            finding = self._figures(case, left, right)
+            if finding is not None:
+                yield finding
+            finding = self._range(case, left[0], right[0])
+            if finding is not None:
+                yield finding
+        if not looked:
+            yield Skipped(self.code, "no joints whose names mirror each other among the files")
+
+    def _figures(self, case: Case, left: Sequence[LedgerRow], right: Sequence[LedgerRow]) -> Finding | None:
+        relative = self.option(case, "relative")
+        differing: list[tuple[str, float, float]] = []
+        idle = all(row.control in _PD and row.kp == 0.0 == row.kd for row in (*left, *right))
+        for field in (*_DRIVE, *_PASSIVE):
+            for one, other in zip(left, right, strict=False):
+                if idle and field == "effort_limit":
+                    # A drive without gains gives no torque to be limited.
+                    continue
+                if one.control != other.control and field in ("kp", "kd"):
+                    # Which gains there are goes with the kind of drive.
+                    continue
+                a: float | None = getattr(one, field)
+                b: float | None = getattr(other, field)
+                if a is not None and b is not None and abs(abs(a) - abs(b)) > relative * max(abs(a), abs(b)):
+                    differing.append((field, a, b))
+                    break
+        kinds = [(a.control, b.control) for a, b in zip(left, right, strict=False) if a.control != b.control]
+        texts = [f"{a} and {b}" for a, b in kinds[:1]]
+        texts += [
+            f"{field.replace('_', ' ')} {shown(left[0], field, a)} and {shown(left[0], field, b)}"
+            for field, a, b in differing
+        ]
+        if not texts:
+            return None
+        # Where one side has 0, that one is the odd one; else the second, the first being the pattern.
+        field, a, b = differing[0] if differing else ("", 1.0, 1.0)
+        odd, other = (left[0], right[0]) if a == 0.0 else (right[0], left[0])
+        dead = 0.0 in (a, b) and field == "effort_limit"
+        return Finding(
+            self.code,
+            f"left and right differ: {', '.join(texts)}",
+            odd.place(field),
+            odd.joint,
+            help="the same motor has the same figures on both sides",
+            related=(other.place(field),),
+            severity=Severity.ERROR if dead else self.severity,
+            confidence=Confidence.HIGH if dead else self.confidence,
+        )
+
+    def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
+        if left.position_range is None or right.position_range is None or left.kind is not JointKind.HINGE:
+            return None
+        (low, high), ours = left.position_range, right.position_range
+        angle = self.option(case, "angle")
+        for mirrored in ((low, high), (-high, -low)):
+            if all(abs(one - other) <= angle for one, other in zip(mirrored, ours, strict=True)):
+                return None
+        texts = (
+            f"{format_quantity(a, '', 3)} to {format_quantity(b, 'rad', 3)}" for a, b in ((low, high), ours)
+        )
+        return Finding(
+            self.code,
+            f"left and right have other ranges: {' and '.join(texts)}",
+            right.place("position_range"),
+            right.joint,
+            help="ranges of the two sides are equal, or mirrored",
+            related=(left.place("position_range"),),
+            severity=Severity.INFO,
+            confidence=Confidence.LOW,
+        )
+
+
+def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+    """Rows of left and right joints, in one file or in two."""
+    joints: dict[int, dict[str, Sequence[LedgerRow]]] = {}
+    for (artifact, joint), rows in by_joint(case).items():
+        joints.setdefault(artifact, {})[joint] = rows
+    single = []
+    for artifact, own in joints.items():
+        pairs = _mirrored(own, own)
+        if pairs:
+            yield from pairs
+        else:
+            single.append(artifact)
+    for one, other in combinations(single, 2):
+        if case.artifacts[one].kind is not case.artifacts[other].kind:
+            continue
+        for left, right in ((joints[one], joints[other]), (joints[other], joints[one])):
+            pairs = _mirrored(left, right)
+            if len(pairs) >= max(2.0, _SHARED * max(len(left), len(right))):
+                yield from pairs
+
+
+def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+    found = []
+    for name, rows in left.items():
+        other = next((text for text in _mirrors(name) if text in right), None)
+        if other is not None:
+            found.append((rows, right[other]))
+    return found
+
+
+def _mirrors(name: str) -> Iterator[str]:
+    """What a left joint's name may be on the right: one of its words changed, or all of them."""
+    words = _WORD.findall(name)
+    at = [index for index, word in enumerate(words) if word in _RIGHT]
+    for chosen in (*([index] for index in at), at):
+        if chosen:
+            yield "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
+
+
+RULES: tuple[type[Rule], ...] = (LeftRightDiffer,)

@@ -1,0 +1,131 @@
+"""UNT: friction, damping and armature in thousandths."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import joint_pairs
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+
+
+class MilliOrGram(Rule):
+    """Friction, damping or armature is off by a power of 1000.
+
+    ## What it does
+    Reports dry friction, joint damping and armature that are 1000 times the same joint's in another file (armature
+    also 1e4 and 1e7: kg*cm^2 and g*cm^2); and armatures so large that the joint's whole torque accelerates them by
+    less than `least` (default 5 rad/s^2).
+
+    ## Why it matters
+    Data sheets give friction in mN*m and rotor inertia in g*cm^2. Copied without conversion, the joint hardly moves.
+
+    ## Example
+    ```xml
+    <mujoco>
+      <worldbody>
+        <body>
+          <joint name="knee" armature="100" actuatorfrcrange="-33.5 33.5"/>
+          <geom size="0.1"/>
+        </body>
+      </worldbody>
+    </mujoco>
+    ```
+
+    ## Use instead
+    ```xml
+    <mujoco>
+      <worldbody>
+        <body>
+          <joint name="knee" armature="0.01" actuatorfrcrange="-33.5 33.5"/>
+          <geom size="0.1"/>
+        </body>
+      </worldbody>
+    </mujoco>
+    ```
+
+    ## Limits
+    Two figures of one digit (1 and 0.001) are taken for two guesses, not for one measurement in two units.
+
+    ## Source
+    1 g*cm^2 is 1e-7 kg*m^2. Chosen: half of the least published one, 10 rad/s^2 (fingers with a knee's armature); legs
+    have 100 or more. Friction that the drive cannot overcome is FRC001's.
+    """
+
+    code = "UNT105"
+    name = "milli-or-gram-taken-for-one"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    options: ClassVar[dict[str, float]] = {"least": 5.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare figures with other files', and armatures with the joint's torque."""
+        looked = False
+        for pair in joint_pairs(case):
+            for field, units in _THOUSANDS.items():
+                large, small = sorted(pair, key=lambda row: -abs(getattr(row, field) or 0.0))
+                most, least = getattr(large, field), getattr(small, field)
+                if not most or not least or field not in large.stated & small.stated:
+                    continue
+                looked = True
+                factor = next((one for one in units if math.isclose(most / least, one, rel_tol=0.005)), None)
+                if factor is None or _is_one_digit(most):
+                    continue
+                yield Finding(
+                    self.code,
+                    f"the {field.replace('_', ' ')} of {shown(large, field, most)} is {factor:g} times the "
+                    f"{shown(large, field, least)} in {small.place(field).path}: a figure in {units[factor]}",
+                    large.place(field),
+                    large.joint,
+                    most,
+                    unit(large, field),
+                    least,
+                    f"write it in {unit(large, field)}",
+                    (small.place(field),),
+                )
+        for row in case.rows:
+            armature, effort = row.armature, row.effort_limit
+            if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
+                continue
+            looked = True
+            if (
+                row.kind is JointKind.SLIDE
+                or effort <= 0.0
+                or effort / armature >= self.option(case, "least")
+            ):
+                continue
+            yield Finding(
+                self.code,
+                f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
+                f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
+                "like another unit",
+                row.place("armature"),
+                row.joint,
+                armature,
+                unit(row, "armature"),
+                help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
+            )
+        if not looked:
+            yield Skipped(self.code, "no file states friction, damping or armature to compare")
+
+
+_THOUSANDS: dict[str, dict[float, str]] = {
+    "frictionloss": {1e3: "mN*m"},
+    "joint_damping": {1e3: "mN*m*s/rad"},
+    "armature": {1e3: "g*m^2", 1e4: "kg*cm^2", 1e7: "g*cm^2"},
+}
+"""Field to the factors that a unit can be off by, and the unit."""
+
+
+def _is_one_digit(value: float) -> bool:
+    """Whether a figure has one significant digit."""
+    return float(f"{value:.0e}") == float(f"{value:.6e}")
+
+
+RULES: tuple[type[Rule], ...] = (MilliOrGram,)

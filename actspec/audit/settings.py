@@ -1,0 +1,361 @@
+"""Settings of the audit: `[tool.actspec.audit]` of a pyproject.toml, or `[audit]` of an actspec.toml."""
+
+from __future__ import annotations
+
+import os
+import re
+import sys
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, TypeVar
+
+from actspec.audit.case import Versions
+from actspec.audit.finding import Confidence
+from actspec.audit.rule import Rule
+from actspec.audit.selection import ALL, guess, strength
+from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
+from actspec.files import NotRegular, TooLarge, read_regular
+
+OWN_FILE = "actspec.toml"
+SHARED_FILE = "pyproject.toml"
+
+MOST_BYTES = 1 << 20
+"""Chosen: a settings file is written by hand."""
+
+BACKENDS = ("physx", "ovphysx", "newton")
+"""Source: `Versions.backend`."""
+
+NEVER = "never"
+"""`fail-on` for findings that never fail the run."""
+
+_VERSION = re.compile(r"\d{1,6}(\.\d{1,6}){0,3}")
+
+_T = TypeVar("_T")
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What the audit is to do.
+
+    Attributes:
+        select: Selectors of rules to run.
+        ignore: Selectors of rules not to run.
+        per_file_ignores: Globs below `folder`, each with selectors of rules whose findings in such files are set
+            aside.
+        severity: Selectors with the severity that their rules' findings get.
+        fail_on: Least severity that makes the run fail; None: none does.
+        min_confidence: Least confidence that is reported.
+        options: Rule code to its options.
+        versions: What the files are meant for.
+        baseline: File with known findings; None: there is none.
+        folder: Folder that globs are relative to.
+    """
+
+    select: tuple[str, ...] = (ALL,)
+    ignore: tuple[str, ...] = ()
+    per_file_ignores: tuple[tuple[str, tuple[str, ...]], ...] = ()
+    severity: Mapping[str, Severity] = field(default_factory=dict)
+    fail_on: Severity | None = Severity.ERROR
+    min_confidence: Confidence = Confidence.LOW
+    options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    versions: Versions = field(default_factory=Versions)
+    baseline: str | None = None
+    folder: str = "."
+
+
+def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start: str = ".") -> Settings:
+    """Settings from a file.
+
+    Args:
+        rules: All rules, for selectors and options.
+        config: The file; default: the nearest one, from `start` upwards. In one folder actspec.toml goes before
+            pyproject.toml, and a pyproject.toml without `[tool.actspec]` is passed over.
+        start: Folder to begin in.
+
+    Raises: AuditError: with everything that is wrong with the file.
+    """
+    collector = Collector()
+    if config is not None:
+        found: tuple[str, dict[str, Any]] | None = (config, _read(config, collector))
+    else:
+        found = next(_candidates(start, collector), None)
+    collector.raise_if_failed(AuditError)
+    if found is None:
+        return Settings()
+    path, data = found
+    reader = _Reader(path, rules, collector)
+    settings = reader.document(data)
+    collector.raise_if_failed(AuditError)
+    return settings
+
+
+def check_selectors(
+    selectors: Sequence[str], rules: Sequence[type[Rule]], where: str, span: Span | None, out: Collector
+) -> None:
+    """Report selectors that name no rule."""
+    for selector in selectors:
+        if not any(strength(selector, rule.code, rule.name) for rule in rules):
+            near = guess(selector, rules)
+            families = sorted({rule.code.rstrip("0123456789") for rule in rules})
+            out.error(
+                "AUD003",
+                f"no rule has the code, the beginning of a code or the name '{shortened(selector)}'",
+                where=where,
+                span=span,
+                help=f"did you mean '{near}'?"
+                if near
+                else f"families: {', '.join(families)}; or a code, or ALL",
+            )
+
+
+def read_versions(data: Mapping[str, str], where: str, span: Span | None, out: Collector) -> Versions:
+    """Versions by the names of `Versions`' fields; what is wrong goes to `out`."""
+    known = tuple(Versions.__dataclass_fields__)
+    taken: dict[str, str] = {}
+    for written, text in data.items():
+        name = written.replace("-", "_")
+        place = f"{where}.{written}" if span is not None else where
+        if name not in known:
+            near = nearest(name, known)
+            out.error(
+                "AUD002",
+                f"'{shortened(written)}' is nothing that files can be meant for",
+                where=place,
+                span=span,
+                help=f"did you mean '{near}'?" if near else f"one of {', '.join(known)}",
+            )
+        elif name == "backend" and text not in BACKENDS:
+            message = f"must be one of {', '.join(BACKENDS)}, got '{shortened(text)}'"
+            out.error("AUD004", message, where=place, span=span)
+        elif name != "backend" and not _VERSION.fullmatch(text):
+            message = f"must be a version such as 2.3, got '{shortened(text)}'"
+            out.error("AUD004", message, where=place, span=span)
+        else:
+            taken[name] = text
+    return Versions(**taken)
+
+
+def matches(glob: str, path: str) -> bool:
+    """Whether a path (with `/`) fits a glob; a glob without `/` is held against the last part alone.
+
+    `*` and `?` stand for anything but `/`, `**` for anything.
+    """
+    if "/" not in glob:
+        path = path.rpartition("/")[2]
+    parts = re.split(r"(\*\*/|\*\*|\*|\?)", glob)
+    table = {"**/": "(?:.*/)?", "**": ".*", "*": "[^/]*", "?": "[^/]"}
+    pattern = "".join(table[part] if part in table else re.escape(part) for part in parts)
+    return re.fullmatch(pattern, path, re.DOTALL) is not None
+
+
+def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any]]]:
+    folder = os.path.abspath(start)
+    while not collector.failed:
+        own = os.path.join(folder, OWN_FILE)
+        if os.path.isfile(own):
+            yield _shown(own), _read(own, collector)
+        shared = os.path.join(folder, SHARED_FILE)
+        if os.path.isfile(shared):
+            data = _read(shared, collector, quietly=True)
+            tool = data.get("tool")
+            if isinstance(tool, dict) and "actspec" in tool:
+                yield _shown(shared), data
+        parent = os.path.dirname(folder)
+        if parent == folder:
+            return
+        folder = parent
+
+
+def _shown(path: str) -> str:
+    """A path below the working folder as the user would write it, others as they are."""
+    try:
+        relative = os.path.relpath(path)
+    except ValueError:  # another drive
+        return path
+    return path if relative.startswith(os.pardir) else relative
+
+
+def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str, Any]:
+    """A TOML file; empty after an error, which is collected.
+
+    Args:
+        path: The file.
+        collector: For errors.
+        quietly: A file that is not TOML is somebody else's trouble unless it speaks of actspec.
+    """
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    try:
+        data = read_regular(path, MOST_BYTES)
+    except (NotRegular, TooLarge) as err:
+        collector.error("AUD001", f"the settings cannot be read: {err}", span=Span(path))
+        return {}
+    except (OSError, ValueError) as err:
+        reason = (getattr(err, "strerror", None) or str(err)).lower()
+        collector.error("AUD001", f"the settings cannot be read: {reason}", span=Span(path))
+        return {}
+    try:
+        return tomllib.loads(data.decode("utf-8"))
+    except UnicodeDecodeError as err:
+        line = data.count(b"\n", 0, err.start) + 1
+        message, span = f"the file is not UTF-8, got the byte 0x{data[err.start]:02x}", Span(path, line)
+    except tomllib.TOMLDecodeError as err:
+        at = re.search(r" \(at line (\d+), column (\d+)\)$", str(err))
+        span = Span(path, int(at[1]), int(at[2])) if at else Span(path)
+        message = f"this is not TOML: {str(err)[: at.start()] if at else err}"
+    except RecursionError:
+        message, span = "arrays or tables are nested too deeply", Span(path)
+    if not quietly or b"actspec" in data:
+        collector.error("AUD001", message, span=span)
+    return {}
+
+
+class _Reader:
+    """Settings out of parsed TOML; every error goes to the collector."""
+
+    def __init__(self, path: str, rules: Sequence[type[Rule]], out: Collector) -> None:
+        self.path = path
+        self.rules = rules
+        self.out = out
+        self.folder = os.path.dirname(path) or "."
+
+    def document(self, data: dict[str, Any]) -> Settings:
+        """From the whole file."""
+        if os.path.basename(self.path) == SHARED_FILE:
+            tool = self._table(data.get("tool", {}), "tool")
+            own, prefix = self._table(tool.get("actspec", {}), "tool.actspec"), "tool.actspec"
+        else:
+            own, prefix = data, ""
+        self._known(own, ("audit",), prefix)
+        where = f"{prefix}.audit".lstrip(".")
+        return self._audit(self._table(own.get("audit", {}), where), where)
+
+    def _audit(self, data: dict[str, Any], where: str) -> Settings:
+        readers: dict[str, tuple[str, Callable[[Any, str], Any]]] = {
+            "select": ("select", self._selectors),
+            "ignore": ("ignore", self._selectors),
+            "per-file-ignores": ("per_file_ignores", self._per_file),
+            "severity": ("severity", self._severities),
+            "fail-on": ("fail_on", self._fail_on),
+            "min-confidence": (
+                "min_confidence",
+                lambda value, place: self._one_of(value, place, {c.value: c for c in Confidence}),
+            ),
+            "rules": ("options", self._options),
+            "versions": ("versions", self._versions),
+            "baseline": ("baseline", self._baseline),
+        }
+        self._known(data, tuple(readers), where)
+        taken: dict[str, Any] = {}
+        for key, value in data.items():
+            if key in readers:
+                name, read = readers[key]
+                taken[name] = read(value, f"{where}.{key}")
+        return Settings() if self.out.failed else Settings(folder=self.folder, **taken)
+
+    def _error(self, code: str, message: str, where: str, help: str | None = None) -> None:
+        self.out.error(code, message, where=where, span=Span(self.path), help=help)
+
+    def _known(self, data: dict[str, Any], known: Sequence[str], where: str) -> None:
+        for key in data:
+            if key not in known:
+                near = nearest(key.lower().replace("_", "-"), known)
+                self._error(
+                    "AUD002",
+                    "unknown key",
+                    f"{where}.{shortened(key)}".lstrip("."),
+                    f"did you mean '{near}'?" if near else f"known keys: {listed(known, len(known))}",
+                )
+
+    def _table(self, value: Any, where: str) -> dict[str, Any]:
+        if isinstance(value, dict):
+            return value
+        self._error("AUD004", f"must be a table, got {_got(value)}", where)
+        return {}
+
+    def _selectors(self, value: Any, where: str) -> tuple[str, ...]:
+        if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
+            self._error("AUD004", f"must be a list of codes or names, got {_got(value)}", where)
+            return ()
+        check_selectors(value, self.rules, where, Span(self.path), self.out)
+        return tuple(value)
+
+    def _per_file(self, value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        table = self._table(value, where)
+        return tuple((glob, self._selectors(item, f'{where}."{glob}"')) for glob, item in table.items())
+
+    def _one_of(self, value: Any, where: str, known: Mapping[str, _T]) -> _T | None:
+        if isinstance(value, str) and value in known:
+            return known[value]
+        near = nearest(value, tuple(known)) if isinstance(value, str) else None
+        message = f"must be one of {', '.join(known)}, got {_got(value)}"
+        self._error("AUD004", message, where, f"did you mean '{near}'?" if near else None)
+        return None
+
+    def _severities(self, value: Any, where: str) -> dict[str, Severity]:
+        found = {}
+        for selector, item in self._table(value, where).items():
+            check_selectors([selector], self.rules, where, Span(self.path), self.out)
+            severity = self._one_of(item, f"{where}.{selector}", {s.value: s for s in Severity})
+            if severity is not None:
+                found[selector] = severity
+        return found
+
+    def _fail_on(self, value: Any, where: str) -> Severity | None:
+        known: dict[str, Severity | None] = {s.value: s for s in Severity}
+        return self._one_of(value, where, {**known, NEVER: None})
+
+    def _options(self, value: Any, where: str) -> dict[str, dict[str, float]]:
+        by_code = {rule.code: rule for rule in self.rules}
+        codes = {**by_code, **{rule.name: rule for rule in self.rules}}
+        found: dict[str, dict[str, float]] = {}
+        for key, options in self._table(value, where).items():
+            place = f"{where}.{shortened(key)}"
+            rule = codes.get(key)
+            if rule is None:
+                near = guess(key, self.rules)
+                self._error(
+                    "AUD003", "no rule has this code or name", place, near and f"did you mean '{near}'?"
+                )
+                continue
+            table = self._table(options, place)
+            if not rule.options and table:
+                self._error("AUD002", f"{rule.code} has no options", place)
+                continue
+            self._known(table, tuple(rule.options), place)
+            for name, number in table.items():
+                if isinstance(number, bool) or not isinstance(number, (int, float)) or number != number:
+                    self._error(
+                        "AUD004", f"must be a number, got {_got(number)}", f"{place}.{shortened(name)}"
+                    )
+                elif name in rule.options:
+                    found.setdefault(rule.code, {})[name] = float(number)
+        return found
+
+    def _versions(self, value: Any, where: str) -> Versions:
+        texts: dict[str, str] = {}
+        for key, text in self._table(value, where).items():
+            if isinstance(text, str):
+                texts[key] = text
+            else:
+                # 3.10 as a number is 3.1.
+                self._error(
+                    "AUD004", f"must be text, got {_got(text)}", f"{where}.{shortened(key)}", 'write "2.3"'
+                )
+        return read_versions(texts, where, Span(self.path), self.out)
+
+    def _baseline(self, value: Any, where: str) -> str | None:
+        if isinstance(value, str) and value and "\0" not in value:
+            return os.path.normpath(os.path.join(self.folder, value))
+        self._error("AUD004", f"must be a path, got {_got(value)}", where)
+        return None
+
+
+def _got(value: Any) -> str:
+    """A value of a settings file for a message."""
+    if isinstance(value, dict):
+        return "a table"
+    return shortened(repr(value))

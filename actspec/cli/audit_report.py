@@ -1,0 +1,209 @@
+"""`actspec audit` once its files are being read: settings, rules, report, fixes."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from dataclasses import replace
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.engine import audit
+from actspec.audit.finding import Confidence
+from actspec.audit.outcome import Report
+from actspec.audit.read import PendingFiles
+from actspec.audit.report import ReportOptions, render
+from actspec.audit.rules.registry import all_rules
+from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
+from actspec.cli.audit import begin
+from actspec.cli.progress import Progress
+from actspec.cli.report import print_diagnostics
+from actspec.cli.versions import named_versions, over
+from actspec.diagnostics import (
+    EXIT_CLEAN,
+    EXIT_FAILED,
+    EXIT_FINDINGS,
+    AuditError,
+    Collector,
+    Diagnostic,
+    Severity,
+    Span,
+    one_line,
+)
+from actspec.files import replace_file
+
+TEXT = ("full", "concise")
+"""Formats for people in front of a terminal."""
+WITH_LEDGER = (*TEXT, "json", "markdown", "html")
+"""Formats that can show the ledger."""
+
+
+def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
+    """Audit files and print the report.
+
+    Args:
+        arguments: Of the command.
+        pending: Its files, which are being read.
+
+    Returns: The exit code.
+    """
+    output_format: str = arguments.output_format
+    settings = _settings(arguments)
+    report = _audited(arguments, settings, pending)
+    _check_spec(report, arguments.spec)
+    if arguments.diff:
+        return _show_fixes(report, arguments.unsafe_fixes)
+    if arguments.fix or arguments.unsafe_fixes:
+        report = _fix(report, arguments, settings)
+    if arguments.write_baseline is not None:
+        return _write_baseline(report, arguments.write_baseline)
+    options = ReportOptions(
+        colour=arguments.output is None and _has_colour(),
+        ledger=arguments.ledger,
+        statistics=arguments.statistics,
+        fail_on=settings.fail_on,
+    )
+    text = render(report, output_format, options)
+    if arguments.output is not None:
+        _write(arguments.output, text)
+    if output_format not in ("json", "sarif"):
+        _print_problems(report)
+    if arguments.output is None:
+        _print(text)
+    if not report.complete:
+        return EXIT_FAILED
+    # Whoever uploads SARIF has its findings judged there.
+    return EXIT_FINDINGS if output_format != "sarif" and report.at_or_above(settings.fail_on) else EXIT_CLEAN
+
+
+def _audited(arguments: argparse.Namespace, settings: Settings, pending: PendingFiles) -> Report:
+    with Progress("reading") as progress:
+        return audit(pending, settings, spec=arguments.spec, progress=progress.step)
+
+
+def _fix(report: Report, arguments: argparse.Namespace, settings: Settings) -> Report:
+    """Fix until nothing more can be, and say what was done.
+
+    Returns: The report afterwards.
+    """
+    from actspec.audit.fix import MOST_PASSES, apply_fixes, write_fixes
+
+    for _ in range(MOST_PASSES):
+        fixes = apply_fixes(report.findings, report.case.files, arguments.unsafe_fixes)
+        print_diagnostics(fixes.refused)
+        if not fixes.files:
+            break
+        write_fixes(fixes.files)
+        for file in fixes.files:
+            print(one_line(f"{file.path}: {'; '.join(file.titles)}"), file=sys.stderr)
+        with begin(arguments) as pending:
+            report = _audited(arguments, settings, pending)
+    return report
+
+
+def _show_fixes(report: Report, unsafe: bool) -> int:
+    """The fixes as a unified diff. Those that overlap with others would come later, and are not shown."""
+    from difflib import unified_diff
+
+    from actspec.audit.fix import apply_fixes
+
+    fixes = apply_fixes(report.findings, report.case.files, unsafe)
+    _print_problems(report)
+    print_diagnostics(fixes.refused)
+    for file in fixes.files:
+        old, new = (
+            data.decode("utf-8", "replace").splitlines(keepends=True) for data in (file.old, file.new)
+        )
+        for line in unified_diff(old, new, file.path, file.path):
+            _print(line if line.endswith("\n") else line + "\n")
+    if not report.complete:
+        return EXIT_FAILED
+    return EXIT_FINDINGS if fixes.files else EXIT_CLEAN
+
+
+def _settings(arguments: argparse.Namespace) -> Settings:
+    """Settings of the file, with the options of the command line over them."""
+    rules = all_rules()
+    out = Collector()
+    text_only = [("--statistics", arguments.statistics, TEXT), ("--ledger", arguments.ledger, WITH_LEDGER)]
+    for option, given, formats in text_only:
+        if given and arguments.output_format not in formats:
+            out.error("AUD010", f"needs --output-format {' or '.join(formats)}", where=option)
+    if arguments.write_baseline is not None and (arguments.fix or arguments.unsafe_fixes or arguments.diff):
+        out.error("AUD010", "fix first, then write what is left", where="--write-baseline")
+    select = tuple(code for group in arguments.select or () for code in group)
+    ignore = tuple(code for group in arguments.ignore or () for code in group)
+    for option, given, codes in (
+        ("--select", arguments.select, select),
+        ("--ignore", arguments.ignore, ignore),
+    ):
+        check_selectors(codes, rules, option, None, out)
+        if given and not codes:
+            out.error("AUD010", "names no rule", where=option)
+    versions = named_versions(arguments.target, out)
+    try:
+        settings = load_settings(rules, arguments.config)
+    except AuditError as err:
+        for item in err.diagnostics:
+            out.add(item)
+        settings = Settings()
+    out.raise_if_failed(AuditError)
+    # What is selected on the command line is selected in place of the file's choice, what is ignored beside it.
+    if select:
+        settings = replace(settings, select=select)
+    settings = replace(
+        settings, ignore=(*settings.ignore, *ignore), versions=over(settings.versions, versions)
+    )
+    if arguments.min_confidence is not None:
+        settings = replace(settings, min_confidence=Confidence(arguments.min_confidence))
+    fail_on = NEVER if arguments.exit_zero else arguments.fail_on
+    if fail_on is not None:
+        settings = replace(settings, fail_on=None if fail_on == NEVER else Severity(fail_on))
+    if arguments.baseline is not None or arguments.write_baseline is not None:
+        settings = replace(settings, baseline=None if arguments.write_baseline else arguments.baseline)
+    return settings
+
+
+def _check_spec(report: Report, spec: str | None) -> None:
+    if spec is None:
+        return
+    file = next((file for file in report.case.files if file.path == spec), None)
+    # None: --skip-other has passed over it.
+    if file is None or (file.readable and file.kind is not FileKind.SPEC):
+        kind = file.kind.value if file is not None and file.kind is not None else "something else"
+        message = f"this is no actspec spec but {kind}"
+        raise AuditError([Diagnostic("AUD010", Severity.ERROR, message, "--spec", Span(spec))])
+
+
+def _write_baseline(report: Report, path: str) -> int:
+    from actspec.audit.baseline import write_baseline
+
+    _print_problems(report)
+    write_baseline(report.findings, path)
+    count = len(report.findings)
+    print(f"{path}: {count} finding{'s' * (count != 1)} written", file=sys.stderr)
+    return EXIT_CLEAN if report.complete else EXIT_FAILED
+
+
+def _write(path: str, text: str) -> None:
+    try:
+        replace_file(path, text.encode("utf-8", "backslashreplace"))
+    except (OSError, ValueError) as err:
+        reason = (getattr(err, "strerror", None) or str(err)).lower()
+        message = f"the report cannot be written: {reason}"
+        raise AuditError([Diagnostic("AUD006", Severity.ERROR, message, "", Span(path))]) from err
+
+
+def _print_problems(report: Report) -> None:
+    """What readers and rules have to say; mere information is in the reports for programs."""
+    print_diagnostics(item for item in report.diagnostics() if item.severity is not Severity.INFO)
+
+
+def _print(text: str) -> None:
+    """Print a report; what the terminal's encoding has no character for is escaped."""
+    encoding = sys.stdout.encoding or "utf-8"
+    sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding))
+
+
+def _has_colour() -> bool:
+    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")

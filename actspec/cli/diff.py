@@ -1,0 +1,49 @@
+"""`actspec diff`: what changed in effective dynamics between two files or revisions."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import tempfile
+from collections.abc import Iterator, Sequence
+
+from actspec.audit.difference import Difference
+from actspec.audit.difference_words import lines, record
+from actspec.audit.revision import lay_out, names_revision
+from actspec.audit.sides import differences
+from actspec.cli.report import print_json
+from actspec.cli.versions import configured
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
+
+FORMAT = "actspec-diff/1"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare the two files."""
+    versions = configured(arguments.target)
+    texts: dict[str, str] = {}
+    with tempfile.TemporaryDirectory(prefix="actspec-") as folder:
+        paths = []
+        for side in (arguments.old, arguments.new):
+            path = side
+            if names_revision(side):
+                path = lay_out(side, tempfile.mkdtemp(dir=folder)).path
+            texts[path] = side
+            paths.append(path)
+        found = differences(paths[0], paths[1], versions, arguments.robot, texts)
+    old, new = texts[paths[0]], texts[paths[1]]
+    if arguments.output_format == "json":
+        print_json({"format": FORMAT, "robots": [record(item, old, new) for item in found]})
+    else:
+        sys.stdout.writelines(f"{line}\n" for line in told(found, old, new))
+    return EXIT_CLEAN if all(item.same for item in found) else EXIT_FINDINGS
+
+
+def told(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
+    """The differences as text."""
+    changed = [item for item in found if not item.same]
+    for item in changed:
+        yield f"{one_line(old)} -> {one_line(new)} ({one_line(item.new.name)})"
+        yield from lines(item)
+    if not changed:
+        yield "no change in effective dynamics"

@@ -1,0 +1,138 @@
+"""`actspec lock`: record the effective dynamics of robot files, and say what has changed since."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from actspec.audit.build import case_of
+from actspec.audit.case import Case, Versions
+from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
+from actspec.audit.sides import read
+from actspec.cli.report import print_json
+from actspec.cli.versions import configured, over
+from actspec.diagnostics import (
+    EXIT_CLEAN,
+    EXIT_FINDINGS,
+    AuditError,
+    Collector,
+    Diagnostic,
+    Severity,
+    Span,
+    one_line,
+)
+from actspec.files import NotRegular, TooLarge, read_regular, replace_file
+
+MOST_BYTES = 64 << 20
+"""Chosen: a robot of 30 joints takes 20 kB."""
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the lock, or check files against it."""
+    path: str = arguments.output
+    old = _old(path, needed=arguments.check or not arguments.file, figures=arguments.check)
+    versions = configured(arguments.target)
+    if arguments.check:
+        assert old is not None
+        return _check(arguments, path, old, over(versions_of(old), versions))
+    if old is not None and not arguments.file:
+        versions = over(versions_of(old), versions)
+    names = _names(arguments.file, path) if arguments.file else _recorded(old or {}, path)
+    lock = locked(_case(names, versions), names)
+    data = text_of(lock)
+    try:
+        replace_file(path, data)
+    except (OSError, ValueError) as err:
+        raise _cannot(path, f"cannot be written: {getattr(err, 'strerror', None) or err}") from err
+    if arguments.output_format == "json":
+        print_json(lock)
+    else:
+        joints = sum(
+            len(robot["joints"]) for file in lock["files"].values() for robot in file["robots"].values()
+        )
+        print(
+            f"{one_line(path)}: {joints} joints of {len(names)} file{'s' * (len(names) != 1)}",
+            file=sys.stderr,
+        )
+    return EXIT_CLEAN
+
+
+def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:
+    """What has changed, in words."""
+    from actspec.audit.difference_words import lines, record
+
+    recorded = _recorded(old, path)
+    asked = _names(arguments.file, path) if arguments.file else recorded
+    out = Collector()
+    for file, name in asked.items():
+        if name not in recorded.values():
+            out.error(
+                "LCK003", "is not in the lock", span=Span(file), help=f"add it with `actspec lock -o {path}`"
+            )
+    out.raise_if_failed(AuditError)
+    # All are read, because a configuration's joints come from the model beside it.
+    wanted = set(asked.values())
+    found = [item for item in changes(old, _case(recorded, versions), recorded) if item[0] in wanted]
+    changed = [(name, item) for name, item in found if not item.same]
+    if arguments.output_format == "json":
+        print_json({"format": "actspec-diff/1", "robots": [record(item, path, name) for name, item in found]})
+    else:
+        for name, item in changed:
+            print(f"{one_line(name)} ({one_line(item.new.name)}) since {one_line(path)}:")
+            sys.stdout.writelines(f"{line}\n" for line in lines(item))
+        if changed:
+            print("policies trained before need re-evaluation; `actspec lock` records the new dynamics")
+        else:
+            print(f"{one_line(path)}: no change in effective dynamics")
+    return EXIT_FINDINGS if changed else EXIT_CLEAN
+
+
+def _case(names: Mapping[str, str], versions: Versions) -> Case:
+    return case_of(read(tuple(names), {}), versions, {})
+
+
+def _old(path: str, needed: bool, figures: bool) -> dict[str, Any] | None:
+    """The lock that is there; what is no lock is not written over."""
+    try:
+        data = read_regular(path, MOST_BYTES)
+    except FileNotFoundError as err:
+        if needed:
+            raise _cannot(path, "there is no such lock", "write one with `actspec lock FILE`") from err
+        return None
+    except NotRegular as err:
+        raise _cannot(path, f"is {err}") from err
+    except TooLarge as err:
+        raise _cannot(path, f"is larger than {MOST_BYTES >> 20} MiB") from err
+    except (OSError, ValueError) as err:
+        raise _cannot(path, f"cannot be read: {getattr(err, 'strerror', None) or err}") from err
+    return read_lock(path, data, figures=figures)
+
+
+def _names(files: Sequence[str], lock: str) -> dict[str, str]:
+    """Files and what the lock calls them: relative to its folder, with `/`.
+
+    Raises: AuditError: a file has no such path, as on another drive.
+    """
+    folder = os.path.dirname(os.path.abspath(lock))
+    found: dict[str, str] = {}
+    for file in files:
+        try:
+            name = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
+        except ValueError as err:
+            raise _cannot(file, f"has no path relative to {one_line(folder)}") from err
+        if name not in found.values():
+            found[file] = name
+    return found
+
+
+def _recorded(lock: Mapping[str, Any], path: str) -> dict[str, str]:
+    """Files of a lock and what it calls them."""
+    folder = os.path.dirname(path)
+    return {os.path.join(folder, *name.split("/")): name for name in lock["files"]}
+
+
+def _cannot(path: str, message: str, help: str | None = None) -> AuditError:
+    return AuditError([Diagnostic("LCK001", Severity.ERROR, message, "", Span(path), help)])

@@ -1,0 +1,56 @@
+"""`actspec rule`: explain rules of the audit."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+
+from actspec.audit.pages import INDEX, index, page, record
+from actspec.audit.rule import Rule
+from actspec.audit.rules.registry import all_rules
+from actspec.audit.selection import selected
+from actspec.audit.settings import check_selectors
+from actspec.cli.report import print_json
+from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
+from actspec.files import replace_file
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the pages of rules, or write them to a folder."""
+    rules = all_rules()
+    if arguments.docs is not None:
+        _write(arguments.docs, rules)
+        return EXIT_CLEAN
+    if not arguments.all:
+        rules = _chosen(arguments.rule, rules)
+    if arguments.output_format == "json":
+        print_json({"format": "actspec-rules/1", "rules": [record(rule) for rule in rules]})
+    else:
+        sys.stdout.write("\n".join(page(rule) for rule in rules))
+    return EXIT_CLEAN
+
+
+def _chosen(selectors: list[str], rules: tuple[type[Rule], ...]) -> tuple[type[Rule], ...]:
+    out = Collector()
+    if not selectors:
+        out.error("AUD010", "names no rule", where="CODE", help="actspec rule LIM101, or --all")
+    check_selectors(selectors, rules, "CODE", None, out)
+    out.raise_if_failed(AuditError)
+    return selected(rules, selectors, ())
+
+
+def _write(folder: str, rules: tuple[type[Rule], ...]) -> None:
+    """One file a rule, and the index."""
+    texts = {f"{rule.code}.md": page(rule) for rule in rules} | {INDEX: index(rules)}
+    out = Collector()
+    for name, text in texts.items():
+        path = os.path.join(folder, name)
+        try:
+            os.makedirs(folder, exist_ok=True)
+            replace_file(path, text.encode("utf-8"))
+        except OSError as err:
+            out.error(
+                "AUD006", f"the page cannot be written: {(err.strerror or str(err)).lower()}", span=Span(path)
+            )
+    out.raise_if_failed(AuditError)

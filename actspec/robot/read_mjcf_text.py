@@ -1,0 +1,317 @@
+"""MJCF to RobotView from the text alone, for files that the installed MuJoCo refuses.
+
+It reads what MuJoCo 2.3 to 4.0 would: default classes with `childclass`, includes, degrees, automatic
+limits, every shortcut, dcmotor in both dialects, and `actuatorforcerange`, as 2.3 spells it. What only
+a compilation tells is unknown: inertia, gains from `dampratio`, ranges from `inheritrange`, passive
+damping from `springdamper`. Joints of `replicate`, `attach`, `composite` and `flexcomp` are left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any, TypeVar
+
+from actspec.diagnostics import Collector, Span
+from actspec.ir import JointKind
+from actspec.robot.mjcf_actuator_text import actuator_text, numbers
+from actspec.robot.mjcf_elements import Written, read_elements
+from actspec.robot.read_mjcf import stated_attributes, stated_fields
+from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
+from actspec.robot.xml_tree import Element, XmlDocument
+
+_KINDS = {kind.value: kind for kind in JointKind}
+_POSITIONS = {JointKind.FREE: 7, JointKind.BALL: 4}
+_DEGREES_OF_FREEDOM = {JointKind.FREE: 6, JointKind.BALL: 3}
+_BLANK = {
+    "range": None,
+    "effort_range": None,
+    "force_range": None,
+    "control_range": None,
+    "line": None,
+    "damping_polynomial": (0.0, 0.0),
+}
+"""What stands in a field that is unknown and no single number."""
+_OPAQUE = ("replicate", "attach", "composite", "flexcomp")
+
+
+def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
+    """Read an MJCF without MuJoCo.
+
+    Numbers that the text does not tell are named in `unknown` of their joint or actuator; there is no
+    inertia.
+
+    Args:
+        document: Parsed, with its includes in place.
+        refusal: Why MuJoCo does not read it.
+    """
+    written = read_elements(document)
+    main = Span(document.files[0].path)
+    out = Collector()
+    compiler, option = _settings(document, "compiler"), _settings(document, "option")
+    joints = _joints(document, written, compiler)
+    unnamed = sum(not joint.name for joint in joints)
+    if unnamed:
+        out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
+    left_out = sorted({element.tag for element in document.walk(*_OPAQUE)})
+    if left_out:
+        out.info("ROBOT113", f"what {', '.join(left_out)} makes is left out", span=main)
+    keys = [key for section in document.sections("keyframe") for key in section.children if key.tag == "key"]
+    joints = _at_reference(joints, keys[0].get("qpos") if keys else None)
+    groups = numbers(option.get("actuatorgroupdisable"), 31)
+    off = {int(group) for group in groups if math.isfinite(group)}
+    switches = _Switches(_flag(document, "actuation"), _flag(document, "clampctrl"), off)
+    step = numbers(option.get("timestep", "0.002"), 1)
+    return RobotView(
+        name=document.root.get("model") or "MuJoCo Model",
+        path=document.files[0].path,
+        format=ModelFormat.MJCF,
+        joints=tuple(joint for joint in joints if joint.name),
+        actuators=tuple(
+            _actuator(index, element, document, written, _is_automatic(compiler), switches)
+            for index, element in enumerate(written.actuators)
+        ),
+        timestep=step[0] if step and math.isfinite(step[0]) else None,
+        integrator=option.get("integrator", "Euler"),
+        keyframes=tuple(key.get("name") or "" for key in keys),
+        inertia=None,
+        inertia_reason="it was read from its text alone",
+        files=document.files,
+        diagnostics=tuple(out),
+        eulerdamp=_flag(document, "eulerdamp"),
+        refusal=refusal,
+    )
+
+
+def _settings(document: XmlDocument, tag: str) -> dict[str, str]:
+    """Attributes of all sections of that tag; the last counts."""
+    found: dict[str, str] = {}
+    for section in document.sections(tag):
+        found.update(section.values)
+    return found
+
+
+def _flag(document: XmlDocument, name: str) -> bool:
+    on = True
+    for section in document.sections("option"):
+        for child in section.children:
+            if child.tag == "flag" and child.get(name) is not None:
+                on = child.get(name) != "disable"
+    return on
+
+
+@dataclass(frozen=True, slots=True)
+class _Switches:
+    """What `option` leaves on: actuators at all, and the clamp of controls; and the groups that are off."""
+
+    actuation: bool
+    clamp: bool
+    off: set[int]
+
+
+def _is_automatic(compiler: Mapping[str, str]) -> bool:
+    return compiler.get("autolimits", "true") != "false"
+
+
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A joint's element in the tree: its class, its body, and the named joint that it hangs on."""
+
+    element: Element
+    inherited: str
+    body: str
+    parent: str
+
+
+def _places(document: XmlDocument) -> Iterator[_Place]:
+    """Joints in MuJoCo's order: those of a body, then those of the bodies in it."""
+    stack: list[tuple[Element, str, str]] = [
+        (section, "main", "") for section in reversed(document.sections("worldbody"))
+    ]
+    while stack:
+        body, inherited, parent = stack.pop()
+        name = body.get("name") or ""
+        below: list[tuple[Element, str]] = []
+        # Frames are transparent, in document order.
+        parts = [(child, body.get("childclass") or inherited) for child in reversed(body.children)]
+        while parts:
+            element, own = parts.pop()
+            if element.tag in ("joint", "freejoint"):
+                yield _Place(element, own, name, parent)
+                parent = element.get("name") or parent
+            elif element.tag == "frame":
+                inner = element.get("childclass") or own
+                parts.extend((child, inner) for child in reversed(element.children))
+            elif element.tag == "body":
+                below.append((element, own))
+        stack.extend((child, own, parent) for child, own in reversed(below))
+
+
+def _joints(document: XmlDocument, written: Written, compiler: Mapping[str, str]) -> list[JointView]:
+    found: list[JointView] = []
+    dof = 0
+    for place in _places(document):
+        joint = _joint(place, document, written, compiler, dof)
+        found.append(joint)
+        dof += _DEGREES_OF_FREEDOM.get(joint.kind, 1)
+    return found
+
+
+def _joint(
+    place: _Place, document: XmlDocument, written: Written, compiler: Mapping[str, str], dof: int
+) -> JointView:
+    element = place.element
+    own = element.get("class") or place.inherited
+    default = written.defaults.get(own)
+    free = element.tag == "freejoint"
+    owners = {} if free or default is None else dict(default.joint)
+    owners.update(dict.fromkeys(element.values, element))
+
+    def get(*names: str) -> str | None:
+        return next((owners[name].get(name) for name in names if name in owners), None)
+
+    def number(name: str) -> float:
+        return (*numbers(get(name), 1), 0.0)[0]
+
+    kind = JointKind.FREE if free else _KINDS.get(get("type") or "hinge", JointKind.HINGE)
+    angular = kind in (JointKind.HINGE, JointKind.BALL) and compiler.get("angle", "degree") != "radian"
+    automatic = _is_automatic(compiler)
+    limits = _limits(numbers(get("range"), 2), get("limited"), automatic)
+    if limits is not None and angular:
+        limits = (math.radians(limits[0]), math.radians(limits[1]))
+    effort = _limits(
+        numbers(get("actuatorfrcrange", "actuatorforcerange"), 2),
+        get("actuatorfrclimited", "actuatorforcelimited"),
+        automatic,
+    )
+    if kind in _POSITIONS:
+        effort = None
+    damping = (*numbers(get("damping"), 3), 0.0, 0.0, 0.0)
+    reference = number("ref")
+    spring = (*numbers(get("springdamper"), 2), 0.0, 0.0)
+    sprung = spring[0] > 0.0 and spring[1] > 0.0
+    span = document.span(element)
+    stated, places = stated_fields(element, owners, document)
+    view = JointView(
+        name=element.get("name") or "",
+        kind=kind,
+        span=span,
+        body=place.body,
+        dof=dof,
+        range=limits,
+        damping=damping[0],
+        damping_polynomial=(damping[1], damping[2]),
+        stiffness=number("stiffness"),
+        armature=number("armature"),
+        frictionloss=number("frictionloss"),
+        effort_range=effort,
+        velocity_limit=None,
+        stated=frozenset({*stated, "damping"} if sprung else stated),
+        springdamper=sprung,
+        mimic=None,
+        reference_position=0.0 if kind in _POSITIONS else math.radians(reference) if angular else reference,
+        parent=place.parent,
+        places=places,
+    )
+    return _without_nan(view, {"damping", "stiffness"} if sprung else set())
+
+
+def _limits(ends: tuple[float, ...], limited: str | None, automatic: bool) -> tuple[float, float] | None:
+    """A range that is in force; None: it is not."""
+    if len(ends) != 2:
+        # One number is an error, and the range is as good as unreadable.
+        return (math.nan, math.nan) if ends and limited != "false" else None
+    low, high = ends
+    if limited in ("true", "false"):
+        return (low, high) if limited == "true" else None
+    return (low, high) if automatic and not low >= high else None
+
+
+def _at_reference(joints: list[JointView], qpos: str | None) -> list[JointView]:
+    """The joints with the positions of the first keyframe, if it has any."""
+    if qpos is None:
+        return joints
+    count = sum(_POSITIONS.get(joint.kind, 1) for joint in joints)
+    positions = numbers(qpos, count + 1)
+    found = []
+    at = 0
+    for joint in joints:
+        if joint.kind in _POSITIONS:
+            found.append(joint)
+        elif len(positions) == count and math.isfinite(positions[at]):
+            found.append(replace(joint, reference_position=positions[at]))
+        else:
+            found.append(replace(joint, unknown=joint.unknown | {"reference_position"}))
+        at += _POSITIONS.get(joint.kind, 1)
+    return found
+
+
+def _actuator(
+    index: int,
+    element: Element,
+    document: XmlDocument,
+    written: Written,
+    automatic: bool,
+    switches: _Switches,
+) -> ActuatorView:
+    text = actuator_text(written.defaults_of(element).actuators, element)
+    kind = text.control(element.tag)
+    gear = text.gear
+    stated, places = stated_attributes(element, written, document)
+
+    def limits(name: str) -> tuple[float, float] | None:
+        flag = text.limited.get(f"{name}limited")
+        written_flag = None if flag is None else "true" if flag else "false"
+        return _limits(text.ranges.get(f"{name}range", ()), written_flag, automatic)
+
+    unknown = set()
+    if text.inherits > 0.0 or (text.gain_type == "pid" and "pos" not in text.inputs):
+        unknown.add("control_range")
+    if text.delay and element.get("nsample") is None and "nsample" not in stated:
+        unknown.add("delay")
+    if text.gain_type == "dcmotor" and text.inputs == {"none"}:
+        text.ranges.pop("ctrlrange", None)
+    line = kind.line
+    view = ActuatorView(
+        name=element.get("name") or "",
+        index=index,
+        span=document.span(element),
+        tag=element.tag,
+        transmission=text.transmission,
+        target=text.target,
+        control=kind.kind,
+        gear=gear,
+        kp=gear**2 * kind.kp,
+        kd=gear**2 * kind.kd,
+        gain=kind.gain,
+        force_range=limits("force"),
+        control_range=limits("ctrl") if switches.clamp else None,
+        damping=(text.damping[0], text.damping[1], text.damping[2]),
+        armature=text.armature,
+        time_constant=kind.time_constant,
+        delay=text.delay,
+        group=text.group,
+        offset=kind.offset,
+        line=None if line is None or not gear else (abs(gear) * line[0], line[1] / abs(gear)),
+        back_emf=gear**2 * kind.back_emf,
+        stated=frozenset(stated),
+        places=places,
+        disabled=not switches.actuation or text.group in switches.off,
+    )
+    return _without_nan(view, unknown)
+
+
+_View = TypeVar("_View", JointView, ActuatorView)
+
+
+def _without_nan(view: _View, unknown: set[str]) -> _View:
+    """The view with 0 or None for every nan, and the names of such fields in `unknown`."""
+    changed: dict[str, Any] = {}
+    for one in fields(view):
+        value = getattr(view, one.name)
+        values = value if isinstance(value, tuple) else (value,)
+        if any(isinstance(number, float) and math.isnan(number) for number in values):
+            unknown.add(one.name)
+            changed[one.name] = _BLANK.get(one.name, 0.0)
+    return replace(view, unknown=frozenset(unknown), **changed) if unknown else view

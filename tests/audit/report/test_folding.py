@@ -1,0 +1,104 @@
+"""What the reports for people leave out: the same said again with other figures, and why rules are silent."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from actspec.audit.engine import judge
+from actspec.audit.finding import Finding, Skipped
+from actspec.audit.outcome import Report
+from actspec.audit.report import ReportOptions, render
+from actspec.audit.report.groups import MOST_ALIKE, Group, grouped
+from actspec.audit.report.text import MOST_REASONS
+from actspec.audit.rule import Rule
+from actspec.audit.settings import Settings
+from tests.audit.making import case_of, finding, rule_of
+
+
+def _report(*found: Finding | Skipped) -> Report:
+    rules: dict[str, list[Finding | Skipped]] = {}
+    for item in found:
+        rules.setdefault(item.code, []).append(item)
+    made: tuple[type[Rule], ...] = tuple(
+        rule_of(code, f"rule-{code.lower()}", *items) for code, items in rules.items()
+    )
+    return judge(case_of(), Settings(), made)
+
+
+def _groups(*found: Finding | Skipped) -> tuple[Group, ...]:
+    return grouped(_report(*found).findings, fold=True)
+
+
+def _one(line: int, message: str, joint: str = "", **fields: Any) -> Finding:
+    return finding("LIM901", line=line, joint=joint, message=message, **fields)
+
+
+def test_the_worst_stands_for_those_that_differ_in_figures() -> None:
+    """Four joints at 3, 9, -12 and 4.5 N*m: the one that is farthest off, by size, is shown where it stands."""
+    (group,) = _groups(
+        _one(1, "gets 3 N*m", "a", value=3.0),
+        _one(2, "gets 9 N*m", "b", value=9.0),
+        _one(3, "gets -12 N*m", "c", value=-12.0),
+        _one(4, "gets 4.5 N*m", "d", value=4.5),
+    )
+    assert group.headline() == "c: gets -12 N*m (alike: a, b and 1 more)"
+    assert group.first.finding.span.line == 3
+
+
+def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
+    """1 instead of 10 is farther off than 300 instead of 200."""
+    figures = ((300.0, 200.0), (1.0, 10.0), (11.0, 10.0), (21.0, 20.0))
+    (group,) = _groups(
+        *(_one(i, f"is {a:g}, not {b:g}", f"j{i}", value=a, expected=b) for i, (a, b) in enumerate(figures))
+    )
+    assert group.joints == ("j1",)
+
+
+def test_few_are_shown_one_by_one() -> None:
+    """As many as `MOST_ALIKE` say something each."""
+    found = _groups(*(_one(i, f"gets {i} N*m", f"j{i}") for i in range(MOST_ALIKE)))
+    assert [group.headline() for group in found] == ["j0: gets 0 N*m", "j1: gets 1 N*m", "j2: gets 2 N*m"]
+
+
+@pytest.mark.parametrize(
+    "messages, shown",
+    [
+        (["gets 1 N*m", "gets 1e-3 N*m", "gets +2.5 N*m", "gets inf N*m"], 1),
+        (["(x1.43) more", "(x2) more", "(x10.5) more", "(x3) more"], 1),
+        (["pattern 'a.*' fits none", "pattern 'b' fits none", "pattern 'c' fits none", "pattern '' fits none"], 1),
+        (["see knee_1", "see knee_2", "see knee_3", "see knee_4"], 4),
+        (["see g1_23dof.xml", "see g1_29dof.xml", "see g1_12dof.xml", "see 2.xml"], 4),
+        (["1 more", "1 less", "1 other", "1 none"], 4),
+    ],
+    ids=["figures", "ratios", "quoted", "joints", "files", "words"],
+)  # fmt: skip
+def test_what_counts_as_a_figure(messages: list[str], shown: int) -> None:
+    """Digits of names tell joints and files apart; figures and quoted patterns do not."""
+    assert len(_groups(*(_one(line, text) for line, text in enumerate(messages, 1)))) == shown
+
+
+def test_without_joints_the_others_are_counted() -> None:
+    """Findings about files have no joints to name."""
+    (group,) = _groups(*(_one(i, f"gets {i} N*m") for i in range(5)))
+    assert group.headline() == "gets 0 N*m (alike: 4 more)"
+
+
+def test_formats_for_programs_have_every_finding() -> None:
+    """Folding is for people; concise shows 1 of 5, JSON 5."""
+    made = _report(*(_one(i, f"gets {i} N*m", f"j{i}", value=float(i)) for i in range(5)))
+    assert render(made, "concise", ReportOptions()).count("LIM901") == 1
+    assert render(made, "markdown", ReportOptions()).count("(alike: j0, j1, j2, j3)") == 1
+    assert render(made, "json", ReportOptions()).count('"LIM901"') == 5
+    assert render(made, "sarif", ReportOptions()).count('"ruleId": "LIM901"') == 5
+
+
+def test_many_silent_rules_are_one_line() -> None:
+    """Who asks for all rules is told how many lacked input, who asks for few is told what each lacks."""
+    few = [Skipped(f"NET90{i}", f"no {i}") for i in range(MOST_REASONS)]
+    assert "skipped NET900: no 0\nskipped NET901: no 1\n" in render(_report(*few), "full", ReportOptions())
+    many = [*few, Skipped("NET909", "no 9"), Skipped("NET909", "no 8")]
+    assert render(_report(*many), "full", ReportOptions()).startswith(
+        "skipped 4 rules that lack their input;"
+    )

@@ -1,0 +1,160 @@
+"""Text: concise, full, the ledger and the counts, to the letter."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.outcome import Report
+from actspec.audit.report import FORMATS, ReportOptions, render
+from actspec.audit.report.sources import WIDEST, Sources
+from actspec.cli import audit_options
+from actspec.diagnostics import Span
+from tests.audit.making import reading
+from tests.audit.report.reporting import report
+
+SUMMARY = """skipped NET901: no network among the files
+3 errors, 1 warning, 1 remark in 2 files; 2 files could not be read
+"""
+BAD = "<script>alert(1)</script>|\"'&\\x07\\n[a](b)@me #1 %41,:\\ud800"
+"""The hostile name as text shows it: on one line, without control characters."""
+
+CONCISE = f"""a.xml:2:22: LIM901 [error] hip, ankle and 1 more: no limit, got 0 N*m
+b.urdf:2: SRC901 [warning] hip: 50 here, 35 there
+we ird%.xml: SRC901 [info] bad {BAD}
+{SUMMARY}"""
+
+FULL = f"""a.xml:2:22: LIM901 [error] hip, ankle and 1 more: no limit, got 0 N*m
+    |
+  2 |  <joint name="öl😀"/> <motor joint="hip"/>
+    |                       ^
+  = joints: hip, ankle, knee
+  = also on line 3
+  = help: add one
+  = fix: Set forcerange (--unsafe-fixes)
+  = rule: first-rule, high confidence; `actspec rule LIM901`
+
+b.urdf:2: SRC901 [warning] hip: 50 here, 35 there
+    |
+  2 | <joint name="hip"/>
+  = see a.xml:3:3
+    |
+  3 |   <motor joint="knee"/>
+    |   ^
+  = rule: second-rule, medium confidence; `actspec rule SRC901`
+
+we ird%.xml: SRC901 [info] bad {BAD}
+  = rule: second-rule, medium confidence; `actspec rule SRC901`
+
+{SUMMARY}"""
+
+LEDGER = f"""a.xml (leg)
+  joints     control       kp  effort
+                                limit
+                      N*m/rad     N*m
+  hip, knee  motor         50      50
+  ankle      motor         20     inf
+  0 for all: armature
+
+a.xml (leg), slide joints
+  joints  control     kp
+                     N/m
+  rail    motor    10000
+  0 for all: armature
+
+b.urdf (leg)
+  joints{" " * (len(BAD) - 6)}  control  effort  velocity
+        {" " * (len(BAD) - 6)}            limit     limit
+        {" " * (len(BAD) - 6)}              N*m     rad/s
+  hip   {" " * (len(BAD) - 6)}  none         35         -
+  knee  {" " * (len(BAD) - 6)}  none       50.1         -
+  {BAD}  none          -        21
+
+leg: where the files disagree
+  [1] a.xml
+  [2] b.urdf
+  field              joints  [1]  [2]  ratio
+  effort limit  N*m  hip      50   35  1.429
+
+"""
+
+STATISTICS = """3  LIM901  first-rule   error
+1  SRC901  second-rule  info
+1  SRC901  second-rule  warning
+"""
+
+
+@pytest.fixture
+def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Report:
+    """The report, made in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    return report()
+
+
+def test_concise(made: Report) -> None:
+    """One line a fault, whose joints stand together."""
+    assert render(made, "concise", ReportOptions()) == CONCISE
+
+
+def test_full(made: Report) -> None:
+    """The line with a caret, the other places, help, fix and rule; 😀 is two columns wide."""
+    assert render(made, "full", ReportOptions()) == FULL
+
+
+def test_ledger(made: Report) -> None:
+    """Columns with figures, units in the heading, equal joints in one line, slides apart; 50 and 50.1 agree."""
+    assert render(made, "concise", ReportOptions(ledger=True)) == LEDGER + CONCISE
+
+
+def test_statistics(made: Report) -> None:
+    """Counts in place of findings."""
+    assert render(made, "full", ReportOptions(statistics=True)) == STATISTICS + SUMMARY
+
+
+def test_colour_changes_nothing_but_colour(made: Report) -> None:
+    """Without its escapes the coloured text is the plain one."""
+    import re
+
+    coloured = render(made, "full", ReportOptions(colour=True, ledger=True))
+    assert "\x1b[31mLIM901\x1b[0m" in coloured
+    assert re.sub(r"\x1b\[\d+m", "", coloured) == render(made, "full", ReportOptions(ledger=True))
+
+
+def test_files_that_were_not_read_are_not_shown(made: Report) -> None:
+    """No format shows a line of a file that is no model."""
+    sources = Sources(made.case.files)
+    assert sources.line(Span("secret.txt", 1, 1)) is None
+    assert list(sources.excerpt(Span("secret.txt", 1, 1))) == []
+    for name in FORMATS:
+        assert "password" not in render(made, name, ReportOptions(ledger=name == "full"))
+
+
+@pytest.mark.parametrize(
+    "column, shown, caret",
+    [
+        (1, "a" * WIDEST + "...", 0),
+        # The window begins half its width before the place.
+        (201, "..." + "a" * 70 + "b" + "a" * 69 + "...", 73),
+        (400, "..." + "a" * WIDEST, 142),
+        (9999, "..." + "a" * WIDEST, None),
+    ],
+    ids=["start", "middle", "end", "behind"],
+)
+def test_long_lines_are_cut_around_the_place(column: int, shown: str, caret: int | None) -> None:
+    """A line of 400 characters is shown where the place is."""
+    text = "a" * 200 + "b" + "a" * 199
+    lines = list(Sources([reading("a.xml", text.encode())]).excerpt(Span("a.xml", 1, column)))
+    assert lines[1] == f"1 | {shown}"
+    assert (lines[2] if len(lines) > 2 else None) == (None if caret is None else f"  | {' ' * caret}^")
+
+
+@pytest.mark.parametrize("line", [0, 3, 99], ids=["whole file", "behind the end", "far"])
+def test_places_without_a_line(line: int) -> None:
+    """A place that is not in the text has no excerpt."""
+    assert list(Sources([reading("a.xml", b"a\r\nb")]).excerpt(Span("a.xml", line, 1))) == []
+
+
+def test_command_line_knows_the_formats() -> None:
+    """The command line's own list, which it has so as to start quickly, is the audit's."""
+    assert audit_options.FORMATS == FORMATS

@@ -1,0 +1,126 @@
+"""The reader of deploy YAML: lists with names, lists without, parts of names; hostile files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.artifact import FileKind
+from actspec.audit.readers.deploy import read_deploy
+
+
+def _read(tmp_path: Path, text: str | bytes) -> tuple[object, dict[str, dict[str, float]], list[str]]:
+    """Kind, joint to field to value, and what is said."""
+    path = tmp_path / "deploy.yaml"
+    path.write_bytes(text if isinstance(text, bytes) else text.encode())
+    reading = read_deploy(str(path))
+    found: dict[str, dict[str, float]] = {}
+    for artifact in reading.artifacts:
+        assert artifact.config is not None
+        for group in artifact.config.groups:
+            values = {name: setting.value for name, setting in group.settings.items()}
+            found[group.name] = {k: v for k, v in values.items() if isinstance(v, float)}
+    said = [reading.reason] if reading.reason else [d.message for d in reading.diagnostics]
+    return reading.kind, found, said
+
+
+def test_lists_go_by_the_names(tmp_path: Path) -> None:
+    """The n-th value belongs to the n-th name, and each has its own place."""
+    text = "joint_names: [knee, hip]\nkps: [60, 25]\nkds:\n  - 1.5\n  - 0.5\n"
+    kind, found, said = _read(tmp_path, text)
+    assert kind is FileKind.DEPLOY
+    assert found == {"knee": {"kp": 60.0, "kd": 1.5}, "hip": {"kp": 25.0, "kd": 0.5}}
+    assert said == []
+    config = read_deploy(str(tmp_path / "deploy.yaml")).artifacts[0].config
+    assert config is not None
+    hip = config.groups[1].settings
+    assert (hip["kp"].span.line, hip["kp"].span.column) == (2, 11)
+    assert (hip["kd"].span.line, hip["kd"].span.column) == (5, 5)
+    assert config.settings["joint_order"].value == ("knee", "hip")
+
+
+def test_a_list_without_names_is_not_guessed(tmp_path: Path) -> None:
+    """Unequal values without names are left, equal ones belong to every joint."""
+    _, found, said = _read(tmp_path, "kps: [60, 25]\nkds: [2, 2]\n")
+    assert found == {".*": {"kd": 2.0}}
+    assert said == ["kps is a list without joint names: which joint a value belongs to is not guessed"]
+
+
+def test_a_list_of_another_length_is_told(tmp_path: Path) -> None:
+    """Three values for two names are no values."""
+    _, found, said = _read(tmp_path, "joint_names: [knee, hip]\nkp: [1, 2, 3]\nkd: [4, 5]\n")
+    assert found == {"knee": {"kd": 4.0}, "hip": {"kd": 5.0}}
+    assert said == ["kp has 3 values for 2 joint names"]
+
+
+def test_a_key_is_a_part_of_the_name(tmp_path: Path) -> None:
+    """Names above the block; a key that is no name is part of names, and limits come from beside."""
+    text = (
+        "robot:\n  dof_names: [l_hip_joint, l_knee_joint]\n  dof_effort_limit_list: [88, 139]\n"
+        "  control:\n    stiffness: {hip: 100, knee: 200}\n    damping: {_joint: 5}\n"
+    )
+    _, found, _ = _read(tmp_path, text)
+    assert found == {
+        "l_hip_joint": {"kp": 100.0, "kd": 5.0, "effort_limit": 88.0},
+        "l_knee_joint": {"kp": 200.0, "kd": 5.0, "effort_limit": 139.0},
+    }
+
+
+def test_numbers_are_those_of_the_robots_yaml(tmp_path: Path) -> None:
+    """`010` is eight and `1e3` a word to the YAML reader that deploy code uses; infinity is no gain."""
+    _, found, _ = _read(tmp_path, "kp: {a: 010, b: 1e3, c: .inf, d: 1_000, e: true}\n")
+    assert found == {"a": {"kp": 8.0}, "d": {"kp": 1000.0}}
+
+
+def test_merges_and_timing(tmp_path: Path) -> None:
+    """A merged mapping gives what the block lacks; the timing stands above."""
+    timing = "  simulation_dt: 0.002\n  control_decimation: 10\n"
+    text = "base: &b {kd: {hip: 1}}\ng1:\n" + timing + "  gains: {<<: *b, kp: {hip: 9}}\n"
+    path = tmp_path / "deploy.yaml"
+    path.write_text(text)
+    configs = [a.config for a in read_deploy(str(path)).artifacts]
+    by_name = {c.name: c for c in configs if c is not None}
+    settings = by_name["g1"].settings
+    assert (settings["physics_dt"].value, settings["decimation"].value) == (0.002, 10.0)
+    assert {k: s.value for k, s in by_name["g1"].groups[0].settings.items()} == {"kp": 9.0, "kd": 1.0}
+
+
+def _bomb() -> str:
+    lines = ["a0: &a0 [1,1,1,1,1,1,1,1,1]"]
+    lines += [f"a{i}: &a{i} [{','.join([f'*a{i - 1}'] * 9)}]" for i in range(1, 12)]
+    return "\n".join([*lines, "kp: *a11"])
+
+
+@pytest.mark.parametrize(
+    ("text", "reason"),
+    [
+        ("[" * 100_000, "is nested more than 40 deep"),
+        (_bomb(), "has more than 200000 values"),
+        (b"kp: \xff", "is not UTF-8 at byte 4"),
+        ("kp: [1,\nkd: 2", "is not YAML"),
+        ("", "has no gains"),
+        ("- just\n- words\n", "has no gains"),
+        ("a: &a [*a]\n", "has no gains"),
+    ],
+    ids=["deep", "bomb", "not-utf-8", "malformed", "empty", "no-gains", "circle"],
+)
+def test_hostile_files_give_a_reason(tmp_path: Path, text: str | bytes, reason: str) -> None:
+    """Whatever is in the file, the answer is a sentence."""
+    _, found, said = _read(tmp_path, text)
+    assert found == {}
+    assert said[0].startswith(reason) or (reason == "has no gains" and "40 deep" in said[0])
+
+
+def test_tags_are_never_acted_upon(tmp_path: Path) -> None:
+    """A tag that would run a command with an unsafe loader makes nothing."""
+    mark = tmp_path / "made"
+    _, found, _ = _read(tmp_path, f"kp: !!python/object/apply:os.mkdir ['{mark}']\nkd: {{hip: 1}}\n")
+    assert found == {"hip": {"kd": 1.0}}
+    assert not mark.exists()
+
+
+def test_a_missing_file_is_a_reason(tmp_path: Path) -> None:
+    """No traceback for what is not there, or is a folder."""
+    assert read_deploy(str(tmp_path / "none.yaml")).reason == "cannot be read: No such file or directory"
+    assert read_deploy(str(tmp_path)).reason is not None

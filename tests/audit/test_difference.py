@@ -1,0 +1,222 @@
+"""What changed in effective dynamics between two files, in figures and in words."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.case import Versions
+from actspec.audit.difference import Difference
+from actspec.audit.difference_words import lines
+from actspec.audit.sides import differences
+from actspec.diagnostics import AuditError
+from tests.audit.robots import CFG, LEG, SPEC
+
+EFFECTS = ("natural frequency", "damping ratio")
+
+
+def compare(
+    tmp_path: Path, old: tuple[str, str], new: tuple[str, str], robot: str | None = None
+) -> tuple[Difference, ...]:
+    """Two files, each in a folder of its own."""
+    paths = []
+    for folder, (name, text) in zip(("old", "new"), (old, new), strict=True):
+        path = tmp_path / folder / name
+        path.parent.mkdir()
+        path.write_text(text)
+        if name.endswith(".yaml"):
+            (path.parent / "leg.xml").write_text(LEG)
+        paths.append(str(path))
+    return differences(paths[0], paths[1], Versions(), robot)
+
+
+def told(found: Difference) -> list[str]:
+    """Its lines, without those whose figures an engine computes."""
+    return [line for line in lines(found, "") if not line.strip().startswith(EFFECTS)]
+
+
+@pytest.mark.parametrize(
+    "old, new, expected",
+    [
+        # 3 + 1 = 4 and 3 + 19 = 22; 22 / 4 = 5.5
+        (
+            'name="knee" range="-1 1" limited="true" damping="1"',
+            'name="knee" range="-1 1" limited="true" damping="19"',
+            ["knee:", "  joint damping 1 -> 19 N*m*s/rad (x19)", "  total damping 4 -> 22 N*m*s/rad (x5.5)"],
+        ),
+        # Both joints change alike, and stand together; 3.72 + 1 = 4.72 = 4 + 18 %
+        (
+            'kv="3"',
+            'kv="3.72"',
+            [
+                "hip, knee:",
+                "  drive gain kd 3 -> 3.72 N*m*s/rad (+24 %)",
+                "  total damping 4 -> 4.72 N*m*s/rad (+18 %)",
+            ],
+        ),
+        (
+            'forcerange="-30 30" forcelimited="true"',
+            "",
+            ["hip, knee:", "  effort limit 30 -> none"],
+        ),
+        (
+            'timestep="0.002" integrator="implicitfast"',
+            'timestep="0.004" integrator="Euler"',
+            ["physics step 0.002 -> 0.004 s (+100 %)", "integrator implicitfast -> Euler"],
+        ),
+        (
+            '<position name="knee" joint="knee" kp="100" kv="3"',
+            '<velocity name="knee" joint="knee" kv="3"',
+            ["knee:", "  drive position -> velocity", "  stiffness kp 100 -> 0 N*m/rad"],
+        ),
+        (
+            'name="knee" range="-1 1"',
+            'name="shin" range="-1 1"',
+            ["joints added: shin", "joints removed: knee"],
+        ),
+        (
+            '<position name="hip"',
+            '<position timeconst="0.01" name="hip"',
+            # 1 / (2 pi 0.01) = 15.9155
+            ["hip:", "  cutoff of the command filter none -> 15.9155 Hz"],
+        ),
+    ],
+    ids=["one joint", "alike", "limit", "steps", "drive", "renamed", "filter"],
+)
+def test_changes_in_words(old: str, new: str, expected: list[str], tmp_path: Path) -> None:
+    """Each change is told with its figures, ratio or percent, and the joints that share it."""
+    assert old in LEG
+    text = LEG.replace(old, new)
+    if "shin" in new:
+        text = text.replace('joint="knee"', 'joint="shin"')
+    (found,) = compare(tmp_path, ("leg.xml", LEG), ("leg.xml", text))
+    assert told(found) == expected
+
+
+def test_damping_ratio_follows(tmp_path: Path) -> None:
+    """Total damping of 5.5 times gives 5.5 times the damping ratio, and the natural frequency stays."""
+    text = LEG.replace('damping="1"', 'damping="19"')
+    (found,) = compare(tmp_path, ("leg.xml", LEG), ("leg.xml", text))
+    assert {change.field for change in found.effects} == {"damping_ratio"}
+    for change in found.effects:
+        assert change.ratio == pytest.approx(5.5, rel=1e-9)
+
+
+def test_links_are_seen(tmp_path: Path) -> None:
+    """A heavier shank is another robot under the same actuators."""
+    text = LEG.replace(
+        '<geom size="0.1"/>\n      </body>', '<geom size="0.1" density="2000"/>\n      </body>'
+    )
+    assert text != LEG
+    (found,) = compare(tmp_path, ("leg.xml", LEG), ("leg.xml", text))
+    assert {change.field for change in found.changes} == {"inertia_min", "inertia_max"}
+    assert {change.joint for change in found.changes if change.ratio == pytest.approx(2.0)} == {"knee"}
+
+
+def test_text_is_no_change(tmp_path: Path) -> None:
+    """Comments, order of attributes and ways to write a number are not dynamics; neither is a sum's last digit."""
+    text = LEG.replace("<worldbody>", "<!-- a leg --><worldbody>").replace('kv="3"', 'kv="3.0000000000001"')
+    (found,) = compare(tmp_path, ("leg.xml", LEG), ("leg.xml", text.replace("-30 30", "-3e1 30.0")))
+    assert found.same
+
+
+@pytest.mark.parametrize(
+    "other, expected",
+    [
+        (("leg.yaml", SPEC), []),
+        (("leg_cfg.py", CFG), []),
+        (
+            ("leg_cfg.py", CFG.replace("stiffness=100.0", "stiffness=150.0")),
+            ["hip, knee:", "  stiffness kp 100 -> 150 N*m/rad (+50 %)"],
+        ),
+        (
+            ("leg.yaml", SPEC.replace("kd: 3", "kd: 6")),
+            [
+                "hip, knee:",
+                "  drive gain kd 3 -> 6 N*m*s/rad (+100 %)",
+                "  total damping 4 -> 7 N*m*s/rad (+75 %)",
+            ],
+        ),
+    ],
+    ids=["spec", "cfg", "cfg kp", "spec kd"],
+)
+def test_kinds_compare(other: tuple[str, str], expected: list[str], tmp_path: Path) -> None:
+    """An MJCF compares with a spec and a cfg in what both say; what one of them lacks is no change."""
+    (found,) = compare(tmp_path, ("leg.xml", LEG), other)
+    assert told(found) == expected
+
+
+URDF = """<robot name="leg">
+  <link name="base"/><link name="thigh"/><link name="shank"/>
+  <joint name="hip" type="revolute">
+    <parent link="base"/><child link="thigh"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="45" velocity="20"/>
+  </joint>
+  <joint name="knee" type="revolute">
+    <parent link="thigh"/><child link="shank"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="30" velocity="20"/>
+  </joint>
+</robot>
+"""
+
+
+def test_what_a_kind_leaves_to_others_is_no_change(tmp_path: Path) -> None:
+    """A URDF without friction and a motor without gains say nothing about friction and gains."""
+    text = LEG.replace("-1 1", "-57.295779513082323 57.295779513082323")
+    (found,) = compare(tmp_path, ("leg.urdf", URDF), ("leg.xml", text))
+    # 30 / 45 = 1 - 33.3 %
+    assert told(found) == ["hip:", "  effort limit 45 -> 30 N*m (-33.3 %)"]
+
+
+def test_a_motor_is_no_drive_without_gains(tmp_path: Path) -> None:
+    """What drives a motor is in the configuration, so its gain of 0 is not compared with the configuration's."""
+    text = LEG
+    for name in ("hip", "knee"):
+        text = text.replace(
+            f'<position name="{name}" joint="{name}" kp="100" kv="3"', f'<motor name="{name}" joint="{name}"'
+        )
+    assert "<position" not in text
+    (found,) = compare(tmp_path, ("leg.xml", text), ("leg_cfg.py", CFG))
+    assert told(found) == []
+
+
+def test_friction_of_unknown_unit_is_seen(tmp_path: Path) -> None:
+    """Without a version nobody knows the unit of Isaac Lab's friction, and a change of it is one all the same."""
+    text = CFG.replace("friction=0.2", "friction=0.3")
+    (found,) = compare(tmp_path, ("leg_cfg.py", CFG), ("leg_cfg.py", text))
+    assert told(found) == ["hip, knee:", "  friction as written 0.2 -> 0.3 (+50 %)"]
+
+
+def test_robots_of_one_file_by_name(tmp_path: Path) -> None:
+    """Robots are matched by name; of several that match nothing, one can be named, and else they are listed."""
+    head, _, body = CFG.partition("LEG_CFG")
+    two = f"{head}FIRST_CFG{body}\nLEG_CFG{body.replace('stiffness=100.0', 'stiffness=150.0')}"
+    (found,) = compare(tmp_path, ("leg_cfg.py", CFG), ("leg_cfg.py", two))
+    assert [change.field for change in found.changes] == ["kp", "kp"]
+
+    other = two.replace("LEG_CFG", "SECOND_CFG")
+    (tmp_path / "third").mkdir()
+    (tmp_path / "third" / "leg_cfg.py").write_text(other)
+    paths = (str(tmp_path / "old" / "leg_cfg.py"), str(tmp_path / "third" / "leg_cfg.py"))
+    with pytest.raises(AuditError) as caught:
+        differences(*paths, Versions(), None, {paths[0]: "a.py", paths[1]: "b.py"})
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.message, item.help) == (
+        "DIF003",
+        "nobody can tell which robots are one: a.py has LEG_CFG; b.py has FIRST_CFG, SECOND_CFG",
+        "name one with --robot NAME",
+    )
+    (found,) = differences(*paths, Versions(), "FIRST_CFG")
+    assert found.same
+
+
+def test_tendons_are_seen(tmp_path: Path) -> None:
+    """What drives a tendon is compared by its name."""
+    text = LEG.replace(
+        "<actuator>",
+        '<tendon><fixed name="t"><joint joint="hip" coef="1"/></fixed></tendon>\n'
+        '<actuator><position name="pull" tendon="t" kp="7"/>',
+    )
+    (found,) = compare(tmp_path, ("leg.xml", text), ("leg.xml", text.replace('kp="7"', 'kp="14"')))
+    assert told(found) == ["actuator pull:", "  stiffness kp 7 -> 14 (+100 %)"]

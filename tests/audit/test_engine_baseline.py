@@ -1,0 +1,142 @@
+"""The baseline: which findings are the same one tomorrow, and which have gone."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import jsonschema
+import pytest
+
+from actspec.audit.baseline import baseline_text, read_baseline, stable_hash, write_baseline
+from actspec.audit.engine import judge
+from actspec.audit.finding import Finding
+from actspec.audit.outcome import Means, Report
+from actspec.audit.settings import Settings
+from actspec.diagnostics import AuditError
+from actspec.resources import data_path
+from tests.audit.making import case_of, finding, rule_of
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with a file to audit."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.xml").write_text("<a/>")
+    return tmp_path
+
+
+def judged(*found: Finding, baseline: str | None = None, select: tuple[str, ...] = ("ALL",)) -> Report:
+    """A report of findings in a.xml."""
+    rule = rule_of("LIM901", "first-rule", *found)
+    settings = Settings(select=select, baseline=baseline)
+    return judge(case_of({"a.xml": b"<a/>"}), settings, (rule, rule_of("DMP901", "other-rule")))
+
+
+def test_line_numbers_are_not_part_of_a_finding() -> None:
+    """Places in a message may move; its figures may not."""
+    first = stable_hash("effort limit 50 N*m here, 35 N*m at g1.urdf:41:7")
+    assert stable_hash("effort limit 50 N*m here, 35 N*m at g1.urdf:52:9") == first
+    assert stable_hash("effort limit 50 N*m here, 36 N*m at g1.urdf:41:7") != first
+    assert stable_hash("also on lines 3 and more") == stable_hash("also on line 4 and more")
+    assert stable_hash("ratio 1:30 is far") != stable_hash("ratio 1:31 is far")
+
+
+def test_known_findings_are_hidden_wherever_they_stand(folder: Path) -> None:
+    """A finding that moves stays hidden; one of another joint, message or rule, and a second of one kind do not."""
+    known = judged(finding("LIM901", line=3, joint="knee"))
+    write_baseline(known.findings, "base.json")
+    report = judged(
+        finding("LIM901", line=30, joint="knee"),
+        finding("LIM901", line=31, joint="knee"),
+        finding("LIM901", line=30, joint="hip"),
+        finding("LIM901", line=30, joint="knee", message="worse"),
+        baseline="base.json",
+    )
+    assert [(i.finding.span.line, i.finding.joint, i.finding.message) for i in report.findings] == [
+        (30, "hip", "wrong"),
+        (30, "knee", "worse"),
+        (31, "knee", "wrong"),
+    ]
+    assert [(item.means, item.reported.finding.span.line) for item in report.suppressed] == [
+        (Means.BASELINE, 30)
+    ]
+    assert report.complete
+
+
+def test_the_file_is_relative_to_the_baseline(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It serves from any working folder."""
+    (folder / "ci").mkdir()
+    write_baseline(judged(finding("LIM901")).findings, "ci/base.json")
+    assert json.loads((folder / "ci" / "base.json").read_text())["findings"][0]["file"] == "../a.xml"
+    monkeypatch.chdir(folder / "ci")
+    rule = rule_of("LIM901", "first-rule", finding("LIM901", "../a.xml"))
+    report = judge(case_of({"../a.xml": b"<a/>"}), Settings(baseline="base.json"), (rule,))
+    assert not report.findings
+
+
+def test_stale_entries_are_told(folder: Path) -> None:
+    """An entry that is no longer found is told, unless its rule or its file was not looked at."""
+    write_baseline(
+        judged(finding("LIM901", joint="knee"), finding("LIM901", joint="hip")).findings, "base.json"
+    )
+    (problem,) = judged(baseline="base.json").problems
+    assert str(problem) == (
+        "base.json: AUD007 [warning]: LIM901 is in the baseline and is no longer found in a.xml (hip, knee)\n"
+        "  help: write the baseline anew with --write-baseline base.json"
+    )
+    assert not judged(baseline="base.json", select=("DMP",)).problems
+    other = judge(
+        case_of({"b.xml": b"<a/>"}), Settings(baseline="base.json"), (rule_of("LIM901", "first-rule"),)
+    )
+    assert not other.problems
+
+
+def test_text_is_stable_and_valid(folder: Path) -> None:
+    """Entries are sorted, equal ones counted, and the text has the form of its schema."""
+    found = [finding("LIM901", line=line, joint=joint) for joint in ("knee", "hip") for line in (1, 2)]
+    text = baseline_text(judged(*found).findings, "base.json")
+    assert text == baseline_text(judged(*reversed(found)).findings, "base.json")
+    data = json.loads(text)
+    schema = json.loads(data_path("schemas", "actspec-baseline-v1.schema.json").read_text("utf-8"))
+    jsonschema.validate(data, schema)
+    assert [(entry["joint"], entry["count"]) for entry in data["findings"]] == [("hip", 2), ("knee", 2)]
+    jsonschema.validate(json.loads(baseline_text((), "base.json")), schema)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        (None, "the baseline cannot be read: no such file or directory"),
+        ("{", "this is not JSON in UTF-8"),
+        ("[" * 100_000, "this is not JSON in UTF-8"),
+        ("[]", "this is no baseline of actspec"),
+        ('{"format": "actspec-baseline/2"}', "the baseline is of another version of actspec"),
+        ('{"format": "actspec-baseline/1"}', "an entry of the baseline is not as actspec writes it"),
+        (
+            '{"format": "actspec-baseline/1", "findings": [{"code": "A", "file": 1}]}',
+            "an entry of the baseline is not as actspec writes it",
+        ),
+        (
+            '{"format": "actspec-baseline/1", "findings": '
+            '[{"code": "A", "file": "b", "joint": "", "hash": "0", "count": 0}]}',
+            "an entry of the baseline is not as actspec writes it",
+        ),
+    ],
+    ids=["missing", "cut", "deep", "list", "newer", "no findings", "types", "count"],
+)
+def test_bad_baselines(text: str | None, message: str, folder: Path) -> None:
+    """What is no baseline is refused with the way to write one."""
+    if text is not None:
+        (folder / "base.json").write_text(text)
+    with pytest.raises(AuditError) as caught:
+        read_baseline("base.json")
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.message) == ("AUD005", message)
+
+
+def test_a_baseline_that_cannot_be_written(folder: Path) -> None:
+    """A folder that is not there is told."""
+    with pytest.raises(AuditError) as caught:
+        write_baseline((), "no/base.json")
+    assert caught.value.diagnostics[0].message == "the baseline cannot be written: no such file or directory"

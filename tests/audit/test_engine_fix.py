@@ -1,0 +1,206 @@
+"""Fixes: all edits or none, no two on the same bytes, and no change of the model that was not announced."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from actspec.audit import build
+from actspec.audit.artifact import FileKind, FileReading
+from actspec.audit.case import Case, Versions
+from actspec.audit.engine import judge
+from actspec.audit.finding import Finding, Fix, Safety, Skipped, TextEdit
+from actspec.audit.fix import Fixes, apply_fixes, write_fixes
+from actspec.audit.read import read_files
+from actspec.audit.rule import Rule
+from actspec.audit.settings import Settings
+from actspec.diagnostics import AuditError
+from actspec.robot.view import ModelFile
+from tests.audit.making import case_of, finding, reading, rule_of
+
+LEG = b"""<mujoco>
+  <worldbody>
+    <body><joint name="hip" damping="2"/><geom size=".1"/>
+      <body><joint name="knee" damping="2"/><geom size=".1"/></body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="hip"/></actuator>
+</mujoco>
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def edit(data: bytes, old: bytes, new: bytes, path: str = "leg.xml", nth: int = 0) -> TextEdit:
+    """Replace a text, the nth from 0."""
+    at = -1
+    for _ in range(nth + 1):
+        at = data.index(old, at + 1)
+    return TextEdit(path, at, at + len(old), new)
+
+
+def fixed(data: bytes, *fixes: Fix, unsafe: bool = True, files: dict[str, bytes] | None = None) -> Fixes:
+    """Fixes of findings in leg.xml."""
+    found = [finding("LIM901", "leg.xml", line, fix=fix) for line, fix in enumerate(fixes, 1)]
+    report = judge(
+        case_of(files or {"leg.xml": data}), Settings(), (rule_of("LIM901", "first-rule", *found),)
+    )
+    return apply_fixes(report.findings, report.case.files, unsafe)
+
+
+def unsafe(*edits: TextEdit, fields: tuple[str, ...] = ("dof_damping",)) -> Fix:
+    """A fix that needs consent."""
+    return Fix("Take the damping out", Safety.UNSAFE, edits, fields)
+
+
+def test_a_fix_changes_its_bytes_and_no_others() -> None:
+    """The rest of the text stays, to the byte."""
+    found = fixed(LEG, unsafe(edit(LEG, b' damping="2"', b"")))
+    assert not found.refused
+    (file,) = found.files
+    assert (file.path, file.titles) == ("leg.xml", ("Take the damping out",))
+    assert file.new == LEG.replace(b' damping="2"', b"", 1)
+
+
+def test_consent() -> None:
+    """Without `--unsafe-fixes` a fix that changes the robot's behaviour is left."""
+    assert not fixed(LEG, unsafe(edit(LEG, b' damping="2"', b"")), unsafe=False).files
+    comment = Fix("Say so", Safety.SAFE, (edit(LEG, b"<actuator>", b"<actuator><!-- x -->"),))
+    assert fixed(LEG, comment, unsafe=False).files
+
+
+def test_joints_share_the_fix_of_a_class() -> None:
+    """Equal edits of several findings are one."""
+    fix = unsafe(edit(LEG, b' damping="2"', b""))
+    assert fixed(LEG, fix, fix).files[0].new == LEG.replace(b' damping="2"', b"", 1)
+
+
+def test_of_overlapping_fixes_the_first_is_made_whole() -> None:
+    """A fix of which one edit overlaps is not made at all; it may fit on the next pass."""
+    first = unsafe(edit(LEG, b'damping="2"', b'damping="1"'))
+    second = unsafe(edit(LEG, b"2", b"3"), edit(LEG, b"2", b"3", nth=1))
+    assert LEG.index(b"2") == LEG.index(b'damping="2"') + 9
+    assert fixed(LEG, first, second).files[0].new == LEG.replace(b'"2"', b'"1"', 1)
+    assert fixed(LEG, second, first).files[0].new == LEG.replace(b'"2"', b'"3"')
+
+
+def test_insertions_at_one_place_overlap() -> None:
+    """Nobody knows in which order two insertions at one byte are meant."""
+    at = LEG.index(b"<actuator>")
+    first, second = (
+        Fix("a", Safety.SAFE, (TextEdit("leg.xml", at, at, text),)) for text in (b"<!--a-->", b"<!--b-->")
+    )
+    assert fixed(LEG, first, second).files[0].new == LEG.replace(b"<actuator>", b"<!--a--><actuator>")
+
+
+@pytest.mark.parametrize(
+    "fix, reason",
+    [
+        (unsafe(edit(LEG, b'damping="2"', b'armature="2"')), "it would change dof_armature: "),
+        (
+            unsafe(edit(LEG, b'damping="2"', b'damping="x"')),
+            "MuJoCo refuses leg.xml afterwards: ",
+        ),
+        (unsafe(edit(LEG, b'damping="2"/>', b'damping="1">')), "MuJoCo refuses leg.xml afterwards: "),
+    ],
+    ids=["another field", "no number", "no XML"],
+)
+def test_a_fix_that_does_more_than_it_says_is_not_made(fix: Fix, reason: str) -> None:
+    """The compiled model decides; the other fixes are made all the same."""
+    good = unsafe(edit(LEG, b'damping="2"', b'damping="1"', nth=1))
+    found = fixed(LEG, fix, good)
+    (refused,) = found.refused
+    assert refused.message.startswith(f"the fix of LIM901 is not made (Take the damping out): {reason}")
+    assert (refused.code, str(refused.span)) == ("AUD011", "leg.xml:1:1")
+    assert found.files[0].new == b'damping="1"'.join(LEG.rsplit(b'damping="2"', 1))
+
+
+def test_a_model_that_mujoco_refuses_is_not_fixed() -> None:
+    """What cannot be checked is not changed."""
+    bad = LEG.replace(b"<motor", b"<nonsense")
+    found = fixed(bad, unsafe(edit(bad, b'damping="2"', b'damping="1"')))
+    assert not found.files
+    assert "MuJoCo does not take leg.xml as it is, so the fix cannot be checked" in found.refused[0].message
+
+
+def test_an_included_file_is_checked_in_its_model() -> None:
+    """An edit of an include is judged by the model that includes it, in every file that was named."""
+    body = b'<worldbody><body><joint name="a"/><geom size=".1"/></body></worldbody>'
+    main = b'<mujoco><include file="part.xml"/>' + body + b"</mujoco>"
+    part = b'<mujoco><option timestep="0.002"/></mujoco>'
+    files = (ModelFile("scene.xml", "", main), ModelFile("part.xml", "part.xml", part))
+    scene = FileReading("scene.xml", FileKind.MJCF, None, (), files)
+    fix = Fix("Set the step", Safety.UNSAFE, (edit(part, b"0.002", b"0.001", "part.xml"),), ("opt.timestep",))
+    wrong = Fix("Set the step", Safety.UNSAFE, fix.edits, ("opt.density",))
+    for given, count in ((fix, 1), (wrong, 0)):
+        rule = rule_of("LIM901", "first-rule", finding("LIM901", "part.xml", fix=given))
+        report = judge(Case((scene,), (), (), ()), Settings(), (rule,))
+        assert len(apply_fixes(report.findings, report.case.files, unsafe=True).files) == count
+
+
+@pytest.mark.parametrize(
+    "path, data, new, good",
+    [
+        ("cfg.py", b"x = 1\n", b"x = 2", True),
+        ("cfg.py", b"x = 1\n", b"x = = 2", False),
+        ("deploy.yaml", b"x: 1\n", b"x: 2", True),
+        ("deploy.yaml", b"x: 1\n", b"x: [2", False),
+    ],
+    ids=["py", "broken py", "yaml", "broken yaml"],
+)
+def test_text_that_could_not_be_read_afterwards(path: str, data: bytes, new: bytes, good: bool) -> None:
+    """A fix of a configuration leaves Python that parses and YAML that parses."""
+    fix = Fix("Two", Safety.SAFE, (TextEdit(path, 0, 3 + (b"=" in data) + 1, new),))
+    case = Case((reading(path, data, FileKind.CFG),), (), (), ())
+    report = judge(case, Settings(), (rule_of("LIM901", "first-rule", finding("LIM901", path, fix=fix)),))
+    found = apply_fixes(report.findings, report.case.files, unsafe=False)
+    assert (len(found.files), len(found.refused)) == ((1, 0) if good else (0, 1))
+
+
+def test_writing(folder: Path) -> None:
+    """A file that somebody has changed meanwhile is left; a link stays a link."""
+    (folder / "real.xml").write_bytes(LEG)
+    (folder / "leg.xml").symlink_to("real.xml")
+    files = fixed(LEG, unsafe(edit(LEG, b' damping="2"', b""))).files
+    write_fixes(files)
+    assert (folder / "leg.xml").is_symlink()
+    assert (folder / "real.xml").read_bytes() == files[0].new
+    with pytest.raises(AuditError) as caught:
+        write_fixes(files)
+    assert caught.value.diagnostics[0].message == "the file has changed since it was read; not fixed"
+
+
+class DampedJoint(Rule):
+    """Reports damping, one joint at a time, as a rule with fixes would."""
+
+    code = "LIM901"
+    name = "first-rule"
+    severity = rule_of("LIM901", "first-rule").severity
+    confidence = rule_of("LIM901", "first-rule").confidence
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find and fix."""
+        for file in case.files[0].files:
+            for nth in range(file.data.count(b'"2"')):
+                fix = unsafe(edit(file.data, b'"2"', b'"1"', file.path, nth))
+                yield finding("LIM901", file.path, nth + 1, fix=fix)
+
+
+def test_fixing_is_idempotent(folder: Path) -> None:
+    """After the fixes are written nothing is found, and a second run changes nothing."""
+    (folder / "leg.xml").write_bytes(LEG)
+
+    def fixes() -> Fixes:
+        case = build.case_of(read_files(("leg.xml",), jobs=1), Versions(), {})
+        return apply_fixes(judge(case, Settings(), (DampedJoint,)).findings, case.files, unsafe=True)
+
+    write_fixes(fixes().files)
+    assert (folder / "leg.xml").read_bytes() == LEG.replace(b'"2"', b'"1"')
+    assert not fixes().files

@@ -1,0 +1,184 @@
+"""Which artifacts are one robot."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pytest
+
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.audit.pair import distinctive, matching, pair
+from actspec.diagnostics import Span
+from actspec.ir import JointKind
+from actspec.robot.view import JointView, ModelFormat, RobotView
+
+DOG = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))
+ARM = ("shoulder", "elbow", "wrist")
+
+
+def _joint(name: str) -> JointView:
+    return JointView(
+        name,
+        JointKind.HINGE,
+        Span("m.xml", 1),
+        name,
+        0,
+        None,
+        0.0,
+        (0.0, 0.0),
+        0.0,
+        0.0,
+        0.0,
+        None,
+        None,
+        frozenset(),
+        False,
+        None,
+        0.0,
+    )
+
+
+def model(path: str, name: str, joints: Sequence[str]) -> Artifact:
+    """A model file."""
+    view = RobotView(
+        name,
+        path,
+        ModelFormat.MJCF,
+        tuple(_joint(j) for j in joints),
+        (),
+        0.002,
+        "Euler",
+        (),
+        None,
+        "not asked for",
+        (),
+    )
+    return Artifact(path, FileKind.MJCF, name, robot=view)
+
+
+def config(
+    path: str, name: str, patterns: Sequence[str], framework: Framework = Framework.ISAACLAB
+) -> Artifact:
+    """A cfg with one group."""
+    settings = {"stiffness": Setting(1.0, Span(path, 1))}
+    group = ActuatorGroup("legs", "DCMotorCfg", Span(path, 1), tuple(patterns), settings)
+    return Artifact(
+        path, FileKind.CFG, name, config=RobotConfig(framework, name, Span(path, 1), (group,), {})
+    )
+
+
+def _together(*artifacts: Artifact) -> list[tuple[int, ...]]:
+    return [robot.artifacts for robot in pair(artifacts)]
+
+
+LEGS = [".*_hip_joint", ".*_thigh_joint", ".*_calf_joint"]
+
+
+def test_quadrupeds_of_one_vendor_are_not_mixed_up() -> None:
+    """All have the same joint names, and only the names of the files tell them apart."""
+    found = _together(
+        model("r/go1.xml", "go1", DOG),
+        model("r/go2.urdf", "go2_description", DOG),
+        config("cfg/unitree.py", "UNITREE_GO2_CFG", LEGS),
+        config("cfg/unitree.py", "UNITREE_GO1_CFG", LEGS),
+        config("cfg/unitree.py", "UNITREE_B2_CFG", LEGS),
+    )
+    assert found == [(0, 3), (1, 2), (4,)]
+
+
+def test_variants_of_one_robot_come_together() -> None:
+    """23 of 29 joints are all of the smaller one's; `h1` and `h1_2` are two robots."""
+    many = [f"j{i}" for i in range(29)]
+    assert _together(model("g1_23dof.xml", "g1", many[:23]), model("g1_29dof.urdf", "g1_29dof", many)) == [
+        (0, 1)
+    ]
+    assert _together(model("h1.xml", "h1", many[:20]), model("h1_2.xml", "h1_2", many)) == [(0,), (1,)]
+
+
+def test_a_share_below_four_fifths_is_another_robot() -> None:
+    """3 of 4 joints of the smaller one are not enough (0.75 < 0.8), 4 of 5 are."""
+    assert _together(model("a.xml", "", "abcd"), model("b.xml", "", "abcx")) == [(0,), (1,)]
+    assert _together(model("a.xml", "", "abcde"), model("b.xml", "", "abcdx")) == [(0, 1)]
+
+
+def test_the_only_configuration_belongs_to_the_only_robot() -> None:
+    """Names may then say what they like; but every pattern must match a joint."""
+    robot = model("mine/robot.xml", "spotty", DOG)
+    assert _together(robot, config("x/walker_cfg.py", "WALKER_CFG", LEGS)) == [(0, 1)]
+    assert _together(robot, config("x/walker_cfg.py", "WALKER_CFG", [*LEGS, ".*_foot_joint"])) == [(0,), (1,)]
+    two = [config("x/walkers.py", name, LEGS) for name in ("WALKER_CFG", "RUNNER_CFG")]
+    assert _together(robot, *two) == [(0,), (1,), (2,)]
+
+
+def test_a_pattern_for_all_joints_says_nothing() -> None:
+    """`.*` fits every robot: a humanoid's cfg does not belong to a dog because they are alone together."""
+    assert _together(model("go2.xml", "go2", DOG), config("humanoid.py", "HUMANOID_CFG", [".*"])) == [
+        (0,),
+        (1,),
+    ]
+    assert _together(model("go2.xml", "go2", DOG), config("dog.py", "GO2_CFG", [".*"])) == [(0, 1)]
+
+
+def test_a_cfg_with_hands_belongs_to_the_model_without() -> None:
+    """With the robot's name half of the patterns are enough (2 of 4), a third is not; without it all must match."""
+    robot = model("g1.urdf", "g1_29dof", ["l_hip", "l_knee"])
+    hands = [".*_hip", ".*_knee", ".*_thumb", ".*_index"]
+    assert _together(robot, config("unitree.py", "G1_29DOF_CFG", hands)) == [(0, 1)]
+    assert _together(robot, config("unitree.py", "G1_29DOF_CFG", [*hands[1:], ".*_ring"])) == [(0,), (1,)]
+    assert _together(robot, config("unitree.py", "H1_CFG", hands)) == [(0,), (1,)]
+
+
+def test_where_two_robots_fit_nothing_is_guessed() -> None:
+    """A cfg that is called after neither of two dogs belongs to none."""
+    found = _together(
+        model("go1.xml", "go1", DOG), model("go2.xml", "go2", DOG), config("c.py", "ROBOT_CFG", LEGS)
+    )
+    assert found == [(0,), (1,), (2,)]
+
+
+def test_every_artifact_is_in_one_robot() -> None:
+    """Arms and dogs, models and cfg: nobody is lost or twice."""
+    artifacts = [
+        model("arm.xml", "arm", ARM),
+        config("unitree.py", "GO2_CFG", LEGS),
+        model("go2.xml", "go2", DOG),
+        model("empty.xml", "", ()),
+    ]
+    found = pair(artifacts)
+    assert sorted(i for robot in found for i in robot.artifacts) == [0, 1, 2, 3]
+    assert [robot.artifacts for robot in found if 1 in robot.artifacts] == [(1, 2)]
+
+
+@pytest.mark.parametrize(
+    ("path", "name", "words"),
+    [
+        ("unitree_robots/go2/scene.xml", "go2 scene", {"go2"}),
+        ("h1_2_description/h1_2.urdf", "h1_2", {"h1_2"}),
+        ("a/g1_29dof_rev_1_0.xml", "g1_29dof", {"g1"}),
+        ("anymal/anymal_c.xml", "", {"anymal_c"}),
+        ("go2/robot.xml", "MuJoCo Model", {"go2"}),
+        ("x/robot.xml", "robot", set()),
+    ],
+    ids=["scene", "underscore", "dof", "letter", "folder", "nothing"],
+)
+def test_words_that_tell(path: str, name: str, words: set[str]) -> None:
+    """What is left of a name without the words that every robot file has."""
+    assert distinctive(model(path, name, ())) == words
+
+
+@pytest.mark.parametrize(
+    ("framework", "pattern", "selected"),
+    [
+        (Framework.ISAACLAB, "hip", ()),
+        (Framework.ISAACLAB, ".*hip", ("l_hip",)),
+        (Framework.LEGGED_GYM, "hip", ("l_hip", "hip_2")),
+        (Framework.DEPLOY, "hip_2", ("hip_2",)),
+        (Framework.MJLAB, "(a+)+$", ()),
+    ],
+    ids=["in-full", "regex", "part", "name", "refused"],
+)
+def test_each_framework_matches_in_its_way(
+    framework: Framework, pattern: str, selected: tuple[str, ...]
+) -> None:
+    """The same text means other joints to Isaac Lab, legged_gym and a deploy file."""
+    assert matching(framework, pattern, ("l_hip", "hip_2", "aaa")) == selected

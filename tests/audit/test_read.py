@@ -1,0 +1,327 @@
+"""Reading what the user names: kinds, folders, bad input, crashes, order."""
+
+from __future__ import annotations
+
+import faulthandler
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.artifact import FileKind, FileReading
+from actspec.audit.read import PendingFiles, expand, read_file, read_files
+from actspec.audit.workers import Task, cores, read_in_workers
+
+GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
+<actuator><motor joint="j" gear="2"/></actuator></mujoco>"""
+URDF = """<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>
+<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>
+<joint name="j" type="revolute"><parent link="a"/><child link="b"/>
+<limit lower="-1" upper="1" effort="5" velocity="3"/></joint></robot>"""
+
+posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX")
+
+
+@pytest.fixture(autouse=True)
+def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def reason_of(path: str) -> str | None:
+    """Why a file cannot be read."""
+    return read_file(Task(0, path, False)).reason
+
+
+def test_results_are_in_the_order_of_the_paths() -> None:
+    """Whichever worker is done first; a bad file among them loses itself only."""
+    names = []
+    for index in range(12):
+        name = f"m{index}.xml"
+        Path(name).write_text("no XML" if index == 5 else GOOD.replace('"j"', f'"j{index}"'))
+        names.append(name)
+    seen: list[tuple[int, int]] = []
+    readings = read_files(names[::-1], jobs=3, progress=lambda done, of: seen.append((done, of)))
+    assert [r.path for r in readings] == names[::-1]
+    joints = [
+        r.artifacts[0].robot.joints[0].name if r.artifacts and r.artifacts[0].robot else None
+        for r in readings
+    ]
+    assert joints == [None if i == 5 else f"j{i}" for i in range(11, -1, -1)]
+    assert seen == [(done, 12) for done in range(1, 13)]
+
+
+def test_kind_is_by_content() -> None:
+    """The root element decides, not the ending; the name of a robot comes along."""
+    Path("model.txt").write_text(GOOD)
+    Path("robot.xml").write_text(URDF)
+    found = read_files(["model.txt", "robot.xml"])
+    assert [(r.kind, r.artifacts[0].name) for r in found] == [
+        (FileKind.MJCF, "MuJoCo Model"),
+        (FileKind.URDF, "r"),
+    ]
+    assert [file.data for file in found[0].files] == [GOOD.encode()]
+
+
+def test_a_spec_is_resolved() -> None:
+    """YAML with the key `actspec` is a spec; its faults are those of the spec."""
+    Path("m.xml").write_text(GOOD)
+    Path("s.yaml").write_text(
+        "actspec: 1\nrobot: {name: r, model: m.xml}\ntiming: {physics_dt: 2 ms, decimation: 1}\n"
+        "actuators: {legs: {joints: [j], level: ideal_pd, command: position, kp: 3 N*m/rad, kd: 1 N*m*s/rad,"
+        " effort_limit: 4 N*m}}\ntargets: {mujoco: {version: '3.12'}}\n"
+    )
+    (found,) = read_files(["s.yaml"])
+    assert (found.kind, found.reason) == (FileKind.SPEC, None)
+    assert found.artifacts[0].spec is not None
+    assert found.artifacts[0].spec.joints[0].joint == "j"
+    Path("bad.yaml").write_text("actspec: 1\nrobot: {name: r, model: none}\n")
+    (found,) = read_files(["bad.yaml"])
+    assert found.kind is FileKind.SPEC
+    assert found.reason is not None
+    assert found.diagnostics
+
+
+def test_what_mujoco_refuses_is_read_from_its_text() -> None:
+    """The reason names the line; the figures are there all the same."""
+    Path("m.xml").write_text(GOOD.replace('<geom size="1"/>', '\n<geom size="1" colour="red"/>'))
+    (found,) = read_files(["m.xml"])
+    (artifact,) = found.artifacts
+    assert found.reason is None
+    assert artifact.text_only is not None
+    assert artifact.text_only.startswith("line 2: MuJoCo refuses the model: ")
+    assert "colour" in artifact.text_only
+    assert artifact.robot is not None
+    assert artifact.robot.actuators[0].gear == 2.0
+
+
+def test_a_refused_urdf_says_so_too() -> None:
+    """MuJoCo refuses a link without mass; limits are read, and the artifact says where they come from."""
+    Path("r.urdf").write_text(URDF.replace('<mass value="1"/>', '<mass value="0"/>'))
+    (found,) = read_files(["r.urdf"])
+    (artifact,) = found.artifacts
+    assert artifact.text_only is not None and "mjMINVAL" in artifact.text_only
+    assert artifact.robot is not None
+    assert artifact.robot.joints[0].velocity_limit == 3.0
+
+
+def test_a_reading_comes_back_as_it_was() -> None:
+    """What another process read is equal to what this one reads: spans, rows' inputs, diagnostics, bytes."""
+    Path("m.xml").write_text(GOOD.replace('"j"', '"j" range="-1 1" frictionloss="2" springdamper="1 1"', 1))
+    Path("r.urdf").write_text(URDF.replace("5", "0"))
+    assert read_files(["m.xml", "r.urdf"]) == tuple(read_file(Task(0, n, False)) for n in ("m.xml", "r.urdf"))
+
+
+def test_reading_can_be_given_up() -> None:
+    """Whoever leaves before the files are read leaves no process behind."""
+    from multiprocessing import active_children
+
+    Path("m.xml").write_text(GOOD)
+    with PendingFiles(["m.xml"]):
+        assert active_children()
+    assert not active_children()
+
+
+def test_the_audit_itself_imports_no_simulator() -> None:
+    """Only the readers' processes load MuJoCo and numpy, and nothing here needs pydantic: start-up counts."""
+    Path("m.xml").write_text(GOOD)
+    code = (
+        "import sys\nfrom actspec.cli.main import main\nmain(['audit', '--exit-zero', 'm.xml'])\n"
+        "print([name for name in ('mujoco', 'numpy', 'pydantic', 'yaml', 'lxml') if name in sys.modules])"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
+    assert done.stdout.splitlines()[-1] == "[]"
+
+
+BOMB = '<!DOCTYPE x [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]>'
+EXTERNAL = '<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
+BAD = [
+    ("not-xml", "hello", "line 1: this is not XML"),
+    ("truncated", GOOD[:60], "line 1: "),
+    ("empty", "", "line 1: the file has no XML element"),
+    ("entity-bomb", f"{BOMB}<mujoco>&b;</mujoco>", "line 1: the file has a DOCTYPE"),
+    ("external-entity", f"{EXTERNAL}<mujoco>&a;</mujoco>", "line 1: the file has a DOCTYPE"),
+    ("cycle", '<mujoco><include file="bad.xml"/></mujoco>', "line 1: the includes go in a circle"),
+    ("missing-include", '<mujoco>\n<include file="none.xml"/></mujoco>', "line 2: the include cannot be followed"),
+    ("other-root", "<sdf/>", "the root element is <sdf>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("text", "reason"), [b[1:] for b in BAD], ids=[b[0] for b in BAD])
+def test_bad_input_is_told_and_the_others_are_read(text: str, reason: str) -> None:
+    """Each gives its reason; a good file beside it is read."""
+    Path("bad.xml").write_text(text)
+    Path("good.xml").write_text(GOOD)
+    bad, good = read_files(["bad.xml", "good.xml"], jobs=1)
+    assert bad.reason is not None
+    assert reason in bad.reason
+    assert good.reason is None
+
+
+def test_an_include_that_is_no_mjcf_is_never_shown() -> None:
+    """Neither the reason nor what is kept of the file has a word of it."""
+    Path("secret").write_text("root:x:0:0\n")
+    Path("m.xml").write_text('<mujoco><include file="secret"/></mujoco>')
+    found = read_file(Task(0, "m.xml", False))
+    assert found.reason == "line 1: the included file 'secret' is not an MJCF file"
+    assert b"root" not in b"".join(file.data for file in found.files)
+    assert not any("root:x" in str(item) for item in found.diagnostics)
+
+
+@posix
+def test_files_that_are_no_files() -> None:
+    """A pipe is not waited for, a missing file and one without permission say so, bytes are told as bytes."""
+    os.mkfifo("pipe.xml")
+    assert reason_of("pipe.xml") == "'pipe.xml' is not a regular file"
+    os.mkfifo("pipe.yaml")
+    assert reason_of("pipe.yaml") == "it is not a regular file"
+    assert reason_of("none.xml") == "there is no file 'none.xml'"
+    Path("latin.xml").write_bytes(b'<mujoco model="\xe9"/>')
+    found = reason_of("latin.xml")
+    assert found is not None and "UTF-8" in found
+    Path("locked.xml").write_text(GOOD)
+    Path("locked.xml").chmod(0)
+    if os.geteuid():
+        assert reason_of("locked.xml") == "'locked.xml' cannot be read: Permission denied"
+
+
+def test_a_file_that_is_too_large_is_not_read() -> None:
+    """64 MiB of XML and 8 MiB of YAML are the most."""
+    with open("large.xml", "wb") as stream:
+        stream.truncate((64 << 20) + 1)
+    assert reason_of("large.xml") == "'large.xml' is larger than 64 MiB"
+    with open("large.yaml", "wb") as stream:
+        stream.truncate((8 << 20) + 1)
+    assert reason_of("large.yaml") == "it is larger than 8 MiB"
+
+
+def test_a_large_file_of_nothing_is_read() -> None:
+    """50 MB of comment are no reason to fail."""
+    Path("large.xml").write_text(f"<mujoco><!--{'x' * 50_000_000}--></mujoco>")
+    assert reason_of("large.xml") is None
+
+
+def test_a_folder_stands_for_the_files_in_it() -> None:
+    """By name, folders below too; hidden ones, other endings and XML of others are passed over."""
+    for name in ("d/b.xml", "d/a.urdf", "d/e/c.mjcf", "d/.hidden/x.xml", "d/.y.xml", "d/notes.txt"):
+        Path(name).parent.mkdir(parents=True, exist_ok=True)
+        Path(name).write_text(URDF if name.endswith("urdf") else GOOD)
+    Path("d/package.xml").write_text("<package/>")
+    Path("d/broken.xml").write_text("<mujoco><worldbody>")
+    Path("d/other.xml").write_text("<svg><a>")
+    assert [file.path for file in expand(["d"])] == [
+        os.path.join("d", *name.split("/"))
+        for name in ("a.urdf", "b.xml", "broken.xml", "other.xml", "package.xml", "e/c.mjcf")
+    ]
+    found = read_files(["d"], jobs=2)
+    assert [(os.path.basename(r.path), r.reason is None) for r in found] == [
+        ("a.urdf", True),
+        ("b.xml", True),
+        ("broken.xml", False),
+        ("c.mjcf", True),
+    ]
+    # A file that is named is an error in its own right, and is there once.
+    found = read_files(["d/package.xml", "d", "d/b.xml"])
+    assert [os.path.basename(r.path) for r in found].count("b.xml") == 1
+    assert found[0].reason is not None
+
+
+def test_a_folder_without_anything_says_so() -> None:
+    """Nothing to audit is not the same as nothing wrong."""
+    Path("d").mkdir()
+    Path("d/package.xml").write_text("<package/>")
+    (found,) = read_files(["d"])
+    assert (found.path, found.reason) == (
+        "d",
+        "the folder has no robot file, configuration, deploy file or spec",
+    )
+
+
+def dies(task: Task) -> FileReading:
+    """A reader that ends as its file's name says, unless it is told why not to."""
+    faulthandler.disable()  # pytest's would tell of every death that is meant
+    if task.refusal is None and task.path.startswith("signal"):
+        os.kill(os.getpid(), int(task.path.removeprefix("signal")))
+    if task.refusal is None and task.path == "exit":
+        os._exit(3)
+    if task.path == "always":
+        os.kill(os.getpid(), signal.SIGSEGV)
+    if task.refusal is None and task.path == "sleep":
+        time.sleep(60)
+    if task.path == "fault":
+        raise KeyError("x")
+    return FileReading(task.path, None, task.refusal or "read")
+
+
+@posix
+@pytest.mark.parametrize("jobs", [1, 2], ids=["one-job", "two-jobs"])
+def test_a_crash_loses_only_its_file(jobs: int) -> None:
+    """A process that dies or hangs is replaced, and its file read once more with the reason."""
+    paths = ["a", "signal11", "b", "always", "sleep", "c", "exit", "signal9", "fault", "signal6", "d", "e"]
+    tasks = [Task(index, path, False) for index, path in enumerate(paths)]
+    found = dict(read_in_workers(tasks, jobs, dies, limit=1.5))
+    assert [found[index].reason for index in range(len(paths))] == [
+        "read",
+        "MuJoCo crashed on it (signal 11)",
+        "read",
+        "MuJoCo crashed on it (signal 11)",
+        "MuJoCo took longer than 1.5 s for it",
+        "read",
+        "MuJoCo ended the process that read it",
+        "the process that read it was killed (signal 9), perhaps for its use of memory",
+        "a fault of actspec, not of the file; please report it: KeyError: 'x'",
+        "MuJoCo crashed on it (signal 6)",
+        "read",
+        "read",
+    ]
+
+
+def breaks(task: Task) -> FileReading:
+    """A reader with a fault in it."""
+    raise KeyError("x")
+
+
+@posix
+@pytest.mark.parametrize("skip_other", [False, True], ids=["folder", "skip-other"])
+def test_a_fault_is_never_passed_over(skip_other: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A file that was lost to a fault is told, where files without anything to audit would not be."""
+    monkeypatch.setattr("actspec.audit.read.read_file", breaks)
+    Path("d").mkdir()
+    Path("d/leg.xml").write_text(GOOD)
+    (found,) = read_files(["d/leg.xml" if skip_other else "d"], skip_other=skip_other)
+    assert found.path == "d/leg.xml"
+    assert str(found.diagnostics[0]) == f"d/leg.xml: AUD008: the file cannot be read: {found.reason}"
+
+
+def test_every_file_of_many_is_read_once() -> None:
+    """More files than workers, fewer files than workers, and none."""
+    for count in (0, 1, 3, 40):
+        tasks = [Task(index, f"f{index}", False) for index in range(count)]
+        found = list(read_in_workers(tasks, 4, dies))
+        assert sorted(index for index, _ in found) == list(range(count))
+    assert cores() >= 1
+
+
+def test_the_text_is_read_after_a_crash() -> None:
+    """With a refusal MuJoCo does not see the file, and the artifact says why."""
+    Path("m.xml").write_text(GOOD)
+    found = read_file(Task(0, "m.xml", False, "MuJoCo crashed on it (signal 11)"))
+    assert found.artifacts[0].text_only == "MuJoCo crashed on it (signal 11)"
+    assert found.artifacts[0].robot is not None
+    assert found.artifacts[0].robot.joint_inertia is None
+    Path("r.urdf").write_text(URDF)
+    found = read_file(Task(0, "r.urdf", False, "MuJoCo crashed on it (signal 11)"))
+    assert found.artifacts[0].text_only == "MuJoCo crashed on it (signal 11)"
+    assert found.artifacts[0].robot is not None
+    assert found.artifacts[0].robot.joints[0].effort_range == (-5.0, 5.0)
+    assert found.artifacts[0].robot.joint_inertia is None
+    again = read_file(Task(0, "r.urdf", False)).artifacts[0]
+    assert again.text_only is None
+    assert again.robot is not None
+    assert again.robot.joint_inertia is not None

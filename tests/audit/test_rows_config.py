@@ -1,0 +1,222 @@
+"""Rows of configurations: what each framework's classes do with what is written."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+import pytest
+
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.audit.case import Versions
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rows.config import control_of, rows_of_config
+from actspec.diagnostics import Span
+from actspec.ir import JointKind
+from actspec.robot.view import JointView, ModelFormat, PoseInertia, RobotView
+
+AT = Span("cfg.py", 3, 7)
+
+
+def _model(damping: float = 0.0) -> Artifact:
+    """Two hinges of inertia 0.04 and 0.01 in the reference pose, 0.05 and 0.02 in another; uncoupled."""
+    joints = tuple(
+        JointView(
+            name,
+            JointKind.HINGE,
+            Span("leg.xml", 5 + dof),
+            name,
+            dof,
+            (-1.0, 2.0),
+            damping,
+            (0.0, 0.0),
+            0.0,
+            0.0,
+            0.3,
+            None,
+            None,
+            frozenset(),
+            False,
+            None,
+            0.0,
+        )
+        for dof, name in enumerate(("hip", "knee"))
+    )
+    matrices = np.array([np.diag([0.04, 0.01]), np.diag([0.05, 0.02])])
+    view = RobotView(
+        "leg",
+        "leg.xml",
+        ModelFormat.MJCF,
+        joints,
+        (),
+        0.002,
+        "Euler",
+        (),
+        PoseInertia(matrices, np.zeros(2)),
+        "",
+        (),
+    )
+    return Artifact("leg.xml", FileKind.MJCF, "leg", robot=view)
+
+
+def _rows(
+    cls: str,
+    settings: dict[str, Any],
+    *partners: Artifact,
+    framework: Framework = Framework.ISAACLAB,
+    joints: tuple[str, ...] = (".*",),
+    general: dict[str, Any] | None = None,
+    versions: Versions | None = None,
+) -> dict[str, LedgerRow]:
+    def made(values: dict[str, Any]) -> dict[str, Setting]:
+        return {k: v if isinstance(v, Setting) else Setting(v, AT) for k, v in values.items()}
+
+    group = ActuatorGroup("legs", cls, AT, joints, made(settings))
+    config = RobotConfig(framework, "LEG_CFG", AT, (group,), made(general or {}))
+    artifact = Artifact("cfg.py", FileKind.CFG, "LEG_CFG", config=config)
+    return {row.joint: row for row in rows_of_config(artifact, 4, partners, versions or Versions())}
+
+
+def test_a_dict_that_misses_a_joint_is_zero_in_isaac_lab() -> None:
+    """Measured on the 2.3.2 classes: a joint that no key matches gets 0, and the row says that nobody wrote it."""
+    rows = _rows("DCMotorCfg", {"stiffness": {"hip": 25.0}, "damping": 0.5}, _model())
+    assert (rows["hip"].kp, rows["knee"].kp) == (25.0, 0.0)
+    assert ("kp" in rows["hip"].stated, "kp" in rows["knee"].stated) == (True, False)
+    assert rows["knee"].kd == 0.5
+
+
+def test_a_drive_is_judged_with_the_models_inertia() -> None:
+    """kp 4, kd 0.2, armature 0.01: hip held 0.05, so 8.944 rad/s; free least 0.05; step 5 ms: 0.005*0.2/0.05."""
+    settings = {"stiffness": 4.0, "damping": 0.2, "armature": 0.01, "viscous_friction": 0.1}
+    hip = _rows("IdealPDActuatorCfg", settings, _model(), general={"physics_dt": 0.005})["hip"]
+    assert hip.natural_frequency == pytest.approx(math.sqrt(4.0 / 0.05))
+    # (0.2 + 0.1) / (2 sqrt(4 * 0.05)) = 0.3 / 0.8944
+    assert hip.damping_ratio == pytest.approx(0.335410, abs=1e-6)
+    assert (hip.inertia_min, hip.inertia_max) == pytest.approx((0.05, 0.06))
+    assert hip.stability == pytest.approx(0.02)
+    assert (hip.kd_implicit, hip.total_damping) == (False, pytest.approx(0.3))
+
+
+def test_what_a_configuration_does_not_say_is_unknown() -> None:
+    """Isaac Lab's passive friction is in the USD: the total is not kd alone."""
+    row = _rows("ImplicitActuatorCfg", {"stiffness": 4.0, "damping": 0.2}, _model())["hip"]
+    assert (row.joint_damping, row.total_damping, row.damping_ratio, row.effort_limit) == (None,) * 4
+    assert row.natural_frequency == pytest.approx(10.0)  # sqrt(4 / 0.04)
+
+
+@pytest.mark.parametrize(
+    ("cls", "settings", "effort", "speed", "no_load"),
+    [
+        ("ImplicitActuatorCfg", {"effort_limit": 5.0, "velocity_limit": 9.0}, 5.0, None, None),
+        ("ImplicitActuatorCfg", {"effort_limit_sim": 6.0, "velocity_limit_sim": 8.0}, 6.0, 8.0, None),
+        ("ImplicitActuatorCfg", {"joint_effort_limit": 7.0, "joint_velocity_limit": 3.0}, 7.0, 3.0, None),
+        ("IdealPDActuatorCfg", {"effort_limit": 5.0, "velocity_limit": 9.0}, 5.0, 9.0, None),
+        (
+            "DCMotorCfg",
+            {"effort_limit": 5.0, "velocity_limit": 9.0, "velocity_limit_sim": 4.0},
+            5.0,
+            4.0,
+            9.0,
+        ),
+        ("DCMotorCfg", {"actuator_effort_limit": 5.0, "actuator_velocity_limit": 9.0}, 5.0, None, 9.0),
+        ("IdealPDActuatorCfg", {"effort_limit_sim": 6.0}, None, None, None),
+    ],
+    ids=["implicit-2", "implicit-sim", "implicit-3", "ideal", "dc", "dc-3", "explicit-sim-only"],
+)
+def test_limits_by_class(
+    cls: str, settings: dict[str, Any], effort: float | None, speed: float | None, no_load: float | None
+) -> None:
+    """An implicit `velocity_limit` is ignored, a DC motor's is its no-load speed, an explicit clamp is the model's."""
+    row = _rows(cls, settings)[".*"]
+    assert (row.effort_limit, row.velocity_limit, row.no_load_speed) == (effort, speed, no_load)
+
+
+def test_mjlab_drives_act_on_the_xmls_joints() -> None:
+    """The XML's joint damping stays and adds to kd, unless the cfg sets its own."""
+    cfg = {"stiffness": 4.0, "damping": 0.2, "effort_limit": 5.0}
+    row = _rows("BuiltinPositionActuatorCfg", cfg, _model(0.5), framework=Framework.MJLAB)["hip"]
+    assert (row.joint_damping, row.total_damping, row.frictionloss) == (0.5, 0.7, 0.3)
+    own = _rows(
+        "BuiltinPositionActuatorCfg",
+        {**cfg, "viscous_damping": 0.1},
+        _model(0.5),
+        framework=Framework.MJLAB,
+    )["hip"]
+    assert own.total_damping == pytest.approx(0.3)
+
+
+@pytest.mark.parametrize(
+    ("versions", "friction"),
+    [
+        (Versions(), None),
+        (Versions(isaaclab="2.3", isaac_sim="4.5"), None),
+        (Versions(isaaclab="2.2", isaac_sim="5.0"), None),
+        (Versions(isaaclab="2.3", isaac_sim="5.1"), 0.1),
+        (Versions(isaaclab="3.0", backend="newton"), 0.1),
+        (Versions(isaaclab="3.0", backend="ovphysx"), None),
+    ],
+    ids=["unsaid", "sim-4.5", "2.2", "2.3", "newton", "ovphysx"],
+)
+def test_friction_is_only_torque_where_it_is(versions: Versions, friction: float | None) -> None:
+    """A coefficient is no frictionloss; the kinetic value is, where both are given."""
+    row = _rows("ImplicitActuatorCfg", {"friction": 0.2, "dynamic_friction": 0.1}, versions=versions)[".*"]
+    assert row.frictionloss == friction
+
+
+def test_without_a_model_each_pattern_is_a_row() -> None:
+    """A dict counts where its key is written like the pattern; other keys may or may not cover it."""
+    settings = {"stiffness": {".*_hip": 25.0, "l_.*": 9.0}, "damping": 0.5}
+    rows = _rows("DCMotorCfg", settings, joints=(".*_hip", ".*_knee"))
+    assert (rows[".*_hip"].kp, rows[".*_knee"].kp, rows[".*_knee"].kd) == (25.0, None, 0.5)
+    assert "kp" not in rows[".*_knee"].stated or rows[".*_knee"].kp is None
+
+
+def test_a_value_that_could_not_be_folded_is_unknown() -> None:
+    """It is not the engine's default either."""
+    settings = {"stiffness": Setting(None, AT, "built in a loop"), "damping": 0.5}
+    assert _rows("DCMotorCfg", settings, _model())["hip"].kp is None
+
+
+def test_a_delay_has_one_value_only_when_it_is_fixed() -> None:
+    """2 steps of 5 ms are 10 ms; 0 to 4 steps are no number, and steps without a step length neither."""
+    fixed = {"min_delay": 2, "max_delay": 2}
+    general = {"physics_dt": 0.005}
+    assert _rows("DelayedPDActuatorCfg", fixed, general=general)[".*"].delay == pytest.approx(0.01)
+    ranged = {"min_delay": 0, "max_delay": 4}
+    assert _rows("DelayedPDActuatorCfg", ranged, general=general)[".*"].delay is None
+    assert _rows("DelayedPDActuatorCfg", fixed)[".*"].delay is None
+
+
+@pytest.mark.parametrize(
+    ("framework", "cls", "control"),
+    [
+        (Framework.ISAACLAB, "ImplicitActuatorCfg", "implicit"),
+        (Framework.ISAACLAB, "DelayedImplicitActuatorCfg", "implicit"),
+        (Framework.ISAACLAB, "PaceDCMotorCfg", "dc_motor"),
+        (Framework.ISAACLAB, "RemotizedPDActuatorCfg", "ideal_pd"),
+        (Framework.ISAACLAB, "DelayedPDActuatorCfg", "ideal_pd"),
+        (Framework.ISAACLAB, "ActuatorNetLSTMCfg", "network"),
+        (Framework.ISAACLAB, "UnitreeActuatorCfg", "other"),
+        (Framework.MJLAB, "BuiltinDcMotorActuatorCfg", "dcmotor"),
+        (Framework.MJLAB, "DcMotorActuatorCfg", "dc_motor"),
+        (Framework.MJLAB, "DelayedBuiltinPositionActuatorCfg", "position"),
+        (Framework.LEGGED_GYM, "P", "ideal_pd"),
+        (Framework.LEGGED_GYM, "T", "motor"),
+        (Framework.DEPLOY, "deploy", "ideal_pd"),
+    ],
+)
+def test_classes(framework: Framework, cls: str, control: str) -> None:
+    """A class is what it does; one that nobody knows is `other`."""
+    assert control_of(framework, cls) == control
+
+
+def test_a_class_that_nobody_knows_is_what_it_derives_from() -> None:
+    """A robot's own class keeps the law of its nearest known base."""
+    classes = (
+        "UnitreeActuatorCfg_Go2HV",
+        "UnitreeActuatorCfg",
+        "DelayedPDActuatorCfg",
+        "ImplicitActuatorCfg",
+    )
+    assert control_of(Framework.ISAACLAB, *classes) == "ideal_pd"

@@ -1,0 +1,347 @@
+"""`actspec audit` and `actspec rule` as a user meets them: options, exit codes, files written."""
+
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from actspec.cli.main import main
+from actspec.cli.progress import Progress
+from actspec.resources import data_path
+
+ROOT = Path(__file__).resolve().parents[2]
+LEG = """<mujoco model="leg">
+  <worldbody>
+    <body>
+      <joint name="hip"/>
+      <geom size="0.1"/>
+      <body><joint name="knee"/><geom size="0.1"/></body>
+    </body>
+  </worldbody>
+  <actuator>
+    <motor joint="hip"/>
+    <motor joint="knee"/>
+  </actuator>
+</mujoco>
+"""
+HEADLINE = (
+    "leg.xml:10:5: LIM101 [warning] hip, knee: no force range, joint limit or control range limits this actuator: it "
+    "gives every N*m that it is asked for\n"
+)
+SKIPPED = "skipped LIM102: no file states an effort or velocity limit\n"
+COUNT = "2 warnings in 1 file\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with a model whose motors have no limit, and settings of this folder."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "leg.xml").write_text(LEG)
+    # The rules that this file speaks about; others are added in their time.
+    (tmp_path / "actspec.toml").write_text('[audit]\nselect = ["LIM101", "LIM102", "ACT"]\n')
+    return tmp_path
+
+
+def run(*arguments: str) -> int:
+    """The exit code, also where argparse ends the process."""
+    try:
+        return main(list(arguments))
+    except SystemExit as stop:
+        return int(str(stop.code))
+
+
+def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
+    """Findings and summary go to stdout; warnings do not fail the run."""
+    assert run("audit", "leg.xml", "--output-format", "concise") == 0
+    assert capsys.readouterr() == (HEADLINE + SKIPPED + COUNT, "")
+
+
+@pytest.mark.parametrize(
+    "options, code",
+    [
+        ([], 0),
+        (["--fail-on", "warning"], 1),
+        (["--fail-on", "info"], 1),
+        (["--fail-on", "error"], 0),
+        (["--fail-on", "never"], 0),
+        (["--fail-on", "warning", "--exit-zero"], 0),
+        (["--fail-on", "warning", "--select", "LIM102"], 0),
+        (["--fail-on", "warning", "--ignore", "LIM101"], 0),
+        (["--fail-on", "warning", "--output-format", "sarif"], 0),
+        (["--fail-on", "warning", "--output-format", "json"], 1),
+        (["gone.xml"], 2),
+        (["gone.xml", "--exit-zero"], 2),
+        (["gone.xml", "--output-format", "sarif"], 2),
+        (["--fail-on", "bad"], 2),
+        (["--select", "LIN101"], 2),
+        (["--select", ","], 2),
+        (["--target", "isaaclab"], 2),
+        (["--target", "isaaclab==2.3", "--target", "isaaclab==3.0"], 2),
+        (["--target", "isaac_sim==5.1", "-t", "backend==newton"], 0),
+        (["--jobs", "0"], 2),
+        (["--config", "gone.toml"], 2),
+        (["--baseline", "gone.json"], 2),
+        (["--statistics", "--output-format", "json"], 2),
+        (["--ledger", "--output-format", "sarif"], 2),
+        (["--write-baseline", "b.json", "--diff"], 2),
+        (["--output", "gone/report.txt"], 2),
+        (["--spec", "leg.xml"], 2),
+    ],
+    ids=lambda value: " ".join(value) if isinstance(value, list) else "",
+)
+def test_exit_codes(options: list[str], code: int, capsys: pytest.CaptureFixture[str]) -> None:
+    """0 nothing at or above --fail-on, 1 findings, 2 could not run or a file could not be read; never a traceback."""
+    assert run("audit", "leg.xml", *options) == code
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None:
+    """Everything that is wrong with the command line is told at once, with the nearest right word."""
+    arguments = [
+        "--select",
+        "LIN101,lim",
+        "--ignore",
+        "no-limit-of-any-kin",
+        "-t",
+        "isaclab==2.3",
+        "-t",
+        "mujoco==x",
+    ]
+    assert run("audit", "leg.xml", *arguments) == 2
+    assert capsys.readouterr().err.splitlines() == [
+        "AUD002 --target: 'isaclab' is nothing that files can be meant for",
+        "  help: did you mean 'isaaclab'?",
+        "AUD003 --select: no rule has the code, the beginning of a code or the name 'LIN101'",
+        "  help: did you mean 'LIM101'?",
+        "AUD003 --select: no rule has the code, the beginning of a code or the name 'lim'",
+        "  help: did you mean 'LIM'?",
+        "AUD003 --ignore: no rule has the code, the beginning of a code or the name 'no-limit-of-any-kin'",
+        "  help: did you mean 'no-limit-of-any-kind'?",
+        "AUD004 --target: must be a version such as 2.3, got 'x'",
+        "5 errors; nothing was written",
+    ]
+
+
+def test_failure_in_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """An audit that cannot start says so in JSON, in the form of the schema."""
+    assert run("audit", "leg.xml", "--select", "LIN101", "--output-format", "json") == 2
+    out = capsys.readouterr()
+    record = json.loads(out.out)
+    jsonschema.validate(record, _schema("report"))
+    assert (record["format"], [item["code"] for item in record["diagnostics"]]) == (
+        "actspec-report/1",
+        ["AUD003"],
+    )
+    assert out.err == ""
+
+
+def test_an_unread_file_does_not_hide_the_others(capsys: pytest.CaptureFixture[str]) -> None:
+    """What can be read is judged; what cannot is told on stderr."""
+    assert run("audit", "gone.xml", "leg.xml", "--output-format", "concise") == 2
+    out = capsys.readouterr()
+    assert out.out.startswith(HEADLINE)
+    assert "1 file could not be read" in out.out
+    assert out.err.startswith("gone.xml: ROBOT001: ")
+
+
+@pytest.mark.parametrize(
+    "output_format", ["full", "concise", "json", "sarif", "github", "junit", "markdown", "html"]
+)
+def test_output_file(output_format: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """-o writes what would have been printed, and prints nothing."""
+    assert run("audit", "leg.xml", "--output-format", output_format) == 0
+    printed = capsys.readouterr().out
+    assert run("audit", "leg.xml", "--output-format", output_format, "-o", "report") == 0
+    assert capsys.readouterr() == ("", "")
+    assert (folder / "report").read_text(encoding="utf-8") == printed
+    assert "LIM101" in printed
+
+
+def test_json_validates(capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a real file too, every figure has its form."""
+    assert run("audit", "leg.xml", "--output-format", "json") == 0
+    record = json.loads(capsys.readouterr().out)
+    jsonschema.validate(record, _schema("report"))
+    assert [(row["joint"], row["effort_limit"]) for row in record["ledger"]] == [
+        ("hip", "Infinity"),
+        ("knee", "Infinity"),
+    ]
+
+
+def test_settings_and_options_together(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """--select replaces the file's choice, --ignore adds to it; other options win over the file."""
+    (folder / "actspec.toml").write_text(
+        '[audit]\nselect = ["LIM102"]\nignore = ["ACT"]\nfail-on = "never"\nseverity = {LIM101 = "error"}\n'
+    )
+    assert run("audit", "leg.xml", "--output-format", "concise") == 0
+    assert "LIM101" not in capsys.readouterr().out
+    assert run("audit", "leg.xml", "--output-format", "concise", "--select", "LIM") == 0
+    assert "LIM101 [error]" in capsys.readouterr().out
+    assert (
+        run("audit", "leg.xml", "--output-format", "concise", "--select", "LIM101", "--fail-on", "error") == 1
+    )
+
+
+def test_inline_ignore(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A remark with a reason takes its finding away, and is counted."""
+    remark = "<!-- actspec: ignore[LIM101] the driver clips -->"
+    (folder / "leg.xml").write_text(LEG.replace('"hip"/>\n    <', f'"hip"/> {remark}\n    {remark}\n    <'))
+    assert run("audit", "leg.xml", "--output-format", "concise", "--fail-on", "info") == 0
+    assert capsys.readouterr().out == SKIPPED + "no findings in 1 file; 2 ignored in the files\n"
+
+
+def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What is written is hidden afterwards, also when lines move; what has gone is told."""
+    assert run("audit", "leg.xml", "--write-baseline", "known.json", "--fail-on", "info") == 0
+    assert capsys.readouterr() == ("", "known.json: 2 findings written\n")
+    (folder / "leg.xml").write_text("\n\n" + LEG)
+    assert (
+        run("audit", "leg.xml", "--baseline", "known.json", "--fail-on", "info", "--output-format", "concise")
+        == 0
+    )
+    assert capsys.readouterr().out == SKIPPED + "no findings in 1 file; 2 in the baseline\n"
+    (folder / "leg.xml").write_text(LEG.replace('<motor joint="hip"/>', ""))
+    (folder / "actspec.toml").write_text('[audit]\nselect = ["LIM"]\nbaseline = "known.json"\n')
+    assert run("audit", "leg.xml") == 0
+    assert capsys.readouterr().err == (
+        "known.json: AUD007 [warning]: LIM101 is in the baseline and is no longer found in leg.xml (hip)\n"
+        "  help: write the baseline anew with --write-baseline known.json\n"
+    )
+    # Written anew it does not hide itself first.
+    assert run("audit", "leg.xml", "--write-baseline", "known.json") == 0
+    assert len(json.loads((folder / "known.json").read_text())["findings"]) == 1
+
+
+def test_fix_and_diff_without_fixes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where nothing can be fixed nothing is written, and --diff is clean."""
+    assert run("audit", "leg.xml", "--diff") == 0
+    assert capsys.readouterr().out == ""
+    assert run("audit", "leg.xml", "--fix", "--unsafe-fixes", "--fail-on", "warning") == 1
+    assert (folder / "leg.xml").read_text() == LEG
+
+
+def test_ledger_and_statistics(capsys: pytest.CaptureFixture[str]) -> None:
+    """--ledger stands before the findings, --statistics in their place."""
+    assert run("audit", "leg.xml", "--ledger", "--statistics") == 0
+    out = capsys.readouterr().out
+    assert out.startswith("leg.xml (leg)\n  joints  control  effort  inertia")
+    assert out.endswith(f"\n2  LIM101  no-limit-of-any-kind  warning\n{SKIPPED}{COUNT}")
+
+
+def test_as_a_process(folder: Path) -> None:
+    """A pipe gets plain text, and what its encoding has no character for is escaped."""
+    paths = os.pathsep.join([str(ROOT), *sys.path])
+    (folder / "bén.xml").write_text(LEG)
+    done = subprocess.run(
+        [sys.executable, "-m", "actspec.cli.main", "audit", "bén.xml", "--output-format", "concise"],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "PYTHONPATH": paths, "PYTHONIOENCODING": "ascii"},
+        check=False,
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert done.stdout == HEADLINE.replace("leg", "b\\xe9n") + SKIPPED + COUNT
+
+
+class Terminal:
+    """A stream that says it is a terminal."""
+
+    def __init__(self) -> None:
+        self.text = ""
+
+    def isatty(self) -> bool:
+        return True
+
+    def write(self, text: str) -> int:
+        self.text += text
+        return len(text)
+
+    def flush(self) -> None:
+        """Nothing waits."""
+
+
+@pytest.mark.parametrize("no_color, coloured", [("", True), ("1", False)], ids=["terminal", "NO_COLOR"])
+def test_colour(no_color: str, coloured: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A terminal gets colour, unless NO_COLOR is set."""
+    terminal: Any = Terminal()
+    terminal.encoding = "utf-8"
+    monkeypatch.setattr(sys, "stdout", terminal)
+    monkeypatch.setenv("NO_COLOR", no_color)
+    assert run("audit", "leg.xml") == 0
+    assert ("\x1b[33mLIM101\x1b[0m" in terminal.text) == coloured
+
+
+def test_progress(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bar after two seconds, taken away at the end; before that, and without a terminal, nothing."""
+    terminal: Any = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    now = 0.0
+    with Progress("reading", lambda: now) as progress:
+        for now, done in ((1.9, 1), (2.0, 5), (2.05, 6), (2.2, 10)):  # noqa: B007
+            progress.step(done, 10)
+    assert terminal.text == (
+        "\rreading [###############...............] 5/10\rreading [##############################] 10/10\r\x1b[K"
+    )
+    monkeypatch.setattr(terminal, "isatty", lambda: False)
+    terminal.text, now = "", 0.0
+    with Progress("reading", lambda: now) as progress:
+        now = 9.0
+        progress.step(1, 10)
+    assert terminal.text == ""
+
+
+# --- actspec rule --------------------------------------------------------------------------------
+
+
+def test_rule(capsys: pytest.CaptureFixture[str]) -> None:
+    """A code, a name or a family prints pages, in the order of the codes."""
+    assert run("rule", "no-limit-of-any-kind") == 0
+    first = capsys.readouterr().out
+    assert first.startswith("# LIM101 no-limit-of-any-kind\n\nNothing limits")
+    assert run("rule", "LIM102", "LIM101") == 0
+    both = capsys.readouterr().out
+    assert both.startswith(first)
+    assert "# LIM102 limit-is-a-placeholder" in both
+
+
+def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """All rules for programs, in the form of the schema; an error too."""
+    assert run("rule", "--all", "--output-format", "json") == 0
+    record = json.loads(capsys.readouterr().out)
+    jsonschema.validate(record, _schema("rules"))
+    found = {rule["code"]: rule for rule in record["rules"]}
+    assert found["LIM102"]["options"] == {"least": 1e5}
+    assert list(found["LIM101"]["sections"])[:3] == ["What it does", "Why it matters", "Example"]
+    assert run("rule", "LIN101", "--output-format", "json") == 2
+    jsonschema.validate(json.loads(capsys.readouterr().out), _schema("rules"))
+
+
+def test_rule_errors(capsys: pytest.CaptureFixture[str]) -> None:
+    """A code that is not there is answered with the nearest; no code with how to ask."""
+    assert run("rule", "LIN101") == 2
+    assert "did you mean 'LIM101'?" in capsys.readouterr().err
+    assert run("rule") == 2
+    assert "names no rule" in capsys.readouterr().err
+
+
+def test_rule_docs(folder: Path) -> None:
+    """--docs writes every page and the index."""
+    assert run("rule", "--docs", "docs/rules") == 0
+    names = {path.name for path in (folder / "docs" / "rules").iterdir()}
+    assert {"README.md", "LIM101.md", "ACT003.md"} <= names
+    (folder / "file").write_text("")
+    assert run("rule", "--docs", "file") == 2
+
+
+def _schema(name: str) -> dict[str, Any]:
+    schema: dict[str, Any] = json.loads(
+        data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8")
+    )
+    return schema

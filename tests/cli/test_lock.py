@@ -1,0 +1,240 @@
+"""`actspec lock` as a user meets it: the file, what changed since, exit codes."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from actspec.cli.main import main
+from actspec.resources import data_path
+from tests.audit.robots import CFG, LEG, SPEC
+
+SINCE = "leg.xml (leg) since actspec.lock:\n"
+LAST = "policies trained before need re-evaluation; `actspec lock` records the new dynamics\n"
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder, with the same robot in three files."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "leg.xml").write_text(LEG)
+    (tmp_path / "leg.yaml").write_text(SPEC)
+    (tmp_path / "leg_cfg.py").write_text(CFG)
+    return tmp_path
+
+
+def lock(path: str = "actspec.lock") -> Any:
+    """The lock."""
+    return json.loads(Path(path).read_text("utf-8"))
+
+
+def test_the_file(capsys: pytest.CaptureFixture[str]) -> None:
+    """It is sorted, has the form of its schema, relative paths, figures and hashes, and is the same each time."""
+    assert main(["lock", "leg.yaml", str(Path("leg.xml").resolve()), "./leg_cfg.py"]) == 0
+    assert capsys.readouterr().err == "actspec.lock: 6 joints of 3 files\n"
+    first = Path("actspec.lock").read_bytes()
+    found = lock()
+    schema = json.loads(data_path("schemas", "actspec-lock-v1.schema.json").read_text("utf-8"))
+    jsonschema.validate(found, schema)
+    assert list(found["files"]) == ["leg.xml", "leg.yaml", "leg_cfg.py"]
+    knee = found["files"]["leg.xml"]["robots"]["leg"]["joints"]["knee"]
+    assert (knee["kp"], knee["kd"], knee["joint_damping"], knee["total_damping"]) == (100.0, 3.0, 1.0, 4.0)
+    assert knee["effort_limit"] == 30.0
+    assert found["files"]["leg.yaml"]["robots"]["leg"]["settings"]["control_dt"] == 0.02
+    assert main(["lock"]) == 0
+    assert Path("actspec.lock").read_bytes() == first
+
+
+def test_check(capsys: pytest.CaptureFixture[str]) -> None:
+    """A change is told in words with exit code 1, and is gone when the lock is written anew."""
+    main(["lock", "leg.xml", "leg.yaml"])
+    assert main(["lock", "--check"]) == 0
+    assert capsys.readouterr().out == "actspec.lock: no change in effective dynamics\n"
+    before = Path("actspec.lock").read_bytes()
+    Path("leg.xml").write_text(LEG.replace('kv="3"', 'kv="3.72"'))
+    assert main(["lock", "--check"]) == 1
+    # 4.72 / 4 = 1.18
+    gain = "    drive gain kd 3 -> 3.72 N*m*s/rad (+24 %)\n"
+    total = "    total damping 4 -> 4.72 N*m*s/rad (+18 %)\n"
+    assert capsys.readouterr().out == f"{SINCE}  hip, knee:\n{gain}{total}{LAST}"
+    assert Path("actspec.lock").read_bytes() == before
+    assert main(["lock", "--check", "leg.yaml"]) == 0
+    assert main(["lock"]) == 0
+    assert main(["lock", "--check"]) == 0
+
+
+def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """`--check` gives the same JSON as diff."""
+    main(["lock", "leg.xml"])
+    Path("leg.xml").write_text(LEG.replace('armature="0.01"', 'armature="0.02"'))
+    capsys.readouterr()
+    assert main(["lock", "--check", "--output-format", "json"]) == 1
+    record = json.loads(capsys.readouterr().out)
+    schema = json.loads(data_path("schemas", "actspec-diff-v1.schema.json").read_text("utf-8"))
+    jsonschema.validate(record, schema)
+    changes = record["robots"][0]["changes"]
+    assert [(c["joint"], c["field"], c["old"], c["new"], c["unit"]) for c in changes] == [
+        ("hip", "armature", 0.01, 0.02, "kg*m^2"),
+        ("knee", "armature", 0.01, 0.02, "kg*m^2"),
+    ]
+
+
+@pytest.mark.parametrize(
+    "old, new, same",
+    [
+        ('kp="100"', 'kp="100.00000000000001"', True),
+        ('kp="100"', 'kp="100.0000001"', True),
+        ('kp="100"', 'kp="100.000001"', False),
+        ("<worldbody>", "<!-- a leg -->\n<worldbody>", True),
+        ('<geom size="0.1"/>', '<geom size="0.1" density="2000"/>', True),
+    ],
+    ids=["last digit", "tenth digit", "ninth digit", "comment", "links"],
+)
+def test_what_a_hash_is_of(old: str, new: str, same: bool) -> None:
+    """Nine digits of the actuators' figures; not the text, nor the links."""
+    main(["lock", "leg.xml"])
+    before = lock()["files"]["leg.xml"]["robots"]["leg"]["hash"]
+    Path("leg.xml").write_text(LEG.replace(old, new))
+    assert main(["lock", "--check"]) == (0 if same else 1)
+    main(["lock"])
+    assert (lock()["files"]["leg.xml"]["robots"]["leg"]["hash"] == before) is same
+
+
+def test_joints_and_robots_come_and_go(capsys: pytest.CaptureFixture[str]) -> None:
+    """A joint that has another name, and a configuration that is gone, are changes."""
+    head, _, body = CFG.partition("LEG_CFG")
+    Path("leg_cfg.py").write_text(f"{head}LEG_CFG{body}\nOLD_CFG{body}")
+    main(["lock", "leg.xml", "leg_cfg.py"])
+    Path("leg.xml").write_text(LEG.replace('"knee"', '"shin"'))
+    Path("leg_cfg.py").write_text(CFG.replace('"knee"', '"shin"'))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 1
+    out = capsys.readouterr().out
+    assert out == (
+        f"{SINCE}  joints added: shin\n  joints removed: knee\n"
+        "leg_cfg.py (LEG_CFG) since actspec.lock:\n  joints added: shin\n  joints removed: knee\n"
+        f"leg_cfg.py (OLD_CFG) since actspec.lock:\n  joints removed: hip, knee\n{LAST}"
+    )
+
+
+def test_versions_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock remembers what its files are meant for, so that a check reads them alike."""
+    main(["lock", "leg_cfg.py", "-t", "isaaclab==2.3", "-t", "isaac_sim==5.1"])
+    found = lock()
+    assert found["versions"] == {"isaac_sim": "5.1", "isaaclab": "2.3"}
+    assert found["files"]["leg_cfg.py"]["robots"]["LEG_CFG"]["joints"]["hip"]["frictionloss"] == 0.2
+    assert main(["lock", "--check"]) == 0
+    capsys.readouterr()
+    Path("leg_cfg.py").write_text(CFG.replace("friction=0.2", "friction=0.3"))
+    assert main(["lock", "--check"]) == 1
+    assert "dry friction 0.2 -> 0.3 N*m (+50 %)" in capsys.readouterr().out
+
+
+def test_in_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Paths are relative to the lock, so that it is checked from anywhere."""
+    (tmp_path / "locks").mkdir()
+    assert main(["lock", "leg.xml", "-o", "locks/a.lock"]) == 0
+    assert list(lock("locks/a.lock")["files"]) == ["../leg.xml"]
+    monkeypatch.chdir(tmp_path / "locks")
+    assert main(["lock", "--check", "-o", "a.lock"]) == 0
+    assert main(["lock", "--check", "-o", "a.lock", "../leg.xml"]) == 0
+
+
+@pytest.mark.parametrize(
+    "edit, message",
+    [
+        (lambda d: d["files"].update({"/etc/passwd": {}}), "LCK002: '/etc/passwd' is no relative path"),
+        (lambda d: d["files"].update({"C:/x": {}}), "LCK002: 'C:/x' is no relative path"),
+        (
+            lambda d: d.update(format="actspec-lock/2"),
+            "LCK001: has the format actspec-lock/2, and this actspec",
+        ),
+        (lambda d: d.update(format="other"), "LCK001: is no dynamics lock"),
+        (lambda d: d.update(files=[]), "LCK002: `files` is not as actspec writes it"),
+        (lambda d: d.update(versions={"isaaclab": "x"}), "AUD004"),
+        (lambda d: d["files"]["leg.xml"].update(kind="usd"), "LCK002: the entry of 'leg.xml' is not as"),
+        (
+            lambda d: joint(d).update(kd=4.0),
+            "LCK002: leg.xml, leg: the figures of knee do not fit their hash",
+        ),
+        (lambda d: joint(d).update(kd=True), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(kd=10**400), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (lambda d: joint(d).update(colour=1.0), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
+        (
+            lambda d: d["files"]["leg.xml"]["robots"]["leg"]["settings"].update(physics_dt=1.0),
+            "LCK002: leg.xml, leg: the joints do not fit their hash",
+        ),
+    ],
+    ids=[
+        "absolute",
+        "drive",
+        "newer",
+        "format",
+        "list",
+        "version",
+        "kind",
+        "edited",
+        "truth",
+        "huge",
+        "field",
+        "settings",
+    ],
+)
+def test_a_lock_that_is_none(edit: Any, message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A lock that somebody edited, or that is something else, is told; nothing outside is read."""
+    main(["lock", "leg.xml"])
+    found = lock()
+    edit(found)
+    Path("actspec.lock").write_text(json.dumps(found))
+    capsys.readouterr()
+    assert main(["lock", "--check"]) == 2
+    assert message in capsys.readouterr().err
+
+
+def joint(found: Any) -> Any:
+    """The knee of a lock."""
+    return found["files"]["leg.xml"]["robots"]["leg"]["joints"]["knee"]
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        (["--check"], "actspec.lock: LCK001: there is no such lock"),
+        ([], "actspec.lock: LCK001: there is no such lock"),
+        (["leg.xml", "-o", "leg.yaml"], "leg.yaml: LCK001: is no dynamics lock"),
+        (["leg.xml", "-o", "."], ".: LCK001: is a folder"),
+        (["leg.xml", "-o", "no/actspec.lock"], "no/actspec.lock: LCK001: cannot be written"),
+        (["none.xml"], "none.xml: DIF001: cannot be read"),
+    ],
+    ids=["check", "again", "no lock", "folder", "no folder", "no file"],
+)
+def test_what_cannot_be_locked(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
+    """It says why with exit code 2; a file that is no lock is never written over."""
+    assert main(["lock", *arguments]) == 2
+    assert capsys.readouterr().err.startswith(message)
+    assert (folder / "leg.yaml").read_text() == SPEC
+    assert not (folder / "actspec.lock").exists()
+
+
+def test_a_file_that_is_not_locked(capsys: pytest.CaptureFixture[str]) -> None:
+    """A file that the lock does not have cannot be checked."""
+    main(["lock", "leg.xml"])
+    capsys.readouterr()
+    assert main(["lock", "--check", "leg.yaml"]) == 2
+    assert capsys.readouterr().err.startswith("leg.yaml: LCK003: is not in the lock")
+
+
+def test_an_edited_lock_is_written_anew() -> None:
+    """What is broken in the figures does not stand in the way of a new lock."""
+    main(["lock", "leg.xml"])
+    found = lock()
+    joint(found)["kd"] = 4.0
+    Path("actspec.lock").write_text(json.dumps(found))
+    assert main(["lock"]) == 0
+    assert main(["lock", "--check"]) == 0

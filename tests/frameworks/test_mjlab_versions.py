@@ -1,0 +1,144 @@
+"""The text for older mjlab, run in those releases on the environment's MuJoCo Warp."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from actspec.api import load, load_robot, resolve
+from actspec.targets.base import TargetOptions
+from actspec.targets.mjlab.emit import emit
+from tests.agree.engines import EngineUnavailableError, prepare_project
+from tests.frameworks.mjlab_asking import ENVS, PROBE, RTOL, STEP, Job, Run, expected_line
+from tests.frameworks.mjlab_specs import (
+    EPISODE,
+    GRID,
+    GROUPS,
+    LINE_PD,
+    MOTORS,
+    ONE,
+    PLAIN_PD,
+    RAMP,
+    RICH,
+    ROOT,
+)
+from tests.frameworks.prepare import Frameworks
+from tests.targets.mjlab.emitting import Written, written
+
+pytestmark = pytest.mark.slow
+
+VERSIONS_PROBE = PROBE.with_name("mjlab_versions_probe.py")
+
+RELEASES = {"1.0": "1.0.0", "1.2": "1.2.0", "1.3": "1.3.0", "1.5": "1.5.3"}
+"""One release on each side of every change that the table of versions names; 40 MB each."""
+
+VELOCITY_PD = """
+  leg: {joints: [hip], level: ideal_pd, command: velocity, kd: 2 N*m*s/rad, effort_limit: 9 N*m, delay: 10 ms}
+"""
+
+
+def a1(version: str) -> Job:
+    """The A1 of this repository."""
+    spec = load(ROOT / "robots" / "a1.yaml")
+    robot = load_robot(spec)
+    actuators = resolve(spec, robot)
+    emission = emit(actuators, robot, TargetOptions("mjlab", "mjlab", version, None, "out"))
+    return Job(Written(actuators, robot, emission), robot.files[0].data.decode("utf-8"), GRID)
+
+
+def jobs(version: str) -> dict[str, Job]:
+    """Every module for a version, and two with a mistake."""
+    # mjlab 1.0 finds no joint without a name.
+    model = RICH.replace("<freejoint/>", '<freejoint name="base"/>')
+    one = {
+        "fixed": PLAIN_PD % "10 ms",
+        "fixed_dc": LINE_PD % "10 ms",
+        "fixed_velocity": VELOCITY_PD,
+        "episode": PLAIN_PD % EPISODE,
+    }
+    rich = Job(written(GROUPS, model, version, robot='unmanaged: ["rest"]', motors=MOTORS), model, GRID)
+    return {
+        "a1": a1(version),
+        "rich": rich,
+        **{
+            name: Job(written(text, ONE, version, robot="", motors=MOTORS), ONE, sequence=RAMP)
+            for name, text in one.items()
+        },
+        "no-armature": replace(rich, mutation=("armature=0.01", "armature=0.0")),
+        "saturation-for-limit": replace(rich, mutation=("effort_limit=24.0", "effort_limit=45.0")),
+    }
+
+
+@pytest.fixture(scope="module", params=RELEASES)
+def version(request: pytest.FixtureRequest) -> str:
+    """A version."""
+    return str(request.param)
+
+
+@pytest.fixture(scope="module")
+def ran(frameworks: Frameworks, version: str) -> Run:
+    """All modules in a release, in one process."""
+    try:
+        folder = prepare_project("mjlab", RELEASES[version])
+    except EngineUnavailableError as err:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(str(err))
+    asked = jobs(version)
+    arrays = {f"{name}.{key}": value for name, one in asked.items() for key, value in one.points().items()}
+    for name, one in asked.items():
+        if one.sequence:
+            arrays[f"{name}.sequence"] = np.array(one.sequence)[:, None]
+    job = {
+        "mjlab": str(folder),
+        "probe": str(PROBE),
+        "jobs": {name: one.request() for name, one in asked.items()},
+    }
+    return Run(frameworks.run_probe(VERSIONS_PROBE, job, arrays), asked)
+
+
+def unstated(run: Run, name: str) -> list[str]:
+    """Faults that are not among the approximations."""
+    lost = {(a.joint, a.field) for a in run.jobs[name].written.emission.approximations}
+    viscous = tuple(f"{joint}: friction_viscous" for joint, field in lost if field == "friction.viscous")
+    return [fault for fault in run.faults(name) if not fault.startswith(viscous or ("-",))]
+
+
+@pytest.mark.parametrize("name", ["a1", "rich"])
+def test_torque_and_passive_numbers(ran: Run, version: str, name: str) -> None:
+    """The torque is the law's on the whole grid; before 1.3 viscous friction stays the model's, and that is said."""
+    assert unstated(ran, name) == []
+    lost = {a.field for a in ran.jobs[name].written.emission.approximations}
+    assert lost == ({"friction.viscous"} if version in ("1.0", "1.2") else set())
+
+
+@pytest.mark.parametrize("name", ["fixed", "fixed_dc", "fixed_velocity"])
+def test_fixed_delay(ran: Run, name: str) -> None:
+    """10 ms are two steps of 5 ms, in a second episode too; a wrapper holds them before 1.3, the cfg since."""
+    assert STEP == 0.005
+    assert "error" not in ran.said(name), ran.said(name)
+    lagged = ran.arrays(name)["lagged"][..., 0]
+    expected = expected_line(ran.jobs[name], "hip", 2)
+    np.testing.assert_allclose(lagged, np.broadcast_to(expected[:, None], lagged.shape), rtol=RTOL)
+
+
+def test_delay_of_an_episode(ran: Run) -> None:
+    """Each environment holds one lag of 0, 1 or 2 steps through an episode, and all three occur."""
+    lagged = ran.arrays("episode")["lagged"][..., 0]
+    table = [expected_line(ran.jobs["episode"], "hip", steps) for steps in range(3)]
+    for episode in lagged:
+        lags = [
+            [k for k in range(3) if np.allclose(episode[:, env], table[k], rtol=RTOL)] for env in range(ENVS)
+        ]
+        assert {tuple(lag) for lag in lags} == {(0,), (1,), (2,)}
+
+
+@pytest.mark.parametrize(
+    "name, fault",
+    [("no-armature", "pd: armature 0 is not 0.01"), ("saturation-for-limit", "dc: forcerange [-45.  45.]")],
+    ids=["no-armature", "saturation-for-limit"],
+)
+def test_a_seeded_mistake_is_found(ran: Run, name: str, fault: str) -> None:
+    """The comparisons above turn red when the text is wrong in one place."""
+    assert any(found.startswith(fault) for found in unstated(ran, name))

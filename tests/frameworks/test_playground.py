@@ -1,0 +1,89 @@
+"""The emitted `domain_randomize`, run on real MJX models: what it draws, and the torque of a batched step."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from tests.agree.engines import EngineUnavailableError, prepare, prepare_project
+from tests.frameworks.playground_asking import Run, dc_motor_faults, faults, job, motors, probed
+from tests.frameworks.playground_specs import FACTORS, FIELDS, GROUPS
+from tests.frameworks.prepare import Frameworks
+
+pytestmark = pytest.mark.slow
+
+TORQUE_MJX = "3.17.0"
+"""MJX of the torque dialect that runs on the environment's warp."""
+
+MUTATIONS: dict[str, tuple[str, tuple[str, str], str]] = {
+    "bias-sign": ("fields", (", 1].set(-kp", ", 1].set(kp"), "hip torque"),
+    "kd-sign": ("fields", (", 2].set(-kd", ", 2].set(kd"), "hip kd"),
+    "kp-slot-kept": (
+        "fields",
+        ("actuator_gainprm = actuator_gainprm.at[act[SET_1], 0].set(kp[SET_1])", "pass"),
+        "hip torque",
+    ),
+    "encoder-bias-sign": ("fields", ("set(-kp[SET_1] * bias", "set(kp[SET_1] * bias"), "hip bias"),
+    "joint-for-degree-of-freedom": (
+        "fields",
+        ("np.asarray(model.jnt_dofadr)[joints]", "np.array(joints)"),
+        "hip armature",
+    ),
+    "actuator-of-a-tendon": ("fields", ("np.where(onto_joint, np.asarray(model.actuator_trnid)[:, 0], -1)",
+                                        "np.asarray(model.actuator_trnid)[:, 0]"), "hip kp"),
+    "one-key-for-two": ("fields", ("keys[1]", "keys[0]"), "correlated"),
+    "field-not-batched": ("fields", ("dict.fromkeys(drawn, 0)", "dict.fromkeys(list(drawn)[1:], 0)"), "error"),
+    "kd-not-scaled": ("factors", ("kd = kd.at[SET_1].multiply(factor)", "pass"), "hip gains"),
+    "strength-not-on-the-limit": ("factors", ("limit = limit * strength", "pass"), "hip limit"),
+    "half-of-the-limit": ("factors", ("jnp.stack([-limit, limit]", "jnp.stack([-limit / strength, limit]"),
+                          "hip torque"),
+    "joints-own-range-kept": ("fields", ("jnp.maximum(own[:, 1], limit)", "own[:, 1]"), "toe capped"),
+    "one-strength-a-joint": ("factors", ("keys[2], ()", "keys[2], (4,)"), "hip strength"),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def ran(frameworks: Frameworks) -> dict[str, Run]:
+    """Every function of this file that the environment's own MJX takes, in one process."""
+    jobs = {"fields": job(GROUPS % FIELDS), "factors": job(GROUPS % FACTORS)}
+    mutants = {
+        key: replace(jobs[name], mutation=change, step=fault == "error")
+        for key, (name, change, fault) in MUTATIONS.items()
+    }
+    return probed(frameworks, {**jobs, **mutants, "voltage": motors("3.11", "cpp")})
+
+
+@pytest.mark.parametrize("name", ["fields", "factors"])
+def test_drawn_numbers_and_torque(ran: dict[str, Run], name: str) -> None:
+    """Each number is in its range, the others are the model's, and the batched step has the law's torque."""
+    assert faults(name, ran[name]) == []
+
+
+@pytest.mark.parametrize("mutant", MUTATIONS)
+def test_a_seeded_mistake_is_found(ran: dict[str, Run], mutant: str) -> None:
+    """The comparisons above turn red when the function is wrong in one place."""
+    name, _, fault = MUTATIONS[mutant]
+    found = faults(name, ran[mutant])
+    assert any(item.startswith(fault) for item in found), found
+
+
+def test_dcmotor_in_volts(ran: dict[str, Run]) -> None:
+    """MuJoCo 3.11: drawn by MJX, stepped by MuJoCo, whose MJX takes a dcmotor in its Warp implementation alone."""
+    run = ran["voltage"]
+    assert dc_motor_faults(run, run.arrays["own_force"], voltage=True) == []
+    assert run.said["batched"] == run.said["replaced"] == ["actuator_forcerange", "actuator_gainprm"]
+
+
+def test_dcmotor_in_torque(frameworks: Frameworks) -> None:
+    """From MuJoCo 3.12: drawn and stepped by MJX in its Warp implementation."""
+    try:
+        folders = str(prepare(TORQUE_MJX)), str(prepare_project("mujoco-mjx", TORQUE_MJX))
+    except EngineUnavailableError as err:
+        (pytest.fail if os.environ.get("CI") else pytest.skip)(str(err))
+    run = probed(frameworks, {"torque": motors("3.17", "warp")}, *folders)["torque"]
+    assert dc_motor_faults(run, run.arrays["force"], voltage=False) == []
+    np.testing.assert_allclose(run.arrays["force"], run.arrays["own_force"], rtol=1e-4, atol=1e-4)
+    assert run.said["batched"] == run.said["replaced"] == ["actuator_forcerange", "actuator_gainprm"]

@@ -1,0 +1,131 @@
+"""What a compile says of its targets together: explicit drives, accepted losses, places of errors."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec import api
+from actspec.diagnostics import Diagnostic, EmitError, Severity, Span
+
+MODEL = """<mujoco><option timestep="0.002" integrator="%s"/><worldbody><body><joint name="hip"/>
+<geom type="sphere" size="0.05" mass="1"/></body></worldbody></mujoco>"""
+
+SPEC = """actspec: 1
+robot: {name: leg, model: leg.xml}
+motors: {m: {side: joint, stall_torque: 20 N*m, no_load_speed: 30 rad/s}}
+actuators:
+  legs: {joints: [hip], level: LEVEL, motor: m, kp: 40, kd: 13, effort_limit: 12, armature: 0.01}
+targets:
+  mujoco: {}
+  isaaclab: {class: CLASS}
+  mjlab: {}
+  deploy: {}
+"""
+"""h kd / I + h^2 kp / (2 I) = 0.002 x 13 / 0.011 + 4e-6 x 40 / 0.022 = 2.37."""
+
+
+def compiled(folder: Path, spec: str, *targets: str, integrator: str = "Euler") -> tuple[Diagnostic, ...]:
+    """What a compile says."""
+    (folder / "leg.xml").write_text(MODEL % integrator)
+    (folder / "leg.yaml").write_text(spec)
+    return api.compile(folder / "leg.yaml", targets=targets, output=str(folder / "out")).diagnostics
+
+
+def concerned(said: tuple[Diagnostic, ...]) -> str | None:
+    """What STB001 names; None where it is not said."""
+    found = [item.message.partition("; concerns ")[2] for item in said if item.code == "STB001"]
+    assert len(found) <= 1
+    return found[0] if found else None
+
+
+EULER = "MuJoCo with the Euler integrator"
+
+
+@pytest.mark.parametrize(
+    ("level", "cls", "integrator", "targets", "expected"),
+    [
+        ("ideal_pd", "auto", "Euler", (), f"{EULER}, isaaclab"),
+        ("ideal_pd", "auto", "implicitfast", (), "isaaclab"),
+        ("ideal_pd", "implicit", "implicitfast", (), None),
+        ("ideal_pd", "custom", "implicitfast", (), "isaaclab"),
+        ("dc_motor", "auto", "implicitfast", (), "isaaclab, mjlab"),
+        ("dc_motor", "implicit", "Euler", (), f"{EULER}, mjlab"),
+        ("ideal_pd", "auto", "Euler", ("mjlab", "deploy"), None),
+        ("ideal_pd", "auto", "Euler", ("isaaclab",), "isaaclab"),
+        ("ideal_pd", "auto", "Euler", ("mujoco==3.11",), EULER),
+        ("dc_motor", "auto", "Euler", ("deploy",), None),
+    ],
+)
+def test_explicit_drives_of_what_is_compiled(
+    level: str, cls: str, integrator: str, targets: tuple[str, ...], expected: str | None, tmp_path: Path
+) -> None:
+    """Each chosen target answers for its own drive: mjlab's builtin ones and the solver's are implicit."""
+    spec = SPEC.replace("LEVEL", level).replace("CLASS", cls)
+    assert concerned(compiled(tmp_path, spec, *targets, integrator=integrator)) == expected
+
+
+LOSSY = (
+    SPEC.replace("LEVEL", "ideal_pd")
+    .replace("CLASS", "auto")
+    .replace("armature: 0.01", "armature: 0.01, command_filter: {cutoff: 30 Hz}")
+)
+"""The filter is lost in Isaac Lab and mjlab, and kept in MuJoCo."""
+
+
+def stale(said: tuple[Diagnostic, ...]) -> list[tuple[str, str | None]]:
+    """Keys of `accept` that take nothing, with their help."""
+    return [(item.where.removeprefix("accept."), item.help) for item in said if item.code == "SPEC164"]
+
+
+@pytest.mark.parametrize(
+    ("key", "targets", "expected"),
+    [
+        ("isaaclab.command_filter", (), []),
+        ("isaaclab.comand_filter", (), ["did you mean 'isaaclab.command_filter'?"]),
+        ("isaaclab.delay", (), ["remove it; its losses are command_filter"]),
+        ("mujoco.command_filter", (), ["remove it; it loses nothing"]),
+        ("isaaclab.delay", ("mjlab",), []),
+        ("isaaclab.delay", ("isaaclab==2.2",), []),
+        ("isaaclab.delay", ("isaaclab==2.3",), ["remove it; its losses are command_filter"]),
+    ],
+)
+def test_accept_that_takes_nothing(
+    key: str, targets: tuple[str, ...], expected: list[str], tmp_path: Path
+) -> None:
+    """A loss that does not occur in a target that is compiled as the spec has it is named, with the nearest."""
+    said = compiled(tmp_path, f"{LOSSY}accept: {{{key}: because}}\n", *targets)
+    assert stale(said) == [(key, text) for text in expected]
+    for item in said:
+        if item.code == "SPEC164":
+            assert item.severity is Severity.WARNING
+            assert item.span == Span(str(tmp_path / "leg.yaml"), 11, 10)
+
+
+NAMELESS = """actspec: 1
+robot:
+  name: leg
+  model: none
+  joints: [hip]
+actuators: {legs: {joints: [hip], level: ideal_pd, kp: 25, kd: 0.5}}
+"""
+
+
+def test_no_model_has_its_place(tmp_path: Path) -> None:
+    """The MuJoCo target's error about `model: none` stands where that is written."""
+    with pytest.raises(EmitError) as caught:
+        compiled(tmp_path, NAMELESS, "mujoco")
+    (fault,) = caught.value.diagnostics
+    assert (fault.code, fault.span) == ("MJC009", Span(str(tmp_path / "leg.yaml"), 4, 10))
+
+
+def test_names_that_usd_changes_have_their_place(tmp_path: Path) -> None:
+    """The first joint whose name is no identifier is where the robot's file has it."""
+    spec = SPEC.replace("LEVEL", "ideal_pd").replace("CLASS", "auto").replace("[hip]", '["hip-1"]')
+    (tmp_path / "leg.yaml").write_text(spec)
+    (tmp_path / "leg.xml").write_text((MODEL % "Euler").replace('"hip"', '"hip-1"'))
+    said = api.compile(tmp_path / "leg.yaml", targets=["isaaclab"], output=str(tmp_path / "out")).diagnostics
+    (item,) = [item for item in said if item.code == "ISL032"]
+    assert item.where == "hip-1"
+    assert item.span is not None and (item.span.path, item.span.line) == (str(tmp_path / "leg.xml"), 1)
