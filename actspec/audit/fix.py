@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import os
+import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -106,7 +107,14 @@ def write_fixes(files: Iterable[FixedFile]) -> None:
                     )
                     continue
             # Through a link, so that the link stays one.
-            replace_file(os.path.realpath(file.path), file.new)
+            target = os.path.realpath(file.path)
+            mode = stat.S_IMODE(os.stat(target).st_mode)
+            if not mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
+                # To put another file in its place needs no permission of its own.
+                out.error("AUD006", "the file cannot be written: it is read-only", span=Span(file.path))
+                continue
+            replace_file(target, file.new)
+            os.chmod(target, mode)
         except OSError as err:
             reason = (err.strerror or str(err)).lower()
             out.error("AUD006", f"the file cannot be written: {reason}", span=Span(file.path))

@@ -54,9 +54,9 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
 
 def text_of(lock: Mapping[str, Any]) -> bytes:
     """A lock as the bytes of its file: sorted, one figure a line."""
-    return (json.dumps(lock, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False) + "\n").encode(
-        "utf-8"
-    )
+    text = json.dumps(lock, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False)
+    # A file's name that is not UTF-8 has lone surrogates, whose escape is one of JSON too.
+    return f"{text}\n".encode("utf-8", "backslashreplace")
 
 
 def changes(

@@ -98,4 +98,8 @@ class Report:
             if not file.readable and not any(item.severity is Severity.ERROR for item in file.diagnostics):
                 message = f"the file cannot be read: {file.reason}"
                 found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
+            for refusal in dict.fromkeys(artifact.text_only for artifact in file.artifacts):
+                if refusal is not None:
+                    message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
+                    found.append(Diagnostic("AUD013", Severity.WARNING, message, "", Span(file.path)))
         return (*found, *self.problems)

@@ -154,7 +154,11 @@ def _words(text: str) -> Iterable[str]:
 
 
 def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
-    return not one or not other or bool(one & other)
+    """Whether names may be of one robot: they share a word, and no sign tells models of one family apart."""
+    if not one or not other:
+        return True
+    signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in (one - other, other - one)]
+    return bool(one & other) and not signs[0] & signs[1]
 
 
 def _overlap(one: Sequence[str], other: Sequence[str]) -> bool:

@@ -61,17 +61,6 @@ Read = Callable[[Task], FileReading]
 """What a worker does with a task; a function of a module, so that a spawned process finds it."""
 
 
-def read_in_workers(
-    tasks: Sequence[Task], jobs: int | None, read: Read, limit: float = TIME_LIMIT
-) -> Iterator[tuple[int, FileReading]]:
-    """Read files in other processes; see `Workers`.
-
-    Yields: Index and reading, as they are done.
-    """
-    with Workers(tasks, jobs, read, limit) as workers:
-        yield from workers.results()
-
-
 class Workers:
     """Processes that read files, at work from the start.
 

@@ -28,6 +28,7 @@ EMITTERS = {
     "randomization": "actspec.targets.randomization.emit",
     "mjlab": "actspec.targets.mjlab.emit",
     "deploy": "actspec.targets.deploy.emit",
+    "urdf": "actspec.targets.urdf.emit",
 }
 """Kind of target to the module whose `emit` makes it; imported when it is used."""
 

@@ -196,8 +196,18 @@ def test_unsure_findings_are_set_aside() -> None:
         ("a.xm", "a.xml", True),
         ("vendor/a+b.xml", "vendor/a+b.xml", False),
         ("vendor/a.b", "vendor/axb", True),
+        ("a/**/c/*.xml", "a/c/x.xml", False),
+        ("a/**/c/*.xml", "a/b/b/c/x.xml", False),
+        ("a/**/c/*.xml", "a/bc/x.xml", True),
+        ("a?b", "a/b", True),
+        ("*a" * 40 + "b", "a" * 200, True),
+        ("**/*a" * 20 + "b", "a/" * 100 + "a" * 99, True),
     ],
-    ids=["name", "below", "one folder", "any folder", "one letter", "whole name", "plus", "dot"],
+    ids=[
+        *("name", "below", "one folder", "any folder", "one letter", "whole name", "plus", "dot"),
+        *("no folder between", "folders between", "a folder's whole name", "no slash for a letter"),
+        *("stars that would hang", "folders that would hang"),
+    ],
 )
 def test_per_file_ignores(
     glob: str, path: str, there: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

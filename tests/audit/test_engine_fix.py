@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -175,6 +176,22 @@ def test_writing(folder: Path) -> None:
     with pytest.raises(AuditError) as caught:
         write_fixes(files)
     assert caught.value.diagnostics[0].message == "the file has changed since it was read; not fixed"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no modes there")
+def test_a_file_keeps_its_mode(folder: Path) -> None:
+    """Who may read, write and run it stays; a file that nobody may write is left, though its folder would allow it."""
+    leg = folder / "leg.xml"
+    leg.write_bytes(LEG)
+    files = fixed(LEG, unsafe(edit(LEG, b' damping="2"', b""))).files
+    leg.chmod(0o444)
+    with pytest.raises(AuditError) as caught:
+        write_fixes(files)
+    assert caught.value.diagnostics[0].message == "the file cannot be written: it is read-only"
+    assert leg.read_bytes() == LEG
+    leg.chmod(0o750)
+    write_fixes(files)
+    assert (leg.stat().st_mode & 0o777, leg.read_bytes()) == (0o750, files[0].new)
 
 
 class DampedJoint(Rule):

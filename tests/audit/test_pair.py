@@ -95,6 +95,13 @@ def test_variants_of_one_robot_come_together() -> None:
     assert _together(model("h1.xml", "h1", many[:20]), model("h1_2.xml", "h1_2", many)) == [(0,), (1,)]
 
 
+def test_models_of_one_family_are_not_mixed_up() -> None:
+    """`anymal_b` and `anymal_c`, both `anymal` inside, are two robots; a file called `anymal` may be the first."""
+    b, c = model("b/anymal_b.urdf", "anymal", DOG), model("c/anymal_c.urdf", "anymal", DOG)
+    assert _together(b, c) == [(0,), (1,)]
+    assert _together(b, model("x/anymal.urdf", "anymal", DOG)) == [(0, 1)]
+
+
 def test_a_share_below_four_fifths_is_another_robot() -> None:
     """3 of 4 joints of the smaller one are not enough (0.75 < 0.8), 4 of 5 are."""
     assert _together(model("a.xml", "", "abcd"), model("b.xml", "", "abcx")) == [(0,), (1,)]

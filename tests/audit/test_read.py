@@ -14,7 +14,7 @@ import pytest
 
 from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.read import PendingFiles, expand, read_file, read_files
-from actspec.audit.workers import Task, cores, read_in_workers
+from actspec.audit.workers import Task, Workers, cores
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><motor joint="j" gear="2"/></actuator></mujoco>"""
@@ -94,6 +94,9 @@ def test_what_mujoco_refuses_is_read_from_its_text() -> None:
     assert artifact.text_only is not None
     assert artifact.text_only.startswith("line 2: MuJoCo refuses the model: ")
     assert "colour" in artifact.text_only
+    (told,) = judge(Case((found,), (artifact,), (), ()), Settings(), ()).diagnostics()
+    assert str(told).startswith("m.xml: AUD013 [warning]: read from its text alone, so what needs its inertia is not")
+    assert told.message.endswith(artifact.text_only)
     assert artifact.robot is not None
     assert artifact.robot.actuators[0].gear == 2.0
 
@@ -265,7 +268,8 @@ def test_a_crash_loses_only_its_file(jobs: int) -> None:
     """A process that dies or hangs is replaced, and its file read once more with the reason."""
     paths = ["a", "signal11", "b", "always", "sleep", "c", "exit", "signal9", "fault", "signal6", "d", "e"]
     tasks = [Task(index, path, False) for index, path in enumerate(paths)]
-    found = dict(read_in_workers(tasks, jobs, dies, limit=1.5))
+    with Workers(tasks, jobs, dies, limit=1.5) as workers:
+        found = dict(workers.results())
     assert [found[index].reason for index in range(len(paths))] == [
         "read",
         "MuJoCo crashed on it (signal 11)",
@@ -303,7 +307,8 @@ def test_every_file_of_many_is_read_once() -> None:
     """More files than workers, fewer files than workers, and none."""
     for count in (0, 1, 3, 40):
         tasks = [Task(index, f"f{index}", False) for index in range(count)]
-        found = list(read_in_workers(tasks, 4, dies))
+        with Workers(tasks, 4, dies) as workers:
+            found = list(workers.results())
         assert sorted(index for index, _ in found) == list(range(count))
     assert cores() >= 1
 

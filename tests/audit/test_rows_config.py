@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -84,6 +85,21 @@ def test_a_dict_that_misses_a_joint_is_zero_in_isaac_lab() -> None:
     assert (rows["hip"].kp, rows["knee"].kp) == (25.0, 0.0)
     assert ("kp" in rows["hip"].stated, "kp" in rows["knee"].stated) == (True, False)
     assert rows["knee"].kd == 0.5
+
+
+@pytest.mark.parametrize(
+    ("named", "joints"),
+    [({}, ["hip", "knee"]), ({"model": "robots/short.xml"}, ["hip"])],
+    ids=["the one that fits best", "the one that it names"],
+)
+def test_which_model_names_the_joints(named: dict[str, str], joints: list[str]) -> None:
+    """Of two variants the one in which the configuration selects more, whichever comes first, unless it names one."""
+    full = _model()
+    assert full.robot is not None
+    short = replace(full, path="short.xml", robot=replace(full.robot, joints=full.robot.joints[:1]))
+    settings = {"stiffness": 25.0, "damping": 0.5}
+    for partners in ((short, full), (full, short)):
+        assert list(_rows("DCMotorCfg", settings, *partners, general=named)) == joints
 
 
 def test_a_drive_is_judged_with_the_models_inertia() -> None:

@@ -431,6 +431,9 @@ def test_an_actuator_that_is_switched_off_gives_no_force(
     # 0.1 of the joint, 0.7 of the actuator, and the drive's 1.
     assert servo.total_damping == pytest.approx(1.8 if on else 0.8, rel=EXACT)
     assert (servo.actuator_damping, servo.armature) == (0.7, 0.5)
+    # Of a compiled file the inertia is known, 1 + 0.5.
+    frequency = math.sqrt(10 / 1.5) if on and not refused else None
+    assert servo.natural_frequency == (frequency and pytest.approx(frequency, rel=EXACT))
     # 3 of the servo and 4 of the motor; with neither nothing bounds the joint.
     limit = 3.0 * on + 4.0 * ("m" not in off)
     assert servo.effort_limit == motor.effort_limit == (limit or math.inf)

@@ -8,6 +8,7 @@ import pytest
 
 from actspec.diagnostics import Severity
 from benchmarks import survey
+from tests.frameworks.prepare import ISAACLAB
 
 
 def _found(**changes: object) -> survey.Found:
@@ -81,7 +82,7 @@ def test_missing_collections_are_said(
     said = capsys.readouterr().out.splitlines()
     assert [line.partition(" (")[0] for line in said] == [
         "skipped: the corpus",
-        f"skipped: the wheel isaaclab {survey.ISAACLAB[-1]}",
+        f"skipped: the wheel isaaclab {ISAACLAB[-1]}",
         "skipped: the wheel mjlab",
     ]
     assert survey.SURVEY.read_bytes() == before

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 from typing import Any
 
@@ -228,6 +229,20 @@ def test_a_file_that_is_not_locked(capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["lock", "--check", "leg.yaml"]) == 2
     assert capsys.readouterr().err.startswith("leg.yaml: LCK003: is not in the lock")
+
+
+@pytest.mark.skipif(os.name == "nt", reason="names are Unicode there")
+def test_a_name_that_is_not_utf8() -> None:
+    """A file's name may be any bytes; the lock is UTF-8 all the same, and finds the file again."""
+    name = os.fsdecode(b"leg\xff.xml")
+    try:
+        Path(name).write_text(LEG)
+    except OSError:
+        pytest.skip("this file system takes UTF-8 alone")
+    assert main(["lock", name, "leg.xml"]) == 0
+    assert b"leg\\udcff.xml" in Path("actspec.lock").read_bytes()
+    assert list(lock()["files"]) == ["leg.xml", name]
+    assert main(["lock", "--check"]) == 0
 
 
 def test_an_edited_lock_is_written_anew() -> None:

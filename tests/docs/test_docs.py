@@ -456,7 +456,7 @@ def test_workflows_call_what_there_is(block: Block) -> None:
         assert parser().parse_args(shlex.split(command)[1:]).command
 
 
-CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "OUT", "RND", "RTP", "STB"]
+CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "OUT", "RND", "RTP", "STB", "URD"]
 """Families of docs/checks.md."""
 AUDIT = ["AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""

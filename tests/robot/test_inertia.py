@@ -61,12 +61,14 @@ def test_one_link() -> None:
     np.testing.assert_allclose((free.reference, free.low, free.high), 1.0)
 
 
+WHEEL = """<mujoco><worldbody><body><joint name="j" axis="0 0 1" armature="0.07"/>
+<inertial mass="2" pos="0 0 0" diaginertia="0.1 0.1 0.1"/></body></worldbody>
+<actuator><motor joint="j" gear="2" armature="0.01"/></actuator></mujoco>"""
+
+
 def test_wheel() -> None:
     """A wheel on its own axis, whose diagonal MuJoCo does not compute anew, has no armature in it."""
-    text = """<mujoco><worldbody><body><joint name="j" axis="0 0 1" armature="0.07"/>
-      <inertial mass="2" pos="0 0 0" diaginertia="0.1 0.1 0.1"/></body></worldbody>
-      <actuator><motor joint="j" gear="2" armature="0.01"/></actuator></mujoco>"""
-    model = compiled(text)
+    model = compiled(WHEEL)
     found = pose_inertia(model)
     np.testing.assert_allclose(found.matrices, 0.1, rtol=1e-12)
     # 0.07 + 4 * 0.01
@@ -180,10 +182,19 @@ ACTUATORS = (
         <inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/><body pos="0 1 0"><joint type="ball"/>
         <inertial mass="1" pos="0 0 0.5" diaginertia="1 1 1"/><body pos="1 0 0"><joint name="h" armature="0.1"/>
         <inertial mass="1" pos="0 0 0.5" diaginertia="1 1 1"/></body></body></body></body></worldbody></mujoco>""",
+        WHEEL,
         '<mujoco><worldbody><body><freejoint/><geom size="1"/></body></worldbody></mujoco>',
         "<mujoco/>",
     ],
-    ids=["limits", "keyframe", "tendon-and-actuator-armature", "slide-ball-free", "no-hinge", "nothing"],
+    ids=[
+        "limits",
+        "keyframe",
+        "tendon-and-actuator-armature",
+        "slide-ball-free",
+        "wheel",
+        "no-hinge",
+        "nothing",
+    ],
 )
 def test_the_short_way_gives_what_whole_matrices_give(text: str) -> None:
     """From MuJoCo's factors as from inverses, with the file's own armature; the model is left as it was."""

@@ -102,6 +102,16 @@ def test_what_is_refused_in_a_shape_goes_unnoticed_and_the_rest_is_refused_as_ev
     assert short.value.diagnostics[0].span is not None and short.value.diagnostics[0].span.line == 3
 
 
+def test_the_whole_file_is_read_where_the_short_one_does_not_compile() -> None:
+    """A material whose name is written with a reference seems unused, but the site beside the geom needs it."""
+    text = (
+        '<mujoco><asset><material name="a&amp;b"/></asset><worldbody><body><joint name="j" damping="3"/>'
+        f'{INERTIAL}<geom size="1"/><site material="a&amp;b"/></body></worldbody></mujoco>'
+    )
+    assert "<material" not in left(text)
+    assert read(parsed(text), False, True).joints[0].damping == 3.0
+
+
 @pytest.mark.skipif(not MODELS, reason="no corpus of real robot files")
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: "/".join(path.parts[-2:]))
 def test_real_files_read_the_same(path: Path) -> None:

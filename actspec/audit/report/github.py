@@ -48,4 +48,5 @@ def _data(text: str) -> str:
 
 def _property(text: str) -> str:
     """Text for a command's property. Source: the runner's toolkit, `escapeProperty`."""
-    return _data(text).replace(":", "%3A").replace(",", "%2C")
+    # Of control characters only line breaks have an escape there; a path may have others.
+    return one_line(_data(text)).replace(":", "%3A").replace(",", "%2C")

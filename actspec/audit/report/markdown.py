@@ -129,6 +129,15 @@ def _ledger(report: Report) -> Iterator[str]:
 
 
 def _skipped(report: Report) -> Iterator[str]:
-    if report.skipped:
-        reasons = "; ".join(f"{item.code}: {escaped(item.reason)}" for item in report.skipped)
-        yield f"Skipped: {reasons}"
+    if not report.skipped:
+        return
+    by_reason: dict[str, list[str]] = {}
+    for item in report.skipped:
+        by_reason.setdefault(item.reason, []).append(item.code)
+    count = len({item.code for item in report.skipped})
+    yield f"<details><summary>Skipped for lack of input: {many(count, 'rule')}</summary>"
+    yield ""
+    for reason, codes in by_reason.items():
+        yield f"- {escaped(reason)}: {', '.join(codes)}"
+    yield ""
+    yield "</details>"

@@ -112,6 +112,8 @@ class HiddenGear(Rule):
         known = figures(case)
         for robot in case.robots:
             above = joints_above(case, robot)
+            # Several files may have the same reduction: one of them is enough.
+            seen: set[tuple[int, str, float]] = set()
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))
                 for other in robot.artifacts:
@@ -120,11 +122,11 @@ class HiddenGear(Rule):
                     looked = looked or any(
                         joint.speed is not None for joint in known.get(reference, {}).values()
                     )
-                    seen = set()
                     for reduction in found:
                         finding = self._compare(case, known, reduction, other)
-                        if finding is not None and finding.joint not in seen:
-                            seen.add(finding.joint)
+                        key = (other, reduction.joint.row.joint, round(reduction.ratio, 1))
+                        if finding is not None and key not in seen:
+                            seen.add(key)
                             yield finding
         if not looked:
             yield Skipped(

@@ -11,7 +11,7 @@ from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import distinctive, joint_names, matching
+from actspec.audit.pair import joint_names, matching
 from actspec.audit.rule import Rule
 from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Severity, shortened
@@ -231,11 +231,7 @@ class PatternMatchesNothing(Rule):
                 looked = True
                 for group in config.groups:
                     yield from self._keys(case, index, config.framework, group, model)
-                continue
-            likely = _likely(case, index)
-            if likely is not None:
-                looked = True
-                yield from self._patterns(case, artifact, config.framework, likely)
+                yield from self._patterns(case, index, config.framework, model)
         if not looked:
             yield Skipped(self.code, "no configuration with a model of its robot among the files")
 
@@ -269,11 +265,12 @@ class PatternMatchesNothing(Rule):
                     confidence=confidence,
                 )
 
-    def _patterns(
-        self, case: Case, artifact: Artifact, framework: Framework, model: Artifact
-    ) -> Iterator[Finding]:
-        names = joint_names(model) or ()
-        groups = artifact.config.groups if artifact.config is not None else ()
+    def _patterns(self, case: Case, index: int, framework: Framework, model: Artifact) -> Iterator[Finding]:
+        config = case.artifacts[index].config
+        members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
+        # A pattern that one variant of the robot has a joint for is right.
+        names = tuple(dict.fromkeys(name for member in members for name in joint_names(member) or ()))
+        groups = config.groups if config is not None else ()
         every = [(group, pattern) for group in groups for pattern in group.joints or ()]
         missing = [item for item in every if _selects_nothing(framework, item[1], names)]
         if not every or len(every) - len(missing) < self.option(case, "share") * len(every):
@@ -296,18 +293,6 @@ def _model(case: Case, index: int) -> Artifact | None:
     """The model of the configuration's robot."""
     members = (case.artifacts[other] for other in case.robot_of(index).artifacts)
     return next((member for member in members if member.robot is not None), None)
-
-
-def _likely(case: Case, index: int) -> Artifact | None:
-    """The one model that has the configuration's name, for one that does not fit any."""
-    words = distinctive(case.artifacts[index])
-    fitting = [
-        models[0]
-        for robot in case.robots
-        if (models := [case.artifacts[i] for i in robot.artifacts if case.artifacts[i].robot is not None])
-        and any(words & distinctive(model) for model in models)
-    ]
-    return fitting[0] if len(fitting) == 1 else None
 
 
 def _misspelt(pattern: str, names: list[str] | tuple[str, ...]) -> str | None:

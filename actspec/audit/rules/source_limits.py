@@ -10,6 +10,9 @@ from actspec.audit.rules.source_rule import SourceRule
 PLACEHOLDER = 1e5
 """From here on a limit is none. Source: rule LIM102."""
 
+_TIMES = 3.0
+"""From here a ratio is told as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+
 
 class EffortLimit(SourceRule):
     """Files of one robot give a joint different effort limits.
@@ -87,6 +90,8 @@ class EffortLimit(SourceRule):
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""
         assert found.ratio is not None
+        if found.ratio >= _TIMES:
+            return f"the joint has {found.ratio:.3g} times the torque here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} torque here"
 
@@ -164,6 +169,8 @@ class VelocityLimit(SourceRule):
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""
         assert found.ratio is not None
+        if found.ratio >= _TIMES:
+            return f"the joint is {found.ratio:.3g} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
 

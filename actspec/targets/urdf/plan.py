@@ -1,0 +1,178 @@
+"""What changes in a URDF, as data: limits and joint friction of the managed joints."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from actspec.diagnostics import Collector, listed
+from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
+from actspec.robot.view import JointView, RobotView
+from actspec.robot.xml import Element, XmlDocument
+from actspec.targets.base import Approximation
+from actspec.units import format_quantity
+
+PARTS = {"limit": ("effort", "velocity"), "dynamics": ("damping", "friction")}
+"""Element of a joint to the attributes of it that are written."""
+
+_FIELDS = {
+    "effort": ("effort_limit", "effort"),
+    "velocity": ("velocity_limit", "velocity"),
+    # kd is the drive's, and has no place in `damping`: readers count it a second time.
+    "damping": ("friction_viscous", "damping"),
+    "friction": ("friction_coulomb", "frictionloss"),
+}
+"""Attribute to the field of the actuator and to its name in `JointView.stated`."""
+
+_SPEC_NAMES = {"friction_viscous": "friction.viscous", "friction_coulomb": "friction.coulomb"}
+
+
+@dataclass(frozen=True, slots=True)
+class JointEdit:
+    """New numbers of one joint.
+
+    Attributes:
+        joint: Name.
+        parts: `limit` and `dynamics` to the attributes that change, with their values
+            [N*m, rad/s, N*m*s/rad; N, m/s, N*s/m].
+        added: Those of the two elements that the file does not have.
+    """
+
+    joint: str
+    parts: Mapping[str, Mapping[str, float]]
+    added: frozenset[str]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """All edits of limits and friction.
+
+    Attributes:
+        edits: In the robot's order; only joints that change.
+        approximations: Limits for which the file has no place.
+    """
+
+    edits: tuple[JointEdit, ...]
+    approximations: tuple[Approximation, ...]
+
+
+def written(actuator: JointActuator) -> dict[str, Quantity]:
+    """Attribute of the URDF to the number that it is made of."""
+    return {attribute: getattr(actuator, field) for attribute, (field, _) in _FIELDS.items()}
+
+
+def joint_elements(document: XmlDocument) -> dict[str, Element]:
+    """Joint to its element."""
+    return {element.get("name") or "": element for element in document.sections("joint")}
+
+
+def part_of(joint: Element, tag: str) -> Element | None:
+    """A joint's `<limit>` or `<dynamics>`; the first, as every reader takes it."""
+    return next((child for child in joint.children if child.tag == tag), None)
+
+
+def plan_joints(
+    actuators: ActuatorSet, robot: RobotView, document: XmlDocument, target: str, collector: Collector
+) -> Plan:
+    """Plan the edits; what is unknown keeps the file's own number.
+
+    Args:
+        actuators: What the spec asks for.
+        robot: The URDF, read.
+        document: The same, parsed.
+        target: Name of the target.
+        collector: Takes warnings and notes.
+    """
+    elements = joint_elements(document)
+    edits: list[JointEdit] = []
+    lost: list[Approximation] = []
+    driven: list[JointActuator] = []
+    for actuator in actuators.joints:
+        joint = robot.joint(actuator.joint)
+        assert joint is not None
+        if joint.mimic is not None:
+            collector.warning(
+                "URD003",
+                f"follows '{joint.mimic}' (<mimic>): it has no drive of its own, and stays as it is in the file",
+                where=joint.name,
+                span=joint.span,
+                help="list it under robot.unmanaged",
+            )
+            continue
+        driven.append(actuator)
+        element = elements[joint.name]
+        parts: dict[str, dict[str, float]] = {}
+        for tag, attributes in PARTS.items():
+            numbers = written(actuator)
+            asked = {
+                name: value for name in attributes if (value := _new(name, numbers[name], joint)) is not None
+            }
+            why = _no_place(element, numbers) if tag == "limit" else ""
+            if asked and not why:
+                parts[tag] = asked
+            elif asked:
+                lost += [
+                    Approximation(
+                        target,
+                        joint.name,
+                        _FIELDS[name][0],
+                        format_quantity(value, numbers[name].unit),
+                        "none",
+                        why,
+                        None,
+                        actuator.effort_limit.unit,
+                    )
+                    for name, value in asked.items()
+                ]
+        if parts:
+            added = frozenset(tag for tag in parts if part_of(element, tag) is None)
+            edits.append(JointEdit(joint.name, parts, added))
+    _tell_unknown(driven, robot, collector)
+    return Plan(tuple(edits), tuple(lost))
+
+
+def _new(attribute: str, quantity: Quantity, joint: JointView) -> float | None:
+    """The number to write; None: the file has it, or nobody says one."""
+    if quantity.value is None or quantity.origin is Origin.DEFAULT:
+        return None
+    stated = _FIELDS[attribute][1] in joint.stated
+    return None if stated and own_value(attribute, joint) == quantity.value else quantity.value
+
+
+def own_value(attribute: str, joint: JointView) -> float | None:
+    """The file's number; None: no limit."""
+    if attribute == "effort":
+        return None if joint.effort_range is None else joint.effort_range[1]
+    if attribute == "velocity":
+        return joint.velocity_limit
+    return joint.damping if attribute == "damping" else joint.frictionloss
+
+
+def _no_place(element: Element, numbers: Mapping[str, Quantity]) -> str:
+    """Why the limits of a joint cannot be written; "" when they can."""
+    if part_of(element, "limit") is not None:
+        return ""
+    if element.get("type") != "continuous":
+        # Its range would be 0 to 0 for readers that take the format at its word.
+        return "the joint has no <limit>, and one without lower and upper would lock it"
+    if all(numbers[name].known for name in PARTS["limit"]):
+        return ""
+    return "the joint has no <limit>, which needs effort and velocity, and one of them is unknown"
+
+
+def _tell_unknown(driven: Iterable[JointActuator], robot: RobotView, collector: Collector) -> None:
+    """Say where a number of the file is nobody's."""
+    for attribute, (field, stated) in _FIELDS.items():
+        unknown = [a for a in driven if not getattr(a, field).known]
+        kept = [a for a in unknown if (joint := robot.joint(a.joint)) is not None and stated in joint.stated]
+        bare = [a for a in unknown if a not in kept]
+        for members, what in ((kept, "stays as the file has it"), (bare, "is not in the file either")):
+            if not members:
+                continue
+            name = _SPEC_NAMES.get(field, field)
+            collector.info(
+                "URD004",
+                f"{name} is unknown, and {attribute} {what}: {listed(a.joint for a in members)}",
+                where=f"actuators.{members[0].group}.{name}",
+                span=getattr(members[0], field).span or members[0].span,
+            )
