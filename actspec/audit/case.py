@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from actspec.audit.artifact import Artifact, FileKind, FileReading
@@ -53,6 +53,8 @@ class Case:
         robots: Artifacts put together; each artifact is in exactly one.
         versions: What the files are meant for.
         options: Rule code to its options (thresholds) from the configuration.
+        joints: Rows of each joint of each artifact, in their order; rows without a joint are left out.
+        robot_by_artifact: Artifact to its robot.
     """
 
     files: tuple[FileReading, ...]
@@ -61,6 +63,18 @@ class Case:
     robots: tuple[Robot, ...]
     versions: Versions = Versions()
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    joints: Mapping[tuple[int, str], Sequence[LedgerRow]] = field(init=False, repr=False, compare=False)
+    robot_by_artifact: Mapping[int, Robot] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        """Index rows and robots: every rule looks for both."""
+        joints: dict[tuple[int, str], list[LedgerRow]] = {}
+        for row in self.rows:
+            if row.joint:
+                joints.setdefault((row.artifact, row.joint), []).append(row)
+        robots = {index: robot for robot in self.robots for index in robot.artifacts}
+        object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "robot_by_artifact", robots)
 
     def rows_of(self, artifact: int) -> tuple[LedgerRow, ...]:
         """The rows of one artifact."""
@@ -75,7 +89,7 @@ class Case:
 
     def robot_of(self, artifact: int) -> Robot:
         """The robot that an artifact belongs to."""
-        return next(robot for robot in self.robots if artifact in robot.artifacts)
+        return self.robot_by_artifact[artifact]
 
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""

@@ -28,6 +28,7 @@ from actspec.diagnostics import (
     Diagnostic,
     Severity,
     Span,
+    listed,
     one_line,
 )
 from actspec.files import replace_file
@@ -65,6 +66,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
     )
     text = render(report, output_format, options)
     if arguments.output is not None:
+        _refuse_audited(report, "--output", arguments.output)
         _write(arguments.output, text)
     if output_format not in ("json", "sarif"):
         _print_problems(report)
@@ -88,11 +90,18 @@ def _fix(report: Report, arguments: argparse.Namespace, settings: Settings) -> R
     """
     from actspec.audit.fix import MOST_PASSES, apply_fixes, write_fixes
 
+    before: set[tuple[str, bytes]] = set()
     for _ in range(MOST_PASSES):
         fixes = apply_fixes(report.findings, report.case.files, arguments.unsafe_fixes)
         print_diagnostics(fixes.refused)
         if not fixes.files:
             break
+        back = next((file for file in fixes.files if (file.path, file.new) in before), None)
+        if back is not None:
+            message = "the fixes that are left are not made: they undo those before them"
+            print_diagnostics([Diagnostic("AUD011", Severity.WARNING, message, "", Span(back.path))])
+            break
+        before.update((file.path, file.old) for file in fixes.files)
         write_fixes(fixes.files)
         for file in fixes.files:
             print(one_line(f"{file.path}: {'; '.join(file.titles)}"), file=sys.stderr)
@@ -179,10 +188,22 @@ def _write_baseline(report: Report, path: str) -> int:
     from actspec.audit.baseline import write_baseline
 
     _print_problems(report)
+    _refuse_audited(report, "--write-baseline", path)
     write_baseline(report.findings, path)
     count = len(report.findings)
     print(f"{path}: {count} finding{'s' * (count != 1)} written", file=sys.stderr)
     return EXIT_CLEAN if report.complete else EXIT_FAILED
+
+
+def _refuse_audited(report: Report, option: str, path: str) -> None:
+    """A report over a file that it is about would be the end of that file.
+
+    Raises: AuditError: so it would be.
+    """
+    audited = {os.path.realpath(file.path) for reading in report.case.files for file in reading.files}
+    if os.path.realpath(path) in audited:
+        message = "this is one of the audited files, and would be written over"
+        raise AuditError([Diagnostic("AUD010", Severity.ERROR, message, option, Span(path))])
 
 
 def _write(path: str, text: str) -> None:
@@ -195,8 +216,16 @@ def _write(path: str, text: str) -> None:
 
 
 def _print_problems(report: Report) -> None:
-    """What readers and rules have to say; mere information is in the reports for programs."""
-    print_diagnostics(item for item in report.diagnostics() if item.severity is not Severity.INFO)
+    """What readers and rules have to say, the same of many joints once; mere information is for programs."""
+    groups: dict[tuple[object, ...], list[Diagnostic]] = {}
+    for item in report.diagnostics():
+        if item.severity is not Severity.INFO:
+            place = item.span.path if item.span is not None and item.where else item.span
+            groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
+    print_diagnostics(
+        replace(group[0], where=listed(dict.fromkeys(item.where for item in group)))
+        for group in groups.values()
+    )
 
 
 def _print(text: str) -> None:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.ir import ActuatorSet, Quantity
+from actspec.diagnostics import one_line
+from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.targets.base import Approximation
 from actspec.units import format_quantity
 
@@ -34,6 +35,40 @@ def source_lines(actuators: ActuatorSet, shown: Iterable[Quantity]) -> Iterator[
             commit = f"commit {source.commit}" if source.commit else None
             parts = (source.title, source.url, source.page, commit)
             yield f"{source.key}: " + ", ".join(part for part in parts if part)
+
+
+def provenance(quantity: Quantity, *remarks: str) -> str:
+    """A known number with its origin, formula, source and deviation: `25 N*m/rad (authored; manual)`.
+
+    Args:
+        quantity: The number; `unknown` stands alone.
+        remarks: What else to say, behind the origin.
+    """
+    text = format_quantity(quantity.value, quantity.unit)
+    if quantity.value is None:
+        return text
+    about = [quantity.origin.value, *remarks]
+    if quantity.formula:
+        about.append(quantity.formula)
+    if quantity.source and quantity.origin is not Origin.MODEL:
+        about.append(quantity.source)
+    if quantity.std is not None:
+        about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
+    return f"{text} ({'; '.join(about)})"
+
+
+def xml_comment(lines: Iterable[str]) -> str:
+    """One XML comment of indented lines, with nothing in it that would end it."""
+    body = "\n".join(f"  {line}".rstrip() for line in map(_in_comment, lines))
+    return f"<!--\n{body}\n-->"
+
+
+def _in_comment(line: str) -> str:
+    """A line that cannot end the comment: no `--`, no control characters."""
+    safe = one_line(line)
+    while "--" in safe:
+        safe = safe.replace("--", "- -")
+    return safe
 
 
 def known_quantities(actuators: ActuatorSet) -> Iterator[Quantity]:

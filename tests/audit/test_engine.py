@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,19 @@ def test_the_closer_selector_wins(select: tuple[str, ...], ignore: tuple[str, ..
 def test_the_nearest_selector_is_told(written: str, near: str | None) -> None:
     """A selector that names no rule is answered with the nearest one that does."""
     assert guess(written, RULES) == near
+
+
+def test_a_file_that_mujoco_refuses_is_told() -> None:
+    """What is judged from its text alone is judged in part, and every report says so, once a file."""
+    case = case_of({"a.xml": b"<mujoco/>", "b.xml": b"<mujoco/>"})
+    refused = replace(case.files[1].artifacts[0], text_only="line 1: MuJoCo refuses the model")
+    case = replace(case, files=(case.files[0], replace(case.files[1], artifacts=(refused, refused))))
+    report = judge(case, Settings(), RULES)
+    assert [str(item) for item in report.diagnostics()] == [
+        "b.xml: AUD013 [warning]: read from its text alone, so what needs its inertia is not judged: "
+        "line 1: MuJoCo refuses the model"
+    ]
+    assert report.complete
 
 
 def test_findings_are_in_order_and_have_all_that_reports_need() -> None:

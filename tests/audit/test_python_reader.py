@@ -555,7 +555,7 @@ def test_legged_gym_robot(tmp_path: Path) -> None:
         (folder / "__init__.py").write_text("", encoding="utf-8")
     dog = base.with_name("dog")
     dog.mkdir()
-    assert read(base, BASE, "legged_robot_config.py") == {}
+    (base / "legged_robot_config.py").write_text(BASE, encoding="utf-8")
     (config,) = read(dog, DOG, "dog_config.py").values()
     assert (config.framework, config.name, config.span.line) == (Framework.LEGGED_GYM, "DogRoughCfg", 4)
     (group,) = config.groups
@@ -595,13 +595,14 @@ def test_legged_gym_without_its_base(tmp_path: Path) -> None:
 
 
 def test_nothing_in_it(tmp_path: Path) -> None:
-    """A file without actuators is readable, and says that it has none."""
+    """A file without actuators says that it has none, so that nobody takes it for audited."""
     path = tmp_path / "rewards.py"
     path.write_text("import torch\n\ndef reward(env):\n    return torch.zeros(3)\n", encoding="utf-8")
     reading = read_python(str(path))
-    assert (reading.reason, reading.artifacts) == (None, ())
-    assert [d.message for d in reading.diagnostics] == [
-        "no actuators of Isaac Lab, mjlab or legged_gym in it"
+    assert (reading.reason, reading.artifacts) == ("no actuators of Isaac Lab, mjlab or legged_gym in it", ())
+    assert [str(d) for d in reading.diagnostics] == [
+        f"{path}: CFG002: no actuators of Isaac Lab, mjlab or legged_gym in it\n"
+        "  help: name the robot's configuration; it finds its base itself"
     ]
 
 

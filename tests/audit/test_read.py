@@ -94,9 +94,6 @@ def test_what_mujoco_refuses_is_read_from_its_text() -> None:
     assert artifact.text_only is not None
     assert artifact.text_only.startswith("line 2: MuJoCo refuses the model: ")
     assert "colour" in artifact.text_only
-    (told,) = judge(Case((found,), (artifact,), (), ()), Settings(), ()).diagnostics()
-    assert str(told).startswith("m.xml: AUD013 [warning]: read from its text alone, so what needs its inertia is not")
-    assert told.message.endswith(artifact.text_only)
     assert artifact.robot is not None
     assert artifact.robot.actuators[0].gear == 2.0
 

@@ -236,3 +236,18 @@ def test_a_class_that_nobody_knows_is_what_it_derives_from() -> None:
         "ImplicitActuatorCfg",
     )
     assert control_of(Framework.ISAACLAB, *classes) == "ideal_pd"
+
+
+def test_the_inertia_is_that_of_the_free_base() -> None:
+    """A URDF does not say whether the base moves: where both fit alike the MJCF's inertia counts, in any order."""
+    mjcf = _model()
+    assert mjcf.robot is not None and mjcf.robot.inertia is not None
+    heavy = replace(mjcf.robot.inertia, matrices=mjcf.robot.inertia.matrices * 3)
+    urdf = replace(
+        mjcf, kind=FileKind.URDF, robot=replace(mjcf.robot, format=ModelFormat.URDF, inertia=heavy)
+    )
+    for partners in ((mjcf, urdf), (urdf, mjcf)):
+        # sqrt(4 / 0.04) with the MJCF, sqrt(4 / 0.12) with the URDF.
+        assert _rows("ImplicitActuatorCfg", {"stiffness": 4.0}, *partners)[
+            "hip"
+        ].natural_frequency == pytest.approx(10)

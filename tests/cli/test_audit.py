@@ -102,6 +102,47 @@ def test_exit_codes(options: list[str], code: int, capsys: pytest.CaptureFixture
     assert "Traceback" not in capsys.readouterr().err
 
 
+def test_a_report_is_not_written_over_what_it_is_about(capsys: pytest.CaptureFixture[str]) -> None:
+    """`-o` with a file's name behind it that was meant to be audited would end that file."""
+    for option in ("-o", "--write-baseline"):
+        assert run("audit", "leg.xml", option, "./leg.xml") == 2
+        assert "this is one of the audited files, and would be written over" in capsys.readouterr().err
+    assert Path("leg.xml").read_text() == LEG
+
+
+def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> None:
+    """Two models with steps of 5 and 10 ms share a delay of 20 ms, 4 or 2 samples: one is fixed, and it is said."""
+    Path("part.xml").write_text(
+        LEG.replace('<motor joint="hip"/>', '<motor joint="hip" delay="0.02" nsample="2"/>')
+    )
+    for name, step in (("fast.xml", "0.005"), ("slow.xml", "0.01")):
+        text = f'<mujoco><option timestep="{step}"/><include file="part.xml"/></mujoco>'
+        Path(name).write_text(text)
+    run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes")
+    assert capsys.readouterr().err.splitlines() == [
+        'part.xml: Set nsample="4"',
+        "part.xml: AUD011 [warning]: the fixes that are left are not made: they undo those before them",
+    ]
+    assert 'nsample="4"' in Path("part.xml").read_text()
+
+
+def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
+    """Three joints without effort limit and one without speed limit are two remarks of the reader, not four."""
+    links = "".join(f'<link name="{name}"/>' for name in "abcde")
+    joints = "".join(
+        f'<joint name="j{child}" type="revolute"><parent link="a"/><child link="{child}"/>'
+        f'<limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>\n'
+        for child, effort, speed in (("b", 0, 1), ("c", 0, 1), ("d", 5, 0), ("e", 0, 1))
+    )
+    Path("r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
+    run("audit", "r.urdf")
+    told = [line for line in capsys.readouterr().err.splitlines() if "ROBOT123" in line]
+    assert [line.partition(": ROBOT123 [warning] ")[2].partition(":")[0] for line in told] == [
+        "jb, jc, je",
+        "jd",
+    ]
+
+
 def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None:
     """Everything that is wrong with the command line is told at once, with the nearest right word."""
     arguments = [

@@ -64,13 +64,17 @@ def read_python(path: str) -> FileReading:
     if reader.found > MAX_CONFIGS:
         message = f"only the first {MAX_CONFIGS} of its {reader.found} configurations are read"
         said.warning(UNFOLDED, message, span=Span(path))
+    reason = None
     if not configs:
-        said.info(NOTHING, "no actuators of Isaac Lab, mjlab or legged_gym in it", span=Span(path))
+        reason = "no actuators of Isaac Lab, mjlab or legged_gym in it"
+        said.error(
+            NOTHING, reason, span=Span(path), help="name the robot's configuration; it finds its base itself"
+        )
     sources = [one for one in library.sources.values() if one is not None]
     return FileReading(
         path,
         FileKind.CFG,
-        None,
+        reason,
         tuple(Artifact(path, FileKind.CFG, config.name, config=with_networks(config)) for config in configs),
         tuple(ModelFile(one.path, one.include, one.data) for one in sources),
         tuple(said),

@@ -110,17 +110,18 @@ def _lines(sources: Sequence[Sequence[LedgerRow]]) -> Iterator[Line]:
 def _value(rows: Sequence[LedgerRow], column: Column) -> float | None:
     """Of a joint in one source; of several actuators the first that says.
 
-    A joint without actuator leaves its limit to whoever drives it; it and a motor leave the gains to a
-    controller outside of the file, which is not a gain of 0.
+    A joint without actuator leaves its limit, and the passive figures that it does not state, to whoever drives
+    it; it and a motor leave the gains to a controller outside of the file, which is not a gain of 0.
     """
-    gain = column.field in ("kp", "kd", "total_damping")
-    said = (
-        number(row, column)
-        for row in rows
-        if not (gain and row.control in ("none", "motor"))
-        and (row.control != "none" or number(row, column) != math.inf)
-    )
-    return next((value for value in said if value is not None), None)
+    return next((value for row in rows if (value := _said(row, column)) is not None), None)
+
+
+def _said(row: LedgerRow, column: Column) -> float | None:
+    value = number(row, column)
+    if column.field in ("kp", "kd", "total_damping") and row.control in ("none", "motor"):
+        return None
+    bare = row.control == "none" and column.field not in row.stated
+    return None if bare and value in (0.0, math.inf) else value
 
 
 def _ratio(values: Sequence[float | None]) -> float | None:

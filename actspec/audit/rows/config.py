@@ -14,7 +14,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, Framework, RobotConfig, Setting
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.audit.case import Versions
 from actspec.audit.isaaclab_friction import Meaning, friction_meaning
 from actspec.audit.ledger import LedgerRow
@@ -84,7 +84,7 @@ def rows_of_config(
         artifact: With a `config`.
         index: Of the artifact in the case.
         partners: The other artifacts of the same robot. The model among them that the configuration names names the
-            joints, else the one in which it selects the most, the first of equals.
+            joints, else the one in which it selects the most, an MJCF and then the first of equals.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
     """
     config = artifact.config
@@ -127,16 +127,20 @@ def rows_of_config(
     return tuple(rows)
 
 
-def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int]]:
-    """Sorting key of models: the one that a configuration names, then by the joints that it selects in it."""
+def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
+    """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
+
+    Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
+    """
     named = config.settings.get("model")
     text = named.value if named is not None and isinstance(named.value, str) else ""
     stem = os.path.splitext(os.path.basename(text))[0]
 
-    def key(model: Artifact) -> tuple[bool, int]:
+    def key(model: Artifact) -> tuple[bool, int, bool]:
         joints = joint_names(model) or ()
         selected = sum(len(_joints(config, group, joints)) for group in config.groups)
-        return os.path.splitext(os.path.basename(model.path))[0] != stem, -selected
+        other = os.path.splitext(os.path.basename(model.path))[0] != stem
+        return other, -selected, model.kind is not FileKind.MJCF
 
     return key
 

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from itertools import combinations
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
+from itertools import product
 
 from actspec.audit.artifact import FileKind
-from actspec.audit.case import Case
+from actspec.audit.case import Case, Robot
 from actspec.audit.ledger import LedgerRow
 
 
@@ -20,31 +20,72 @@ def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[Ledge
     """
     for other in case.robot_of(row.artifact).artifacts:
         if other != row.artifact and (not kinds or case.artifacts[other].kind in kinds):
-            yield from (found for found in case.rows_of(other) if found.joint == row.joint)
+            if row.joint:
+                yield from case.joints.get((other, row.joint), ())
+            else:
+                yield from (found for found in case.rows_of(other) if not found.joint)
 
 
-def by_joint(case: Case, *kinds: FileKind) -> dict[tuple[int, str], list[LedgerRow]]:
+def by_joint(case: Case, *kinds: FileKind) -> Mapping[tuple[int, str], Sequence[LedgerRow]]:
     """Rows of each joint of each artifact, in their order; rows without a joint are left out.
 
     Args:
         case: The case.
         kinds: Only of artifacts of these kinds; none: of all.
     """
-    found: dict[tuple[int, str], list[LedgerRow]] = {}
-    for row in case.rows:
-        if row.joint and (not kinds or case.artifacts[row.artifact].kind in kinds):
-            found.setdefault((row.artifact, row.joint), []).append(row)
-    return found
+    if not kinds:
+        return case.joints
+    wanted = {index for index, _ in case.of_kind(*kinds)}
+    return {key: rows for key, rows in case.joints.items() if key[0] in wanted}
 
 
-def joint_pairs(case: Case) -> Iterator[tuple[LedgerRow, LedgerRow]]:
-    """The first row of each joint in each two artifacts of one robot, every pair once, in the files' order."""
-    rows = {key: found[0] for key, found in by_joint(case).items()}
-    joints: dict[int, list[str]] = {}
-    for artifact, joint in rows:
-        joints.setdefault(artifact, []).append(joint)
+def shared_joints(case: Case) -> Iterator[list[LedgerRow]]:
+    """The first row of a joint in each file of one robot that has it, for joints that two files have."""
     for robot in case.robots:
-        for one, other in combinations(robot.artifacts, 2):
-            for joint in joints.get(one, ()):
-                if (other, joint) in rows:
-                    yield rows[one, joint], rows[other, joint]
+        for rows in _shared(case, robot):
+            yield [row for _, row in rows]
+
+
+def joint_pairs(
+    case: Case, figures: Callable[[LedgerRow], Hashable], tells: Callable[[LedgerRow, LedgerRow], bool]
+) -> Iterator[tuple[LedgerRow, LedgerRow]]:
+    """The first rows of one joint in two files of one robot that tell something together, in the files' order.
+
+    Many files of a robot have the same figures, so what they tell is asked once for all with equal ones.
+
+    Args:
+        case: The case.
+        figures: All of a row that `tells` looks at.
+        tells: Whether two rows, in the files' order, are wanted.
+    """
+    for robot in case.robots:
+        found: list[tuple[_Place, _Place, LedgerRow, LedgerRow]] = []
+        for rows in _shared(case, robot):
+            alike: dict[Hashable, list[tuple[_Place, LedgerRow]]] = {}
+            for place, row in rows:
+                alike.setdefault(figures(row), []).append((place, row))
+            for some, others in product(alike.values(), repeat=2):
+                if tells(some[0][1], others[0][1]):
+                    found += [
+                        (at, there, one, other)
+                        for at, one in some
+                        for there, other in others
+                        if at[0] < there[0]
+                    ]
+        found.sort(key=lambda each: (each[0][0], each[1][0], each[0][1]))
+        yield from ((one, other) for _, _, one, other in found)
+
+
+_Place = tuple[int, int]
+"""Of a joint: its file among those of the robot, and its place there."""
+
+
+def _shared(case: Case, robot: Robot) -> Iterator[list[tuple[_Place, LedgerRow]]]:
+    if len(robot.artifacts) < 2:
+        return
+    found: dict[str, list[tuple[_Place, LedgerRow]]] = {}
+    for file, artifact in enumerate(robot.artifacts):
+        names = dict.fromkeys(row.joint for row in case.rows_of(artifact) if row.joint)
+        for at, joint in enumerate(names):
+            found.setdefault(joint, []).append(((file, at), case.joints[artifact, joint][0]))
+    yield from (rows for rows in found.values() if len(rows) > 1)

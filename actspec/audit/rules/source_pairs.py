@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case, Robot
 from actspec.audit.dynamics import Figure, figure
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.pair import joint_names
-from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.reductions import SAME_POWER
 
 _SLIPS = (180.0 / math.pi, 30.0 / math.pi)
@@ -77,10 +76,10 @@ def disagreements(
 
     Yields: One a joint and departing file.
     """
-    joints = _joints(case)
+    stated = _stated_joints(case, fields)
     for robot in case.robots:
         if len(robot.artifacts) > 1:
-            yield from _of_robot(case, robot, joints, fields, tolerance, absolute)
+            yield from _of_robot(case, robot, stated, tolerance, absolute)
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
@@ -91,16 +90,12 @@ def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) ->
         fields: Fields of a row.
         kind: What the later of the two is; None: anything but a spec.
     """
-    joints = _joints(case)
+    stated = _stated_joints(case, fields)
     for robot in case.robots:
         seen: dict[str, set[FileKind]] = {}
         for index in robot.artifacts:
             own = case.artifacts[index].kind
-            if own is FileKind.SPEC:
-                continue
-            for joint, rows in joints.get(index, {}).items():
-                if _stated(rows, fields) is None:
-                    continue
+            for joint in stated.get(index, ()):
                 kinds = seen.setdefault(joint, set())
                 if kinds and (kind is None or (own is kind) != (kind in kinds)):
                     return True
@@ -142,61 +137,83 @@ def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | 
     return None if found is None else found[1]
 
 
+@dataclass(slots=True)
+class _Held:
+    """What files of a robot state of one joint.
+
+    Attributes:
+        members: Artifact, name of the field and figure, in the files' order.
+        paths: Value to the files that have it: most files agree, and are not looked at one by one.
+    """
+
+    members: list[tuple[int, tuple[str, Figure]]] = field(default_factory=list)
+    paths: dict[float | None, set[str]] = field(default_factory=dict)
+
+    def add(self, case: Case, artifact: int, found: tuple[str, Figure]) -> None:
+        """One more."""
+        self.members.append((artifact, found))
+        self.paths.setdefault(found[1].value, set()).add(case.artifacts[artifact].path)
+
+
 def _of_robot(
     case: Case,
     robot: Robot,
-    joints: Mapping[int, Mapping[str, list[LedgerRow]]],
-    fields: Sequence[str],
+    stated: Mapping[int, Mapping[str, tuple[str, Figure]]],
     tolerance: float,
     absolute: float,
 ) -> Iterator[Disagreement]:
-    artifacts = [i for i in robot.artifacts if case.artifacts[i].kind is not FileKind.SPEC and i in joints]
-    for index in artifacts:
-        kind = case.artifacts[index].kind
-        earlier = [
-            i
-            for i in artifacts
-            if i < index and case.artifacts[i].kind is kind and not _same_file(case, i, index)
-        ]
-        ranks = [
-            [i for k in kinds for i in artifacts if case.artifacts[i].kind is k]
-            for kinds in _REFERENCES[kind]
-        ]
-        for joint, rows in joints[index].items():
-            mine = _stated(rows, fields)
-            if mine is None:
-                continue
-            for rank, held in enumerate((*ranks, earlier)):
-                stated = [
-                    (i, found)
-                    for i in held
-                    if (found := _stated(joints[i].get(joint, ()), fields)) is not None
-                ]
-                if not stated:
+    everything: dict[tuple[FileKind, str], _Held] = {}
+    for index in robot.artifacts:
+        for joint, found in stated.get(index, {}).items():
+            everything.setdefault((case.artifacts[index].kind, joint), _Held()).add(case, index, found)
+    earlier: dict[tuple[FileKind, str], _Held] = {}
+    for index in robot.artifacts:
+        kind, path = case.artifacts[index].kind, case.artifacts[index].path
+        for joint, mine in stated.get(index, {}).items():
+            own = earlier.setdefault((kind, joint), _Held())
+            for kinds in (*_REFERENCES[kind], None):
+                if kinds is None:
+                    # Whoever wrote two artifacts in one file knows of both.
+                    if own.paths.get(mine[1].value, set()) - {path}:
+                        break
+                    held = [each for each in own.members if case.artifacts[each[0]].path != path]
+                else:
+                    known = [everything[k, joint] for k in kinds if (k, joint) in everything]
+                    if any(mine[1].value in each.paths for each in known):
+                        break
+                    held = [member for each in known for member in each.members]
+                if not held:
                     continue
                 if not any(
                     _same(mine[1], theirs[1], tolerance, absolute) or _is_one_place(mine[1], theirs[1])
-                    for _, theirs in stated
+                    for _, theirs in held
                 ):
-                    other, theirs = min(stated, key=lambda each: _distance(case, index, each[0]))
-                    variant = rank == len(ranks) or _are_variants(case, index, other)
-                    yield Disagreement(rows, joints[other][joint], mine[0], mine[1], theirs[1], variant)
+                    other, theirs = min(held, key=lambda each: _distance(case, index, each[0]))
+                    variant = kinds is None or _are_variants(case, index, other)
+                    rows, others = case.joints[index, joint], case.joints[other, joint]
+                    yield Disagreement(rows, others, mine[0], mine[1], theirs[1], variant)
                 break
+            own.add(case, index, mine)
 
 
-def _joints(case: Case) -> dict[int, dict[str, list[LedgerRow]]]:
-    """Rows of each joint of each artifact."""
-    found: dict[int, dict[str, list[LedgerRow]]] = {}
-    for (index, joint), rows in by_joint(case).items():
-        found.setdefault(index, {})[joint] = rows
+def _stated_joints(case: Case, fields: Sequence[str]) -> dict[int, dict[str, tuple[str, Figure]]]:
+    """What each artifact but a spec states, by joint."""
+    found: dict[int, dict[str, tuple[str, Figure]]] = {}
+    for (index, joint), rows in case.joints.items():
+        if case.artifacts[index].kind is not FileKind.SPEC:
+            stated = _stated(rows, fields)
+            if stated is not None:
+                found.setdefault(index, {})[joint] = stated
     return found
 
 
 def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, Figure] | None:
     """The first of the fields that a joint's file states, and its finite figure."""
-    for name in fields if rows else ():
+    for name in fields:
+        if not any(name in row.stated for row in rows):
+            continue
         found = figure(rows, name)
-        if found.stated and found.value is not None and math.isfinite(found.value):
+        if found.value is not None and math.isfinite(found.value):
             return name, found
     return None
 
@@ -210,11 +227,6 @@ def _is_one_place(mine: Figure, theirs: Figure) -> bool:
     """Whether a scene and the model that it includes were both named."""
     one, other = mine.place, theirs.place
     return one.line == other.line and os.path.realpath(one.path) == os.path.realpath(other.path)
-
-
-def _same_file(case: Case, one: int, other: int) -> bool:
-    """Whether two artifacts stand in one file, whose author knows of both."""
-    return case.artifacts[one].path == case.artifacts[other].path
 
 
 def _distance(case: Case, one: int, other: int) -> tuple[bool, bool]:

@@ -12,7 +12,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import joint_pairs
+from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 
@@ -83,17 +83,19 @@ class Factor57(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare figures of the same joint."""
-        looked = False
         relative = self.option(case, "relative")
-        for one, other in joint_pairs(case):
-            looked = True
+
+        def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
             if JointKind.SLIDE in (one.kind, other.kind):
-                continue
-            off = [pair for pair in _angular(one, other) if _off_by(*pair.values, _DEGREES, relative)]
+                return []
+            return [pair for pair in _angular(one, other) if _off_by(*pair.values, _DEGREES, relative)]
+
+        for one, other in joint_pairs(case, _figures, lambda one, other: bool(off_pairs(one, other))):
+            off = off_pairs(one, other)
             severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
             for pair in off:
                 yield self._finding(one, other, pair, severity)
-        if not looked:
+        if next(shared_joints(case), None) is None:
             yield Skipped(self.code, _ONE_FILE)
 
     def _finding(self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity) -> Finding:
@@ -139,6 +141,17 @@ class _Pair:
 
 
 _PER_ANGLE = ("kp", "kd", "joint_damping")
+_SPEEDS = ("velocity_limit", "no_load_speed")
+
+
+def _figures(row: LedgerRow) -> tuple[object, ...]:
+    """What is compared of a row."""
+    stated = (*_PER_ANGLE, *_SPEEDS, "position_range")
+    return (
+        row.kind,
+        row.default_position,
+        *(getattr(row, name) if name in row.stated else None for name in stated),
+    )
 
 
 def _angular(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
@@ -166,7 +179,7 @@ def _both(one: LedgerRow, other: LedgerRow, field: str) -> Iterator[_Pair]:
 
 def _speeds(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
     """Speed limits and no-load speeds, each with its like."""
-    for field in ("velocity_limit", "no_load_speed"):
+    for field in _SPEEDS:
         yield from _both(one, other, field)
 
 
@@ -234,27 +247,35 @@ class SpeedInRpm(Rule):
         """Compare speeds with other files', and with what joints do."""
         looked = False
         told: set[tuple[Span, str]] = set()
-        for one, other in joint_pairs(case):
+        relative = self.option(case, "relative")
+
+        def in_rpm(one: LedgerRow, other: LedgerRow) -> list[tuple[LedgerRow, str, float, float, Span]]:
             if JointKind.SLIDE in (one.kind, other.kind):
-                continue
-            for mine, its in ((one, other), (other, one)):
-                for field, limit, right, place in _speed_ratios(mine, its):
-                    if math.isclose(limit / right, _RPM, rel_tol=self.option(case, "relative")):
-                        told.add((mine.place(field), mine.joint))
-                        yield Finding(
-                            self.code,
-                            f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
-                            f"{place.path}: a figure in rpm",
-                            mine.place(field),
-                            mine.joint,
-                            limit,
-                            unit(mine, field),
-                            right,
-                            f"{limit:.4g} rpm is {limit / _RPM:.3g} rad/s",
-                            (place,),
-                        )
+                return []
+            return [
+                (mine, *ratio)
+                for mine, its in ((one, other), (other, one))
+                for ratio in _speed_ratios(mine, its)
+                if math.isclose(ratio[1] / ratio[2], _RPM, rel_tol=relative)
+            ]
+
+        for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
+            for mine, field, limit, right, place in in_rpm(one, other):
+                told.add((mine.place(field), mine.joint))
+                yield Finding(
+                    self.code,
+                    f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
+                    f"{place.path}: a figure in rpm",
+                    mine.place(field),
+                    mine.joint,
+                    limit,
+                    unit(mine, field),
+                    right,
+                    f"{limit:.4g} rpm is {limit / _RPM:.3g} rad/s",
+                    (place,),
+                )
         for row in case.rows:
-            for field in ("velocity_limit", "no_load_speed"):
+            for field in _SPEEDS:
                 speed: float | None = getattr(row, field)
                 if speed is None or field not in row.stated or row.kind is JointKind.SLIDE:
                     continue
@@ -281,11 +302,16 @@ class SpeedInRpm(Rule):
 _PLACEHOLDER = 1e5
 
 
+def _speed_figures(row: LedgerRow) -> tuple[object, ...]:
+    """What is compared of a row."""
+    return row.kind, *(getattr(row, name) if name in row.stated else None for name in _SPEEDS)
+
+
 def _speed_ratios(one: LedgerRow, other: LedgerRow) -> Iterator[tuple[str, float, float, Span]]:
     """Speeds of one row, each with those of the other: field, the two values, and where the other stands."""
-    for field in ("velocity_limit", "no_load_speed"):
+    for field in _SPEEDS:
         mine: float | None = getattr(one, field)
-        for name in ("velocity_limit", "no_load_speed"):
+        for name in _SPEEDS:
             its: float | None = getattr(other, name)
             if mine and its and math.isfinite(mine) and field in one.stated and name in other.stated:
                 yield field, mine, its, other.place(name)

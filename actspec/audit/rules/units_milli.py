@@ -8,9 +8,10 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import joint_pairs
+from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 
@@ -66,26 +67,24 @@ class MilliOrGram(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare figures with other files', and armatures with the joint's torque."""
-        looked = False
-        for pair in joint_pairs(case):
-            for field, units in _THOUSANDS.items():
-                large, small = sorted(pair, key=lambda row: -abs(getattr(row, field) or 0.0))
-                most, least = getattr(large, field), getattr(small, field)
-                if not most or not least or field not in large.stated & small.stated:
-                    continue
-                looked = True
-                factor = next((one for one in units if math.isclose(most / least, one, rel_tol=0.005)), None)
-                if factor is None or _is_one_digit(most):
-                    continue
+        looked = any(
+            sum(bool(figure) for figure in figures) > 1
+            for rows in shared_joints(case)
+            for figures in zip(*map(_figures, rows), strict=True)
+        )
+        for pair in joint_pairs(case, _figures, lambda *pair: next(_off(*pair), None) is not None):
+            for field, factor, large, small in _off(*pair):
+                most = getattr(large, field)
                 yield Finding(
                     self.code,
                     f"the {field.replace('_', ' ')} of {shown(large, field, most)} is {factor:g} times the "
-                    f"{shown(large, field, least)} in {small.place(field).path}: a figure in {units[factor]}",
+                    f"{shown(large, field, getattr(small, field))} in {small.place(field).path}: a figure in "
+                    f"{_THOUSANDS[field][factor]}",
                     large.place(field),
                     large.joint,
                     most,
                     unit(large, field),
-                    least,
+                    getattr(small, field),
                     f"write it in {unit(large, field)}",
                     (small.place(field),),
                 )
@@ -121,6 +120,25 @@ _THOUSANDS: dict[str, dict[float, str]] = {
     "armature": {1e3: "g*m^2", 1e4: "kg*cm^2", 1e7: "g*cm^2"},
 }
 """Field to the factors that a unit can be off by, and the unit."""
+
+
+def _figures(row: LedgerRow) -> tuple[float | None, ...]:
+    """What is compared of a row."""
+    return tuple(getattr(row, field) if field in row.stated else None for field in _THOUSANDS)
+
+
+def _off(one: LedgerRow, other: LedgerRow) -> Iterator[tuple[str, float, LedgerRow, LedgerRow]]:
+    """Fields in which two rows differ by such a factor, with it and the rows, the larger figure first."""
+    for field, units in _THOUSANDS.items():
+        mine: float | None = getattr(one, field)
+        its: float | None = getattr(other, field)
+        if not mine or not its or field not in one.stated or field not in other.stated:
+            continue
+        large, small = (other, one) if abs(its) > abs(mine) else (one, other)
+        most, least = (its, mine) if large is other else (mine, its)
+        factor = next((each for each in units if math.isclose(most / least, each, rel_tol=0.005)), None)
+        if factor is not None and not _is_one_digit(most):
+            yield field, factor, large, small
 
 
 def _is_one_digit(value: float) -> bool:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.targets.base import Approximation
-from actspec.targets.provenance import loss_lines, source_lines
-from actspec.units import format_quantity
+from actspec.targets.provenance import loss_lines, provenance, source_lines, xml_comment
 
 LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
 """Numbers that MuJoCo's drive and joint are not made of."""
@@ -30,7 +28,7 @@ def header(
         f"Written by {tool} for {target}. Do not edit: change the spec and compile again.",
         f"spec sha256 {actuators.spec_sha256}",
         f"model {source}",
-        f"physics_dt {_quantity(actuators.physics_dt)}",
+        f"physics_dt {provenance(actuators.physics_dt)}",
     ]
     for names, entries in _groups(actuators):
         lines += ["", names, *(f"  {entry}" for entry in entries)]
@@ -41,8 +39,7 @@ def header(
     cited = list(source_lines(actuators, shown))
     if cited:
         lines += ["", "Sources:", *(f"  {line}" for line in cited)]
-    body = "\n".join(f"  {line}".rstrip() for line in map(_comment, lines))
-    return f"<!--\n{body}\n-->"
+    return xml_comment(lines)
 
 
 def _groups(actuators: ActuatorSet) -> Iterator[tuple[str, list[str]]]:
@@ -68,29 +65,7 @@ def _entries(actuator: JointActuator) -> Iterator[str]:
         if name == "delay" and delay is not None and delay.low != delay.high:
             reach = f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
         if not name.startswith("command_range"):
-            yield f"{name} {_quantity(quantity)}{reach}"
+            yield f"{name} {provenance(quantity)}{reach}"
     if actuator.command_range is not None:
         low, high = actuator.command_range
-        yield f"command_range {_quantity(low)} to {_quantity(high)}"
-
-
-def _quantity(quantity: Quantity) -> str:
-    text = format_quantity(quantity.value, quantity.unit)
-    if quantity.value is None:
-        return text
-    about = [quantity.origin.value]
-    if quantity.formula:
-        about.append(quantity.formula)
-    if quantity.source and quantity.origin.value != "model":
-        about.append(quantity.source)
-    if quantity.std is not None:
-        about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
-    return f"{text} ({'; '.join(about)})"
-
-
-def _comment(line: str) -> str:
-    """A line that cannot end the comment: no `--`, no control characters."""
-    safe = one_line(line)
-    while "--" in safe:
-        safe = safe.replace("--", "- -")
-    return safe
+        yield f"command_range {provenance(low)} to {provenance(high)}"

@@ -37,7 +37,7 @@ def deviations(document: XmlDocument, files: Sequence[ModelFile], edits: Sequenc
         for old, new in zip_longest(before, views)
         if old is None or new is None or _bare(new) != _bare(_planned(old, by_name.get(old.name)))
     ]
-    pairs = zip_longest(_elements(document, edits, written=False), _elements(again, edits, written=True))
+    pairs = zip_longest(_elements(document, edits), _elements(again, edits))
     found += [f"<{(new or old)[0]}>" for old, new in pairs if old != new]
     return found
 
@@ -64,16 +64,8 @@ def _planned(joint: JointView, edit: JointEdit | None) -> JointView:
     )
 
 
-def _elements(
-    document: XmlDocument, edits: Sequence[JointEdit], *, written: bool
-) -> Iterator[tuple[str, dict[str, str]]]:
-    """Tag and attributes of every element, without what is planned, paths from the root of the disk.
-
-    Args:
-        document: The original or what was written.
-        edits: The plan.
-        written: Whether it has the planned elements already.
-    """
+def _elements(document: XmlDocument, edits: Sequence[JointEdit]) -> Iterator[tuple[str, dict[str, str]]]:
+    """Tag and attributes of every element, without what is planned; paths are from the root of the disk."""
     joints = joint_elements(document)
     planned: dict[int, tuple[str, ...]] = {}
     added: set[int] = set()
@@ -82,7 +74,7 @@ def _elements(
             part = part_of(joints[edit.joint], tag) if edit.joint in joints else None
             if part is not None:
                 planned[id(part)] = tuple(name for name in PARTS[tag] if name in numbers)
-            if part is not None and written and tag in edit.added:
+            if part is not None and tag in edit.added:
                 added.add(id(part))
     folder = os.path.dirname(os.path.abspath(document.files[0].path))
     paths = {(id(element), name): path for element, name, path in relative_paths(document)}

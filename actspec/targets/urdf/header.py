@@ -6,13 +6,11 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import actspec
-from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.targets.base import Approximation
-from actspec.targets.provenance import loss_lines, source_lines
+from actspec.targets.provenance import loss_lines, provenance, source_lines, xml_comment
 from actspec.targets.python_text import grouped
 from actspec.targets.urdf.plan import written
-from actspec.units import format_quantity
 
 
 def header(actuators: ActuatorSet, driven: frozenset[str], lost: Iterable[Approximation], source: str) -> str:
@@ -41,8 +39,7 @@ def header(actuators: ActuatorSet, driven: frozenset[str], lost: Iterable[Approx
     cited = list(source_lines(actuators, (q for a in joints for q in written(a).values() if q.known)))
     if cited:
         lines += ["", "Sources:", *(f"  {line}" for line in cited)]
-    body = "\n".join(f"  {line}".rstrip() for line in map(_comment, lines))
-    return f"<!--\n{body}\n-->"
+    return xml_comment(lines)
 
 
 def _by_group(actuators: ActuatorSet, lost: Iterable[Approximation]) -> Iterator[Approximation]:
@@ -62,25 +59,9 @@ def _by_group(actuators: ActuatorSet, lost: Iterable[Approximation]) -> Iterator
 
 def _entries(numbers: dict[str, Quantity]) -> Iterator[str]:
     for attribute, quantity in numbers.items():
-        text = format_quantity(quantity.value, quantity.unit)
         if not quantity.known:
-            yield f"{attribute} {text}: the file's own, if it has one"
-            continue
-        about = [quantity.origin.value]
-        if quantity.origin is Origin.DEFAULT:
-            about.append("not written")
-        if quantity.formula:
-            about.append(quantity.formula)
-        if quantity.source and quantity.origin.value != "model":
-            about.append(quantity.source)
-        if quantity.std is not None:
-            about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
-        yield f"{attribute} {text} ({'; '.join(about)})"
-
-
-def _comment(line: str) -> str:
-    """A line that cannot end the comment: no `--`, no control characters."""
-    safe = one_line(line)
-    while "--" in safe:
-        safe = safe.replace("--", "- -")
-    return safe
+            yield f"{attribute} {provenance(quantity)}: the file's own, if it has one"
+        elif quantity.origin is Origin.DEFAULT:
+            yield f"{attribute} {provenance(quantity, 'not written')}"
+        else:
+            yield f"{attribute} {provenance(quantity)}"

@@ -21,7 +21,8 @@ def relative_paths(document: XmlDocument) -> Iterator[tuple[Element, str, str]]:
     the file names, which then count from there.
     """
     joined = False
-    for compiler in document.walk("compiler"):
+    own = (child for section in document.sections("mujoco") for child in section.children)
+    for compiler in (element for element in own if element.tag == "compiler"):
         folders = [name for name in _FOLDERS if compiler.get(name)]
         joined = joined or (bool(folders) and compiler.get("strippath") == "false")
         yield from _relative(compiler, *folders)

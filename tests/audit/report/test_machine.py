@@ -336,7 +336,9 @@ def test_github_properties(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
     from tests.audit.making import case_of, finding, rule_of
 
     monkeypatch.chdir(tmp_path)
-    rule = rule_of("LIM901", "first-rule", finding("LIM901", "a:b,c\r\x1b[31m.xml", message="100 %\r\n::error::x"))
+    rule = rule_of(
+        "LIM901", "first-rule", finding("LIM901", "a:b,c\r\x1b[31m.xml", message="100 %\r\n::error::x")
+    )
     text = render(judge(case_of(), Settings(), (rule,)), "github", ReportOptions())
     assert text == (
         "::warning title=LIM901 first-rule,file=a%3Ab%2Cc%0D\\x1b[31m.xml,line=1,col=1::100 %25\\r\\n::error::x\n"

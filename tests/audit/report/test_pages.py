@@ -98,7 +98,10 @@ def test_html_says_first_what_matters(made: Report) -> None:
 def test_html_names_shared_folders_once() -> None:
     """Of paths that are headings only what tells them apart is repeated."""
     files = {"robots/leg/a.xml": b"<a/>", "robots/leg/urdf/b.urdf": b"<a/>"}
-    rows = (row("robots/leg/a.xml", "hip", armature=1.0), row("robots/leg/urdf/b.urdf", "hip", 1, armature=2.0))
+    rows = (
+        row("robots/leg/a.xml", "hip", armature=1.0),
+        row("robots/leg/urdf/b.urdf", "hip", 1, armature=2.0),
+    )
     case = replace(case_of(files, *rows), robots=(Robot("leg", (0, 1)),))
     text = render(judge(case, Settings(), ()), "html", ReportOptions())
     assert '<p class="faint">below robots/leg/</p>' in text
@@ -223,6 +226,19 @@ def test_a_bare_joint_leaves_its_limit_open() -> None:
         )
         case = replace(case_of(files, *rows), robots=(Robot("leg", (0, 1)),))
         assert len(list(comparisons(case))) == count
+
+
+def test_a_bare_joint_states_what_it_states() -> None:
+    """A URDF without `dynamics` does not say that there is no friction; one with damping 0 says that there is none."""
+    for stated, values in ((frozenset(), None), (frozenset({"joint_damping"}), (0.0, 0.5))):
+        rows = (
+            row("a.urdf", "hip", control="none", joint_damping=0.0, stated=stated),
+            row("b.xml", "hip", 1, joint_damping=0.5, stated=frozenset({"joint_damping"})),
+        )
+        case = replace(case_of({"a.urdf": b"", "b.xml": b""}, *rows), robots=(Robot("leg", (0, 1)),))
+        assert [line.values for found in comparisons(case) for line in found.lines] == (
+            [values] if values else []
+        )
 
 
 def test_a_motor_has_no_gains_to_compare() -> None:

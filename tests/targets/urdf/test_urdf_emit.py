@@ -28,6 +28,8 @@ from tests.compiling import FOLDER, spec_text, view_of
 HERE = Path(__file__).parent
 LEG = HERE / "leg.urdf"
 
+LIMIT = '<limit effort="24" velocity="20" lower="-1" upper="1"/>'
+
 GROUP = """  all:
     joints: [{joints}]
     level: ideal_pd
@@ -169,6 +171,59 @@ def test_losses(leg: api.Compilation) -> None:
     assert {loss.field for loss in leg.unaccepted} == {loss.field for loss in leg.approximations} - {"kp"}
 
 
+@pytest.mark.parametrize(
+    "fields, lost",
+    [
+        ("command_range: [-1 rad, 2 rad]", [("command_range", "-1 rad to 2 rad", "none", None)]),
+        ("command_filter: {cutoff: 30 Hz}", [("command_filter", "30 Hz", "none", None)]),
+        ("encoder_bias: 0.01 rad", [("encoder_bias", "0.01 rad", "none", None)]),
+        ("delay: {nominal: 4 ms}", [("delay", "4 ms", "none", None)]),
+        # Equal to sliding friction: nothing is lost.
+        ("friction: {coulomb: 0.4 N*m, static: 0.4 N*m, stribeck_velocity: 1 rad/s}", []),
+        (
+            "friction: {coulomb: 0.4 N*m, static: 0.5 N*m, stribeck_velocity: 2 rad/s}",
+            [
+                ("friction.static", "0.5 N*m", "0.4 N*m", pytest.approx(0.1)),
+                ("friction.stribeck_velocity", "2 rad/s", "none", pytest.approx(0.1)),
+            ],
+        ),
+    ],
+    ids=["range", "filter", "bias", "fixed delay", "no break-away", "Stribeck"],
+)
+def test_other_losses(fields: str, lost: list[Any]) -> None:
+    """Beside the gains each of these is lost under its own name, and nothing more."""
+    done = compiled(view(urdf(joint(LIMIT))), group(fields))
+    found = [(a.field, a.asked, a.emitted, a.max_torque_error) for a in done.approximations]
+    assert found[2:] == lost and [field for field, *_ in found[:2]] == ["kp", "kd"]
+
+
+@pytest.mark.parametrize("kp, sized", [("40 N*m/rad", True), ("unknown", False)], ids=["known", "no law"])
+def test_curve(kp: str, sized: bool) -> None:
+    """A curve is lost for its effort limit: above 30 rad/s it has nothing left where the clip gives 20 N*m."""
+    legs = f"""  legs: {{joints: [j], level: dc_motor, motor: curve, kp: {kp}, kd: 1 N*m*s/rad,
+    effort_limit: 20 N*m}}
+"""
+    done = compiled(view(urdf(joint(LIMIT))), legs)
+    (lost,) = (a for a in done.approximations if a.field == "torque_speed_curve")
+    assert (lost.asked, lost.emitted) == ("curve from 20 N*m to 30 rad/s", "effort 20 N*m")
+    assert (lost.max_torque_error is not None and lost.max_torque_error >= 20.0) is sized
+    assert sized or lost.max_torque_error is None
+
+
+def test_networks_are_named() -> None:
+    """A network and a robot-wide correction are lost by the names of their files."""
+    legs = """  legs: {joints: [j], level: actuator_net, network: {file: nets/j.pt}, effort_limit: 9 N*m}
+delta_action: {network: nets/delta.pt, max_delta: 0.1 rad, state: [q]}
+"""
+    done = compiled(view(urdf(joint(LIMIT))), legs)
+    found = [(a.joint, a.field, a.asked) for a in done.approximations]
+    assert found == [("j", "network", "j.pt"), ("", "delta_action", "delta.pt")]
+    assert (
+        b"  delta_action: delta.pt -> none (a URDF describes joints, not their drives)\n"
+        in done.files[0].data
+    )
+
+
 def test_head(leg: api.Compilation) -> None:
     """The head has each number's origin and source, groups in the place of their joints, and ends its comment."""
     text = leg.emissions[0].files[0].data.decode()
@@ -235,9 +290,6 @@ def test_names_cannot_end_the_comment() -> None:
     data = compiled(view(text), group("effort_limit: 30 N*m", '".*"')).files[0].data
     assert data.count(b"-->") == 1
     assert parse_document((ModelFile("r.urdf", "", data),)).root.tag == "robot"
-
-
-LIMIT = '<limit effort="24" velocity="20" lower="-1" upper="1"/>'
 
 
 @pytest.mark.parametrize(
