@@ -72,6 +72,8 @@ def _refuse_irregular(info: os.stat_result) -> None:
 def replace_file(path: str, data: bytes) -> None:
     """Write a file in one step: a crash at any moment leaves the old one whole.
 
+    What is there and is no file of its own, as a pipe or `/dev/stdout`, is written into and stays.
+
     Args:
         path: Where; its folder is there.
         data: All its bytes.
@@ -79,6 +81,11 @@ def replace_file(path: str, data: bytes) -> None:
     Raises:
         OSError: it cannot be written; the old file is untouched.
     """
+    if os.path.exists(path) and (not os.path.isfile(path) or os.path.abspath(path).startswith("/dev/")):
+        # Appended, because /dev/stdout may lead to a log.
+        with open(path, "ab") as stream:
+            stream.write(data)
+        return
     import tempfile  # brings compression and random numbers along
 
     folder, name = os.path.split(path)

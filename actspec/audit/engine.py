@@ -8,18 +8,20 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import cache
 
 from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
 from actspec.audit.read import PendingFiles, read_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected, strength
-from actspec.audit.settings import Settings, matches
+from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 
 
@@ -125,6 +127,7 @@ def _resolve(
     """Findings with name, severity and confidence; the same one of two files that share a part counts once."""
     by_code = {rule.code: rule for rule in rules}
     unique: dict[tuple[object, ...], Reported] = {}
+    real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
     for finding in found:
         rule = by_code[finding.code]
         severity = finding.severity or rule.severity
@@ -137,7 +140,7 @@ def _resolve(
         span = finding.span
         key = (
             finding.code,
-            os.path.realpath(span.path),
+            real_path(span.path),
             span.line,
             span.column,
             finding.joint,

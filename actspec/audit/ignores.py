@@ -6,6 +6,7 @@ import os
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from actspec.audit.artifact import FileReading
 from actspec.audit.comments import comments
@@ -95,11 +96,12 @@ def set_aside(found: Sequence[Reported], ignores: Mapping[str, tuple[Ignore, ...
     """
     kept, suppressed = [], []
     used: set[tuple[Ignore, str]] = set()
+    real_path = cache(os.path.realpath)
     for reported in found:
         span = reported.finding.span
         matching = [
             (ignore, code)
-            for ignore in ignores.get(os.path.realpath(span.path), ())
+            for ignore in ignores.get(real_path(span.path), ())
             if ignore.reason and ignore.covers(span.line)
             for code in ignore.codes
             if code in (reported.finding.code, reported.name)

@@ -55,7 +55,14 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
     Returns: Every artifact in exactly one robot, in the order of the files.
     """
     names = [joint_names(artifact) for artifact in artifacts]
+    calls = [_names_of(artifact) for artifact in artifacts]
     words = [distinctive(artifact) for artifact in artifacts]
+
+    def agree(one: int, other: int) -> bool:
+        # A file without a name of its own goes by its folder, which says nothing against the file beside it.
+        unnamed = not calls[one][0] or not calls[other][0]
+        return _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
+
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {i for i, own in enumerate(names) if held and own is not None and _overlap(own, held)}
     groups: list[list[int]] = []
@@ -67,8 +74,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
                 group
                 for group in groups
                 if all(
-                    {index, i} <= bound or (_overlap(own, names[i] or ()) and _agree(words[index], words[i]))
-                    for i in group
+                    {index, i} <= bound or (_overlap(own, names[i] or ()) and agree(index, i)) for i in group
                 )
             ),
             None,
@@ -92,7 +98,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             if any(words[index] & words[i] for i in named[g])
             and _fits(artifacts[index].config, joints, VARIANT)
         ]
-        silent = [g for g in fitting if any(_agree(words[index], words[i]) for i in named[g])]
+        silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
         sole = len(named) == 1 and only and _says_something(artifacts[index].config)
         alone = fitting if sole else []
         choice = next((found for found in (telling, silent, alone) if len(found) == 1), None)
@@ -122,19 +128,22 @@ def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
 
 def distinctive(artifact: Artifact) -> frozenset[str]:
     """What the artifact is called, in words that tell robots apart: `go2`, `h1_2`, `anymal_c`."""
-    stem, folder = (
-        os.path.splitext(os.path.basename(artifact.path))[0],
-        os.path.basename(os.path.dirname(os.path.abspath(artifact.path))),
-    )
-    if artifact.config is not None and artifact.config.framework is not Framework.DEPLOY:
-        steps: tuple[tuple[str, ...], ...] = ((artifact.name,), (stem,), (folder,))
-    else:
-        steps = ((artifact.name, stem), (folder,))
-    for texts in steps:
-        found = frozenset(word for text in texts for word in _words(text))
-        if found:
-            return found
-    return frozenset()
+    own, folder = _names_of(artifact)
+    return own or folder
+
+
+def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
+    """Telling words of the artifact's own name, and of its folder."""
+    stem = os.path.splitext(os.path.basename(artifact.path))[0]
+    folder = os.path.basename(os.path.dirname(os.path.abspath(artifact.path)))
+    own = _telling(artifact.name)
+    if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
+        own |= _telling(stem)
+    return own or _telling(stem), _telling(folder)
+
+
+def _telling(text: str) -> frozenset[str]:
+    return frozenset(_words(text))
 
 
 def _words(text: str) -> Iterable[str]:

@@ -84,6 +84,7 @@ def test_never_fails_the_run(folder: Path) -> None:
         ("[audit]\nselct = []", ["AUD002 audit.selct: unknown key|did you mean 'select'?"]),
         ("[audit]\nfail_on = 'error'", ["AUD002 audit.fail_on: unknown key|did you mean 'fail-on'?"]),
         ("[adit]", ["AUD002 adit: unknown key|did you mean 'audit'?"]),
+        ("ignore = ['LIM']", ["AUD002 ignore: unknown key|the settings stand below [audit]"]),
         ("audit = 3", ["AUD004 audit: must be a table, got 3|None"]),
         (
             "[audit]\nselect = 'LIM'",

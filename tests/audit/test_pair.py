@@ -135,6 +135,13 @@ def test_a_cfg_with_hands_belongs_to_the_model_without() -> None:
     assert _together(robot, config("unitree.py", "H1_CFG", hands)) == [(0,), (1,)]
 
 
+def test_a_folder_does_not_contradict_the_file_beside_it() -> None:
+    """A file called `robot.xml` goes by its folder; beside it stands a model with a name, which is in it too."""
+    assert _together(model("work/dog.xml", "dog", DOG), model("work/robot.urdf", "", DOG)) == [(0, 1)]
+    assert _together(model("go1/robot.xml", "", DOG), model("go2/robot.xml", "", DOG)) == [(0,), (1,)]
+    assert _together(model("go1/robot.xml", "", DOG), model("x/go2.xml", "go2", DOG)) == [(0,), (1,)]
+
+
 def test_where_two_robots_fit_nothing_is_guessed() -> None:
     """A cfg that is called after neither of two dogs belongs to none."""
     found = _together(

@@ -110,6 +110,19 @@ def test_a_report_is_not_written_over_what_it_is_about(capsys: pytest.CaptureFix
     assert Path("leg.xml").read_text() == LEG
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX")
+def test_a_report_into_a_pipe() -> None:
+    """`-o /dev/stdout` writes where it leads, and does not put a file in place of what everybody shares."""
+    os.mkfifo("pipe")
+    reader = os.open("pipe", os.O_RDONLY | os.O_NONBLOCK)
+    try:
+        run("audit", "leg.xml", "--output-format", "concise", "-o", "pipe")
+        assert os.read(reader, 10_000).decode() == HEADLINE + SKIPPED + COUNT
+    finally:
+        os.close(reader)
+    assert Path("pipe").is_fifo()
+
+
 def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> None:
     """Two models with steps of 5 and 10 ms share a delay of 20 ms, 4 or 2 samples: one is fixed, and it is said."""
     Path("part.xml").write_text(

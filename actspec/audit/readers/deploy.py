@@ -106,7 +106,7 @@ def read_deploy(path: str) -> FileReading:
         data = read_regular(path, MOST_BYTES)
     except (OSError, NotRegular, TooLarge) as err:
         reason = err.strerror if isinstance(err, OSError) and err.strerror else str(err)
-        return FileReading(path, None, f"cannot be read: {reason}")
+        return FileReading(path, None, reason)
     file = ModelFile(path, "", data)
     try:
         root = _compose(data)
@@ -118,7 +118,7 @@ def read_deploy(path: str) -> FileReading:
     except _Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,))
     if not configs:
-        return FileReading(path, None, "has no gains (kp, kps, stiffness, ...)", files=(file,))
+        return FileReading(path, None, "it has no gains (kp, kps, stiffness, ...)", files=(file,))
     return FileReading(
         path,
         FileKind.DEPLOY,
@@ -139,7 +139,7 @@ def _compose(data: bytes) -> yaml.Node | None:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as err:
-        raise _Unfit(f"is not UTF-8 at byte {err.start}") from None
+        raise _Unfit(f"it is not UTF-8 at byte {err.start}") from None
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
         depth = 0
@@ -147,15 +147,15 @@ def _compose(data: bytes) -> yaml.Node | None:
         for count, event in enumerate(yaml.parse(text, Loader=loader)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MOST_DEPTH:
-                raise _Unfit(f"is nested more than {MOST_DEPTH} deep")
+                raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
             if count > MOST_STEPS:
-                raise _Unfit(f"has more than {MOST_STEPS} values")
+                raise _Unfit(f"it has more than {MOST_STEPS} values")
         node: yaml.Node | None = yaml.compose(text, Loader=loader)
     except yaml.MarkedYAMLError as err:
         at = f" (line {err.problem_mark.line + 1})" if err.problem_mark else ""
-        raise _Unfit(f"is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
+        raise _Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
     except (yaml.YAMLError, ValueError) as err:
-        raise _Unfit(f"is not YAML: {one_line(str(err))}") from None
+        raise _Unfit(f"it is not YAML: {one_line(str(err))}") from None
     return node
 
 
@@ -178,7 +178,7 @@ class _Reader:
 
         self._step()
         if depth > MOST_DEPTH:
-            raise _Unfit(f"is nested more than {MOST_DEPTH} deep")
+            raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
                 yield from self._search(item, above, name, depth + 1)
@@ -363,7 +363,7 @@ class _Reader:
     def _step(self) -> None:
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise _Unfit(f"has more than {MOST_STEPS} values")
+            raise _Unfit(f"it has more than {MOST_STEPS} values")
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from dataclasses import dataclass
 
 from actspec.audit.artifact import Artifact, FileKind
@@ -45,16 +45,21 @@ class WrittenActuator:
         return next((one for one in reversed(chain) if name in one.attributes), None)
 
 
-def written_actuators(case: Case, attribute: bytes) -> Iterator[WrittenActuator]:
+def written_actuators(
+    case: Case, attribute: bytes, two_of: Collection[bytes] = ()
+) -> Iterator[WrittenActuator]:
     """Actuators of all MJCF that have an attribute somewhere; copies by `replicate` or `attach` are left out.
 
     Args:
         case: The case.
         attribute: Name; files in which it does not stand are not parsed.
+        two_of: Nor are files with less than two of these, where some are given.
     """
     for _, artifact in case.of_kind(FileKind.MJCF):
         robot = artifact.robot
         if robot is None or not any(attribute in file.data for file in robot.files):
+            continue
+        if two_of and sum(any(one in file.data for file in robot.files) for one in two_of) < 2:
             continue
         document = parse_document(robot.files)
         written = read_elements(document)

@@ -116,12 +116,11 @@ class HiddenGear(Rule):
             seen: set[tuple[int, str, float]] = set()
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))
+                has_speed = any(joint.speed is not None for joint in known.get(reference, {}).values())
                 for other in robot.artifacts:
                     if other == reference or other not in known:
                         continue
-                    looked = looked or any(
-                        joint.speed is not None for joint in known.get(reference, {}).values()
-                    )
+                    looked = looked or has_speed
                     for reduction in found:
                         finding = self._compare(case, known, reduction, other)
                         key = (other, reduction.joint.row.joint, round(reduction.ratio, 1))

@@ -134,7 +134,7 @@ def _single_drives(case: Case) -> Iterator[tuple[LedgerRow, JointView, ActuatorV
             continue
         joint = robot.joint(name)
         actuator = next(
-            (one for one in robot.actuators if one.span == rows[0].span and one.target == name), None
+            (one for one in robot.actuators if one.target == name and one.span == rows[0].span), None
         )
         if joint is None or actuator is None or joint.effort_range is None or "effort_range" in joint.unknown:
             continue

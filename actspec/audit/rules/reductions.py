@@ -76,8 +76,9 @@ def reductions(joints: Mapping[str, Figures], above: Mapping[str, frozenset[str]
         joints: Of one artifact, in its order.
         above: From `joints_above`; empty: nobody knows the limbs.
     """
-    for name, joint in joints.items():
-        for other, base in joints.items():
+    fast = [(name, joint) for name, joint in joints.items() if joint.speed is not None]
+    for name, joint in fast:
+        for other, base in fast:
             ratio = _ratio(joint, base)
             if ratio is not None and (
                 not above or other in above.get(name, ()) or name in above.get(other, ())

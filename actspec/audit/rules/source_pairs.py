@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 
 from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case, Robot
@@ -137,7 +138,7 @@ def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | 
     return None if found is None else found[1]
 
 
-@dataclass(slots=True)
+@dataclass(frozen=True, slots=True)
 class _Held:
     """What files of a robot state of one joint.
 
@@ -167,6 +168,7 @@ def _of_robot(
         for joint, found in stated.get(index, {}).items():
             everything.setdefault((case.artifacts[index].kind, joint), _Held()).add(case, index, found)
     earlier: dict[tuple[FileKind, str], _Held] = {}
+    real_path = cache(os.path.realpath)
     for index in robot.artifacts:
         kind, path = case.artifacts[index].kind, case.artifacts[index].path
         for joint, mine in stated.get(index, {}).items():
@@ -185,7 +187,8 @@ def _of_robot(
                 if not held:
                     continue
                 if not any(
-                    _same(mine[1], theirs[1], tolerance, absolute) or _is_one_place(mine[1], theirs[1])
+                    _same(mine[1], theirs[1], tolerance, absolute)
+                    or _is_one_place(mine[1], theirs[1], real_path)
                     for _, theirs in held
                 ):
                     other, theirs = min(held, key=lambda each: _distance(case, index, each[0]))
@@ -199,22 +202,23 @@ def _of_robot(
 def _stated_joints(case: Case, fields: Sequence[str]) -> dict[int, dict[str, tuple[str, Figure]]]:
     """What each artifact but a spec states, by joint."""
     found: dict[int, dict[str, tuple[str, Figure]]] = {}
+    specs = {index for index, _ in case.of_kind(FileKind.SPEC)}
     for (index, joint), rows in case.joints.items():
-        if case.artifacts[index].kind is not FileKind.SPEC:
-            stated = _stated(rows, fields)
-            if stated is not None:
-                found.setdefault(index, {})[joint] = stated
+        stated = _stated(rows, fields) if index not in specs else None
+        if stated is not None:
+            found.setdefault(index, {})[joint] = stated
     return found
 
 
 def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, Figure] | None:
     """The first of the fields that a joint's file states, and its finite figure."""
     for name in fields:
-        if not any(name in row.stated for row in rows):
-            continue
-        found = figure(rows, name)
-        if found.value is not None and math.isfinite(found.value):
-            return name, found
+        for row in rows:
+            if name in row.stated:
+                found = figure(rows, name)
+                if found.value is not None and math.isfinite(found.value):
+                    return name, found
+                break
     return None
 
 
@@ -223,10 +227,10 @@ def _same(mine: Figure, theirs: Figure, tolerance: float, absolute: float) -> bo
     return math.isclose(mine.value, theirs.value, rel_tol=tolerance, abs_tol=absolute)
 
 
-def _is_one_place(mine: Figure, theirs: Figure) -> bool:
+def _is_one_place(mine: Figure, theirs: Figure, real_path: Callable[[str], str]) -> bool:
     """Whether a scene and the model that it includes were both named."""
     one, other = mine.place, theirs.place
-    return one.line == other.line and os.path.realpath(one.path) == os.path.realpath(other.path)
+    return one.line == other.line and real_path(one.path) == real_path(other.path)
 
 
 def _distance(case: Case, one: int, other: int) -> tuple[bool, bool]:

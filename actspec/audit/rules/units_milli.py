@@ -72,7 +72,7 @@ class MilliOrGram(Rule):
             for rows in shared_joints(case)
             for figures in zip(*map(_figures, rows), strict=True)
         )
-        for pair in joint_pairs(case, _figures, lambda *pair: next(_off(*pair), None) is not None):
+        for pair in joint_pairs(case, _figures, lambda *rows: next(_off(*rows), None) is not None):
             for field, factor, large, small in _off(*pair):
                 most = getattr(large, field)
                 yield Finding(

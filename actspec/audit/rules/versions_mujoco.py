@@ -222,6 +222,7 @@ _OF_TAG = {"dcmotor": _Feature("dcmotor", (3, 7)), "pid": _Feature("pid", (3, 12
 _KV = _Feature("kv of a position servo", (3, 1))
 _TIME_CONSTANT = _Feature("timeconst of a position servo", (3, 1, 6))
 _INPUT = _Feature("input of a servo", (3, 16))
+_POLYNOMIALS = ("damping", "stiffness")
 _POLYNOMIAL = _Feature("a polynomial of damping or stiffness", (3, 7))
 _VALUES = {
     ("option", "integrator", "implicitfast"): _Feature("implicitfast", (3, 0)),
@@ -292,10 +293,13 @@ class NeedsAnotherMujoco(Rule):
         """Compare each file with the release."""
         meant = mujoco_of(case)
         looked = False
+        words = {word for feature, word in _WORDS if _may_be_told(feature, meant)}
         for _, artifact in case.of_kind(FileKind.MJCF):
             if artifact.robot is None:
                 continue
             looked = True
+            if not any(word in file.data for file in artifact.robot.files for word in words):
+                continue
             document = parse_document(artifact.robot.files)
             used = _used(document)
             if meant is not None:
@@ -331,6 +335,29 @@ class NeedsAnotherMujoco(Rule):
                 )
 
 
+_WORDS = (
+    *(
+        (feature, name.encode())
+        for table in (_OF_JOINT, _OF_TENDON, _OF_ACTUATOR, _OF_TAG)
+        for name, feature in table.items()
+    ),
+    *((feature, name.encode()) for (_, name, _), feature in _VALUES.items()),
+    *((_POLYNOMIAL, name.encode()) for name in _POLYNOMIALS),
+    (_KV, b"kv"),
+    (_TIME_CONSTANT, b"timeconst"),
+    (_INPUT, b"input"),
+)
+"""Features with the tags and attributes without which a file has none of them; a value may be written otherwise."""
+
+
+def _may_be_told(feature: _Feature, meant: Meant | None) -> bool:
+    """Whether there is something to say about it."""
+    if meant is None:
+        return feature.until is not None
+    gone = feature.until is not None and meant.release[:2] > feature.until
+    return gone or meant.before(feature.since)
+
+
 def _text(release: Release) -> str:
     return ".".join(map(str, release))
 
@@ -352,6 +379,10 @@ def _used(document: XmlDocument) -> dict[_Feature, list[Span]]:
     return found
 
 
+_TENDONS = ("spatial", "fixed")
+_TAGS = frozenset((*(owner for owner, _, _ in _VALUES), "joint", *_TENDONS, *ACTUATORS))
+
+
 def _features(element: Element, section: str) -> Iterator[_Feature]:
     """What one element has.
 
@@ -359,22 +390,25 @@ def _features(element: Element, section: str) -> Iterator[_Feature]:
         element: Of the file.
         section: Child of the root that it is in.
     """
-    tag, attributes = element.tag, element.attributes
+    tag = element.tag
+    if tag not in _TAGS:
+        return
+    attributes = element.values
     for (owner, name, value), feature in _VALUES.items():
-        if tag == owner and element.get(name) == value:
+        if tag == owner and attributes.get(name) == value:
             yield feature
     if tag == "joint" and section in ("worldbody", "default"):
         yield from dict.fromkeys(feature for name, feature in _OF_JOINT.items() if name in attributes)
-        if any(len((element.get(name) or "").split()) > 1 for name in ("damping", "stiffness")):
+        if any(len(attributes.get(name, "").split()) > 1 for name in _POLYNOMIALS):
             yield _POLYNOMIAL
-    elif tag in ("spatial", "fixed") and section == "tendon":
+    elif tag in _TENDONS and section == "tendon":
         yield from (feature for name, feature in _OF_TENDON.items() if name in attributes)
     elif tag in ACTUATORS and section in ("actuator", "default"):
         yield from _of_actuator(element)
 
 
 def _of_actuator(element: Element) -> Iterator[_Feature]:
-    tag, attributes = element.tag, element.attributes
+    tag, attributes = element.tag, element.values
     if tag in _OF_TAG:
         # Everything else in it is as old or older.
         yield _OF_TAG[tag]

@@ -1,0 +1,117 @@
+"""Rules that compare files pair by pair, where a robot has many files."""
+
+from __future__ import annotations
+
+import random
+from itertools import combinations
+
+from actspec.audit.artifact import Artifact, FileKind
+from actspec.audit.case import Case, Robot
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rules import versions_mujoco
+from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.audit.rules.source_pairs import disagreements
+from actspec.diagnostics import Span
+
+
+def _case(files: list[dict[str, float]], *robots: tuple[int, ...]) -> Case:
+    """MJCFs with the armature of each joint."""
+    artifacts = tuple(Artifact(f"{index}.xml", FileKind.MJCF, "leg") for index in range(len(files)))
+    rows = tuple(
+        LedgerRow(
+            f"{index}.xml",
+            index,
+            Span(f"{index}.xml", line, 1),
+            joint,
+            "",
+            "motor",
+            armature=armature,
+            stated=frozenset({"armature"}),
+        )
+        for index, joints in enumerate(files)
+        for line, (joint, armature) in enumerate(joints.items(), 1)
+    )
+    return Case((), artifacts, rows, tuple(Robot("leg", members) for members in robots))
+
+
+def _pairs(case: Case) -> list[tuple[int, int, str]]:
+    """Pairs whose later file has ten times the armature of the earlier."""
+    found = joint_pairs(
+        case,
+        lambda row: row.armature,
+        lambda one, other: (other.armature or 0.0) == 10.0 * (one.armature or 0.0),
+    )
+    return [(one.artifact, other.artifact, one.joint) for one, other in found]
+
+
+def test_pairs_come_in_the_files_order() -> None:
+    """File by file, then by the joints of the earlier one; equal figures are told for each file."""
+    files = [{"hip": 1.0, "knee": 1.0}, {"knee": 10.0, "hip": 10.0}, {"knee": 1.0}, {"hip": 10.0}]
+    case = _case(files, (0, 1, 2, 3))
+    # 1 has the hip after the knee, which does not count; 1 to 2 goes from 10 to 1.
+    assert _pairs(case) == [(0, 1, "hip"), (0, 1, "knee"), (0, 3, "hip")]
+
+
+def test_pairs_against_all_pairs() -> None:
+    """As asking of every two files one by one."""
+    chance = random.Random(3)
+    for _ in range(200):
+        names = ["hip", "knee", "ankle"]
+        files = [
+            {
+                name: chance.choice([0.0, 1.0, 10.0, 100.0])
+                for name in chance.sample(names, chance.randint(1, 3))
+            }
+            for _ in range(6)
+        ]
+        expected = [
+            (one, other, joint)
+            for robot in ((0, 2, 3, 5), (1, 4))
+            for one, other in combinations(robot, 2)
+            for joint in files[one]
+            if files[other].get(joint) == 10.0 * files[one][joint]
+        ]
+        assert _pairs(_case(files, (0, 2, 3, 5), (1, 4))) == expected
+
+
+def test_shared_joints() -> None:
+    """Joints that one file has alone, and those of other robots, are left out."""
+    case = _case([{"hip": 1.0, "knee": 1.0}, {"knee": 2.0}, {"hip": 3.0}], (0, 1), (2,))
+    assert [[(row.artifact, row.joint) for row in rows] for rows in shared_joints(case)] == [
+        [(0, "knee"), (1, "knee")]
+    ]
+
+
+def test_a_file_that_agrees_with_one_of_many_is_right() -> None:
+    """1 departs from 0, 2 is as 1, 3 as 0 but for rounding, 4 as none: the first file is named."""
+    case = _case([{"hip": armature} for armature in (0.01, 0.03, 0.03, 0.010001, 0.05)], (0, 1, 2, 3, 4))
+    found = [
+        (one.mine.value, one.theirs.value, one.variant) for one in disagreements(case, ["armature"], 0.01)
+    ]
+    assert found == [(0.03, 0.01, True), (0.05, 0.01, True)]
+    # 3 alone would be told if it had to be equal: 0.010001 / 0.01 - 1 is 1e-4.
+    assert len(list(disagreements(case, ["armature"], 1e-5))) == 3
+
+
+def test_two_artifacts_of_one_file_are_not_compared() -> None:
+    """Equal figures in the same file confirm nothing; those of another file do."""
+    case = _case([{"hip": 0.01}, {"hip": 0.03}, {"hip": 0.03}], (0, 1, 2))
+    case = Case((), (*case.artifacts[:2], case.artifacts[1]), case.rows, case.robots)
+    found = [one.rows[0].artifact for one in disagreements(case, ["armature"], 0.01)]
+    assert found == [1, 2]
+
+
+def test_each_feature_of_mujoco_has_a_word() -> None:
+    """A file without the words of a feature is not parsed for it, so none may lack them."""
+    tables = (
+        versions_mujoco._OF_JOINT,
+        versions_mujoco._OF_TENDON,
+        versions_mujoco._OF_ACTUATOR,
+        versions_mujoco._OF_TAG,
+        versions_mujoco._VALUES,
+    )
+    features = {feature for table in tables for feature in table.values()}
+    features |= {
+        value for value in vars(versions_mujoco).values() if isinstance(value, versions_mujoco._Feature)
+    }
+    assert features == {feature for feature, _ in versions_mujoco._WORDS}
