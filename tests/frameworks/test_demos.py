@@ -14,6 +14,7 @@ from actspec.audit.report import ReportOptions, render
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
 from benchmarks import survey
+from tests.frameworks.prepare import Frameworks
 
 UNITREE = "isaaclab_assets/unitree.py"
 GO2 = "unitree_ros/robots/go2_description/urdf/go2_description.urdf"
@@ -30,7 +31,7 @@ G1 = (
 
 
 @pytest.fixture
-def published(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def published(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frameworks: Frameworks) -> None:
     """A folder in which every collection that is here lies under its name."""
     for collection in survey.collections()[0]:
         (tmp_path / collection.name).symlink_to(collection.folder, target_is_directory=True)

@@ -21,6 +21,7 @@ def _verdict(**changes: object) -> survey.Verdict:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("frameworks")
 def test_the_page_is_what_the_audit_finds() -> None:
     """Run over the corpus and both wheels, the script writes the committed page and misses no reason."""
     found, missing = survey.collections()
