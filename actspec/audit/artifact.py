@@ -51,6 +51,14 @@ class Setting:
     span: Span
     unknown: str | None = None
 
+    @property
+    def number(self) -> float | None:
+        """The value where it is one number; None where it is unknown or anything else."""
+        known = (
+            self.unknown is None and isinstance(self.value, int | float) and not isinstance(self.value, bool)
+        )
+        return float(self.value) if known else None  # type: ignore[arg-type]
+
 
 @dataclass(frozen=True, slots=True)
 class NetworkConventions:
@@ -171,6 +179,12 @@ class RobotConfig:
     settings: Mapping[str, Setting]
     randomize: tuple[RandomizedRange, ...] = ()
     notes: tuple[Diagnostic, ...] = ()
+
+    @property
+    def physics_dt(self) -> float | None:
+        """The simulation's step [s]; None where the configuration does not say."""
+        setting = self.settings.get("physics_dt")
+        return None if setting is None else setting.number
 
 
 @dataclass(frozen=True, slots=True)

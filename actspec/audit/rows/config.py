@@ -259,7 +259,7 @@ def _row(
     )
     explicit = control in ("ideal_pd", "dc_motor", "network") and config.framework is not Framework.DEPLOY
     implicit = True if control == "implicit" else False if explicit else None
-    step = _step(config)
+    step = config.physics_dt
     stability = (
         step * kd / free.low
         if explicit and step is not None and kd is not None and free is not None and free.low > 0
@@ -356,17 +356,11 @@ def _delay(config: RobotConfig, group: ActuatorGroup) -> _Found | None:
     low, high = (
         group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
     )
-    step = _step(config)
+    step = config.physics_dt
     if high is None or not isinstance(high.value, int | float) or step is None:
         return None
     least = low.value if low is not None else high.value
     return _Found(float(high.value) * step if least == high.value else None, high.span)
-
-
-def _step(config: RobotConfig) -> float | None:
-    setting = config.settings.get("physics_dt")
-    value = setting.value if setting is not None else None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 def _inertia(

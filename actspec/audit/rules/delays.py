@@ -318,7 +318,7 @@ class DelayRangeLost(Rule):
     ) -> Iterator[Finding]:
         names = _ENDS[config.framework]
         least = group.settings.get(names[0])
-        low, high = 0.0 if least is None else _number(least), _number(most)
+        low, high = 0.0 if least is None else least.number, most.number
         if high is None:
             return
         span = (least or most).span
@@ -352,19 +352,16 @@ class DelayRangeLost(Rule):
                     help="set use_newton_actuators=False, or train with one delay and say so",
                     severity=Severity.WARNING,
                 )
-        elif high > 0.0 and _number(group.settings.get("delay_hold_prob")) == 1.0:
+        elif (
+            high > 0.0 and (hold := group.settings.get("delay_hold_prob")) is not None and hold.number == 1.0
+        ):
             yield Finding(
                 self.code,
                 f"with delay_hold_prob 1 the lag is never drawn: it stays 0, not {low or 0:g} to {high:g} steps",
-                group.settings["delay_hold_prob"].span,
+                hold.span,
                 help="for one lag an episode: delay_update_period=10**9 and delay_per_env_phase=False",
                 severity=Severity.WARNING,
             )
-
-
-def _number(setting: Setting | None) -> float | None:
-    value = setting.value if setting is not None and setting.unknown is None else None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 RULES: tuple[type[Rule], ...] = (DelayBetweenSteps, SamplesDoNotFit, DelayRangeLost)

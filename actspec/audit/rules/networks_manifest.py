@@ -145,9 +145,9 @@ def _step(case: Case, index: int, config: RobotConfig) -> tuple[float, Span] | N
     others = (case.artifacts[other].config for other in case.robot_of(index).artifacts)
     for one in (config, *others):
         setting = one.settings.get("physics_dt") if one is not None else None
-        value = setting.value if setting is not None else None
-        if setting is not None and isinstance(value, int | float) and value > 0.0:
-            return float(value), setting.span
+        value = setting.number if setting is not None else None
+        if setting is not None and value is not None and value > 0.0:
+            return value, setting.span
     return None
 
 

@@ -104,18 +104,16 @@ class NetworkScale(Rule):
             manifest = group.network.manifest if group.network is not None else None
             for name, theirs in SCALES.items():
                 setting = group.settings.get(name)
-                value = setting.value if setting is not None else None
-                if setting is None or not isinstance(value, int | float) or isinstance(value, bool):
+                value = setting.number if setting is not None else None
+                if setting is None or value is None:
                     continue
                 looked = True
                 if manifest is not None:
-                    yield from self._against(
-                        name, float(value), setting.span, manifest, getattr(manifest, theirs)
-                    )
+                    yield from self._against(name, value, setting.span, manifest, getattr(manifest, theirs))
                 elif value == 0.0:
                     yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
                 elif value < 0.0 and name != "torque_scale":
-                    yield self._negative(name, float(value), setting.span)
+                    yield self._negative(name, value, setting.span)
         if not looked:
             yield Skipped(self.code, "no configuration of a network with scales among the files")
 

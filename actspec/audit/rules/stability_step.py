@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from actspec.audit.artifact import Artifact, FileKind, Framework
+from actspec.audit.artifact import FileKind, Framework
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -266,7 +266,8 @@ class ExplicitDrive(Rule):
         looked = False
         for rows in by_joint(case, FileKind.CFG).values():
             row = rows[0]
-            step = _step(case.artifacts[row.artifact])
+            config = case.artifacts[row.artifact].config
+            step = config.physics_dt if config is not None else None
             inertia = row.inertia_free_min
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
             if not explicit or step is None or row.kd is None or inertia is None or inertia <= 0.0:
@@ -297,12 +298,6 @@ class ExplicitDrive(Rule):
                 self.code,
                 "no configuration with explicit drives, its physics step and a model that gives inertia",
             )
-
-
-def _step(artifact: Artifact) -> float | None:
-    setting = artifact.config.settings.get("physics_dt") if artifact.config is not None else None
-    value = setting.value if setting is not None else None
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 RULES: tuple[type[Rule], ...] = (ExplicitVelocityGain, ExplicitDrive)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
@@ -11,10 +10,9 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.meant_for import Meant, Release, mujoco_of
+from actspec.audit.rules.mujoco_features import WORDS, Feature, used_features
 from actspec.diagnostics import Severity, Span
-from actspec.robot.mjcf_elements import ACTUATORS
 from actspec.robot.xml import parse_document
-from actspec.robot.xml_tree import Element, XmlDocument
 
 _TORQUE_SPACE = (3, 12)
 _VOLTAGE_INPUTS = frozenset({"position", "velocity"})
@@ -183,54 +181,6 @@ def _translation(found: WrittenActuator) -> str:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class _Feature:
-    """Something in an MJCF with the releases that read it.
-
-    Attributes:
-        what: For a message.
-        since: First release.
-        until: Last release; None: all later ones.
-    """
-
-    what: str
-    since: Release
-    until: Release | None = None
-
-
-_LIMIT = _Feature("a joint's actuatorfrcrange", (3, 0))
-_OF_JOINT = {
-    "actuatorfrcrange": _LIMIT,
-    "actuatorfrclimited": _LIMIT,
-    "actuatorforcerange": _Feature("actuatorforcerange", (2, 3), (2, 3)),
-    "springyield": _Feature("a joint's springyield", (4, 0)),
-}
-_OF_TENDON = {
-    "actuatorfrcrange": _Feature("a tendon's actuatorfrcrange", (3, 3, 1)),
-    "armature": _Feature("a tendon's armature", (3, 3, 1)),
-}
-_OF_ACTUATOR = {
-    "actearly": _Feature("actearly", (3, 0)),
-    "inheritrange": _Feature("inheritrange", (3, 1, 3)),
-    "dampratio": _Feature("dampratio", (3, 1, 6)),
-    "delay": _Feature("an actuator's delay", (3, 5)),
-    "nsample": _Feature("an actuator's nsample", (3, 5)),
-    "damping": _Feature("an actuator's damping", (3, 7)),
-    "armature": _Feature("an actuator's armature", (3, 7)),
-}
-_OF_TAG = {"dcmotor": _Feature("dcmotor", (3, 7)), "pid": _Feature("pid", (3, 12))}
-_KV = _Feature("kv of a position servo", (3, 1))
-_TIME_CONSTANT = _Feature("timeconst of a position servo", (3, 1, 6))
-_INPUT = _Feature("input of a servo", (3, 16))
-_POLYNOMIALS = ("damping", "stiffness")
-_POLYNOMIAL = _Feature("a polynomial of damping or stiffness", (3, 7))
-_VALUES = {
-    ("option", "integrator", "implicitfast"): _Feature("implicitfast", (3, 0)),
-    ("option", "integrator", "discrete"): _Feature("the integrator discrete", (3, 13)),
-    ("general", "dyntype", "filterexact"): _Feature("filterexact", (3, 0)),
-}
-
-
 class NeedsAnotherMujoco(Rule):
     """The file needs another MuJoCo than the one that it is meant for.
 
@@ -293,7 +243,7 @@ class NeedsAnotherMujoco(Rule):
         """Compare each file with the release."""
         meant = mujoco_of(case)
         looked = False
-        words = {word for feature, word in _WORDS if _may_be_told(feature, meant)}
+        words = {word for feature, word in WORDS if _may_be_told(feature, meant)}
         for _, artifact in case.of_kind(FileKind.MJCF):
             if artifact.robot is None:
                 continue
@@ -301,7 +251,7 @@ class NeedsAnotherMujoco(Rule):
             if not any(word in file.data for file in artifact.robot.files for word in words):
                 continue
             document = parse_document(artifact.robot.files)
-            used = _used(document)
+            used = used_features(document)
             if meant is not None:
                 yield from self._against(used, meant)
             else:
@@ -309,7 +259,7 @@ class NeedsAnotherMujoco(Rule):
         if not looked:
             yield Skipped(self.code, "no MJCF among the files")
 
-    def _against(self, used: dict[_Feature, list[Span]], meant: Meant) -> Iterator[Finding]:
+    def _against(self, used: dict[Feature, list[Span]], meant: Meant) -> Iterator[Finding]:
         for feature, places in used.items():
             if meant.before(feature.since):
                 text = f"came with MuJoCo {_text(feature.since)}: {meant.text} refuses the file"
@@ -321,7 +271,7 @@ class NeedsAnotherMujoco(Rule):
                 continue
             yield Finding(self.code, f"{feature.what}{_count(places)} {text}", places[0], help=help)
 
-    def _together(self, used: dict[_Feature, list[Span]]) -> Iterator[Finding]:
+    def _together(self, used: dict[Feature, list[Span]]) -> Iterator[Finding]:
         newest = max(used, key=lambda feature: feature.since, default=None)
         for feature, places in used.items():
             if newest is not None and feature.until is not None and newest.since > feature.until:
@@ -335,22 +285,7 @@ class NeedsAnotherMujoco(Rule):
                 )
 
 
-_WORDS = (
-    *(
-        (feature, name.encode())
-        for table in (_OF_JOINT, _OF_TENDON, _OF_ACTUATOR, _OF_TAG)
-        for name, feature in table.items()
-    ),
-    *((feature, name.encode()) for (_, name, _), feature in _VALUES.items()),
-    *((_POLYNOMIAL, name.encode()) for name in _POLYNOMIALS),
-    (_KV, b"kv"),
-    (_TIME_CONSTANT, b"timeconst"),
-    (_INPUT, b"input"),
-)
-"""Features with the tags and attributes without which a file has none of them; a value may be written otherwise."""
-
-
-def _may_be_told(feature: _Feature, meant: Meant | None) -> bool:
+def _may_be_told(feature: Feature, meant: Meant | None) -> bool:
     """Whether there is something to say about it."""
     if meant is None:
         return feature.until is not None
@@ -364,62 +299,6 @@ def _text(release: Release) -> str:
 
 def _count(places: list[Span]) -> str:
     return f" (in {len(places)} places)" if len(places) > 1 else ""
-
-
-def _used(document: XmlDocument) -> dict[_Feature, list[Span]]:
-    """What a file has of the features, with its places."""
-    found: dict[_Feature, list[Span]] = {}
-    stack = [(document.root, "")]
-    while stack:
-        element, section = stack.pop()
-        for feature in _features(element, section):
-            found.setdefault(feature, []).append(document.span(element))
-        inner = element.tag if section in ("", "mujoco") else section
-        stack.extend((child, inner) for child in reversed(element.children))
-    return found
-
-
-_TENDONS = ("spatial", "fixed")
-_TAGS = frozenset((*(owner for owner, _, _ in _VALUES), "joint", *_TENDONS, *ACTUATORS))
-
-
-def _features(element: Element, section: str) -> Iterator[_Feature]:
-    """What one element has.
-
-    Args:
-        element: Of the file.
-        section: Child of the root that it is in.
-    """
-    tag = element.tag
-    if tag not in _TAGS:
-        return
-    attributes = element.values
-    for (owner, name, value), feature in _VALUES.items():
-        if tag == owner and attributes.get(name) == value:
-            yield feature
-    if tag == "joint" and section in ("worldbody", "default"):
-        yield from dict.fromkeys(feature for name, feature in _OF_JOINT.items() if name in attributes)
-        if any(len(attributes.get(name, "").split()) > 1 for name in _POLYNOMIALS):
-            yield _POLYNOMIAL
-    elif tag in _TENDONS and section == "tendon":
-        yield from (feature for name, feature in _OF_TENDON.items() if name in attributes)
-    elif tag in ACTUATORS and section in ("actuator", "default"):
-        yield from _of_actuator(element)
-
-
-def _of_actuator(element: Element) -> Iterator[_Feature]:
-    tag, attributes = element.tag, element.values
-    if tag in _OF_TAG:
-        # Everything else in it is as old or older.
-        yield _OF_TAG[tag]
-        return
-    yield from (feature for name, feature in _OF_ACTUATOR.items() if name in attributes)
-    if tag == "position" and "kv" in attributes:
-        yield _KV
-    if tag == "position" and "timeconst" in attributes:
-        yield _TIME_CONSTANT
-    if tag in ("position", "velocity", "intvelocity", "general", "motor") and "input" in attributes:
-        yield _INPUT
 
 
 RULES: tuple[type[Rule], ...] = (DcmotorDialect, NeedsAnotherMujoco)

@@ -8,7 +8,7 @@ from itertools import combinations
 from actspec.audit.artifact import Artifact, FileKind
 from actspec.audit.case import Case, Robot
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rules import versions_mujoco
+from actspec.audit.rules import mujoco_features
 from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.audit.rules.source_pairs import disagreements
 from actspec.diagnostics import Span
@@ -104,14 +104,14 @@ def test_two_artifacts_of_one_file_are_not_compared() -> None:
 def test_each_feature_of_mujoco_has_a_word() -> None:
     """A file without the words of a feature is not parsed for it, so none may lack them."""
     tables = (
-        versions_mujoco._OF_JOINT,
-        versions_mujoco._OF_TENDON,
-        versions_mujoco._OF_ACTUATOR,
-        versions_mujoco._OF_TAG,
-        versions_mujoco._VALUES,
+        mujoco_features._OF_JOINT,
+        mujoco_features._OF_TENDON,
+        mujoco_features._OF_ACTUATOR,
+        mujoco_features._OF_TAG,
+        mujoco_features._VALUES,
     )
     features = {feature for table in tables for feature in table.values()}
     features |= {
-        value for value in vars(versions_mujoco).values() if isinstance(value, versions_mujoco._Feature)
+        value for value in vars(mujoco_features).values() if isinstance(value, mujoco_features.Feature)
     }
-    assert features == {feature for feature, _ in versions_mujoco._WORDS}
+    assert features == {feature for feature, _ in mujoco_features.WORDS}
