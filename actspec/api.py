@@ -16,10 +16,13 @@ from actspec.diagnostics import (
 )
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from actspec.ir import ActuatorSet
     from actspec.robot.view import RobotView
     from actspec.spec.validate import Spec
     from actspec.targets.base import Approximation, Emission, TargetOptions
+    from actspec.verify.agreement import Agreement
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,8 +47,9 @@ class Compilation:
 
     @property
     def approximations(self) -> tuple[Approximation, ...]:
-        """Of all targets."""
-        return tuple(loss for emission in self.emissions for loss in emission.approximations)
+        """Of the spec itself, then of all targets."""
+        emitted = (loss for emission in self.emissions for loss in emission.approximations)
+        return (*self.actuators.approximations, *emitted)
 
     @property
     def unaccepted(self) -> tuple[Approximation, ...]:
@@ -148,7 +152,7 @@ def compile(
     for item in check_actuators(actuators, explicit):
         collector.add(item)
     collector.raise_if_failed(EmitError)
-    check_accepted(loaded, chosen, emissions, collector)
+    check_accepted(loaded, actuators.approximations, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 
 
@@ -157,6 +161,44 @@ def _placed(item: Diagnostic, spec: Spec) -> Diagnostic:
     if item.span is not None or item.where != "robot.model":
         return item
     return replace(item, span=spec.span("robot", "model"))
+
+
+def verify(
+    spec: Spec | str | os.PathLike[str],
+    *,
+    targets: Sequence[str | TargetOptions] = (),
+    built: str | os.PathLike[str] | None = None,
+    engines: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> tuple[Compilation, Agreement]:
+    """Show by numbers that every target makes what the spec says: see docs/verify.md.
+
+    What a target's Python files say is executed by its simulator's own code, unless `engines` is False.
+
+    Args:
+        spec: A spec, or the path of one.
+        targets: As in `compile`.
+        built: Folder of compiled files to verify, as `compile` writes it below `-o`; default: what it writes today.
+        engines: Run the simulators that are here; files are only read back without.
+        progress: Called with how many steps are done, of how many.
+
+    Raises:
+        SpecError, RobotError, ResolveError, EmitError: as `compile`.
+        VerifyError: a file of `built` is not there.
+    """
+    import tempfile
+
+    from actspec.verify.run import lay_out, relative, verify
+
+    with tempfile.TemporaryDirectory(prefix="actspec-verify-") as folder:
+        compilation = compile(spec, targets=targets, output=folder)
+        pairs = list(zip(compilation.targets, compilation.emissions, strict=True))
+        found = lay_out(pairs, None if built is None else os.fspath(built))
+        path = compilation.spec.document.path
+        agreement = verify(
+            compilation.actuators, compilation.robot, found, spec=path, engines=engines, progress=progress
+        )
+        return compilation, relative(agreement, folder)
 
 
 def sample(
@@ -183,4 +225,4 @@ def sample(
     return draw(found, n, seed=seed, xp=xp)
 
 
-__all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve", "sample"]
+__all__ = ["Compilation", "ResolveError", "compile", "load", "load_robot", "resolve", "sample", "verify"]

@@ -211,7 +211,7 @@ class JointActuator:
         kind: hinge or slide.
         group: Name of the spec's actuator group.
         pattern: The author's pattern that selected the joint.
-        motor: Name of the spec's motor; None without one.
+        motor: Name of the spec's motor, or of those of its linkage; None without one.
         level: Model level.
         command: What the command means.
         kp: Drive stiffness [N*m/rad or N/m]; None unless command is position.
@@ -295,6 +295,37 @@ class JointActuator:
 
 
 @dataclass(frozen=True, slots=True)
+class Approximation:
+    """What a target cannot express of one joint, or a spec of its robot.
+
+    Attributes:
+        target: Name of the target in the spec; `spec` for what the spec simplifies itself, for every target.
+        joint: The joint; "" when it concerns the whole robot.
+        field: What it is called, e.g. `command_filter`.
+        asked: What the spec asks for, with unit.
+        emitted: What is taken instead.
+        why: Reason.
+        max_torque_error: Largest difference in torque that it can make [N*m or N]; None when the
+            loss is not one of torque.
+        unit: Unit of `max_torque_error`.
+    """
+
+    target: str
+    joint: str
+    field: str
+    asked: str
+    emitted: str
+    why: str
+    max_torque_error: float | None
+    unit: str = "N*m"
+
+    @property
+    def key(self) -> str:
+        """Name under which `accept` takes it."""
+        return f"{self.target}.{self.field}"
+
+
+@dataclass(frozen=True, slots=True)
 class Source:
     """Where numbers come from, as the spec's `sources` lists it."""
 
@@ -323,6 +354,7 @@ class ActuatorSet:
         sources: What the `source` keys mean.
         spec_sha256: Hash of the spec's text and of what it includes.
         diagnostics: Warnings and notes of `resolve`.
+        approximations: What the spec simplifies before any target does: linkages, levers.
     """
 
     robot: str
@@ -336,6 +368,7 @@ class ActuatorSet:
     spec_sha256: str
     diagnostics: tuple[Diagnostic, ...] = ()
     default_pose: tuple[str, ...] = ()
+    approximations: tuple[Approximation, ...] = ()
 
     def joint(self, name: str) -> JointActuator | None:
         """The actuator of a joint, or None if the spec does not manage it."""

@@ -141,7 +141,9 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
         "spec_sha256": compilation.actuators.spec_sha256,
         "target": {"name": options.name, "kind": options.kind, "version": options.version},
         "files": [{"path": file.path, "sha256": file.sha256} for file in emission.files],
-        "approximations": [loss_record(loss) for loss in emission.approximations],
+        "approximations": [
+            loss_record(loss) for loss in (*compilation.actuators.approximations, *emission.approximations)
+        ],
     }
     return (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
 

@@ -35,8 +35,7 @@ from actspec.audit.report import ReportOptions, render  # noqa: E402
 from actspec.audit.report.groups import grouped  # noqa: E402
 from actspec.audit.settings import Settings  # noqa: E402
 from actspec.diagnostics import Severity, listed  # noqa: E402
-from tests.agree.engines import cache_folder  # noqa: E402
-from tests.frameworks.prepare import ISAACLAB, pins  # noqa: E402
+from actspec.verify.frameworks import ISAACLAB, find  # noqa: E402
 
 SURVEY = ROOT / "docs" / "survey.md"
 VERDICTS = Path(__file__).with_suffix(".yaml")
@@ -132,7 +131,8 @@ class Run:
 def collections() -> tuple[list[Collection], list[str]]:
     """The collections that are here, and what is missing."""
     corpus = Path(os.environ.get("ACTSPEC_CORPUS", ROOT.parent / "shared" / "corpus"))
-    wheels = cache_folder() / f"frameworks-{pins()}"
+    prepared = find()
+    wheels = Path(os.devnull) if prepared is None else prepared.folder
     found, missing = [], []
     if (corpus / "README.md").is_file():
         text = (corpus / "README.md").read_text(encoding="utf-8")
@@ -161,7 +161,7 @@ def collections() -> tuple[list[Collection], list[str]]:
             Collection("isaaclab_assets", "wheel isaaclab", version, robots, _files(robots, ("*.py",)))
         )
     else:
-        missing.append(f"the wheel isaaclab {version} (tests/frameworks prepares it)")
+        missing.append(f"the wheel isaaclab {version} (`actspec verify --setup` prepares it)")
     zoo = next(wheels.glob("venv/lib/python*/site-packages/mjlab/asset_zoo/robots"), None)
     if zoo is not None:
         release = next(zoo.parents[2].glob("mjlab-*.dist-info")).name.split("-")[1].removesuffix(".dist")
@@ -169,7 +169,7 @@ def collections() -> tuple[list[Collection], list[str]]:
             Collection("mjlab", "wheel mjlab", release, zoo, _files(zoo, ("*.xml", "*_constants.py")))
         )
     else:
-        missing.append("the wheel mjlab (tests/frameworks prepares it)")
+        missing.append("the wheel mjlab (`actspec verify --setup` prepares it)")
     return found, missing
 
 

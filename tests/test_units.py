@@ -163,7 +163,7 @@ def test_bare_numbers(kind: Kind) -> None:
     """0 is always fine and tells nothing of the joint; another bare number only where the kind says so."""
     zero = parse_quantity(0, kind)
     assert (zero.value, zero.unit, zero.linear) == (0.0, kind.rotary_unit, None)
-    refused = {Kind.TIME, Kind.FREQUENCY, Kind.ANGLE, Kind.POSITION, Kind.SPEED}
+    refused = {Kind.TIME, Kind.FREQUENCY, Kind.ANGLE, Kind.POSITION, Kind.LENGTH, Kind.LEAD, Kind.SPEED}
     assert kind.bare is (kind not in refused)
     if kind.bare:
         assert parse_quantity(10, kind) == parse_quantity("10", kind)
@@ -266,6 +266,12 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
             "a speed constant of 100 rpm/V is a torque constant of 0.095493 N*m/A",
         ),
         ("10 mm", Kind.ANGLE, "10 mm is a length, not an angle", "an angle is in rad"),
+        # 0.01 m/rad would be 2 pi times the lead.
+        (
+            "10 mm", Kind.LEAD, "10 mm is a length, not a lead",
+            "a lead is the travel in one turn: write `10 mm/rev`",
+        ),
+        ("20", Kind.LENGTH, "20 has no unit, and a length needs one", "write `20 mm` or `20 m`"),
         # Unknown units: the nearest that is of the kind asked for.
         (
             "5 Nmm", Kind.TORQUE, "5 Nmm is not a torque: unknown unit `Nmm`",
@@ -466,7 +472,7 @@ def test_error_crosses_processes() -> None:
         ("g*cm^2", Kind.INERTIA), ("rpm", Kind.SPEED), ("deg/s", Kind.SPEED), ("turn/min", Kind.SPEED),
         ("N*m/deg", Kind.STIFFNESS), ("lbf/in", Kind.STIFFNESS), ("N*m/rpm", Kind.VELOCITY_GAIN),
         ("km/h", Kind.SPEED), ("ft", Kind.POSITION), ("us", Kind.TIME), ("mV", Kind.VOLTAGE),
-        ("kOhm", Kind.RESISTANCE),
+        ("kOhm", Kind.RESISTANCE), ("mm/turn", Kind.LEAD), ("in", Kind.LENGTH),
     ],
     ids=lambda v: v if isinstance(v, str) else "",
 )  # fmt: skip

@@ -7,7 +7,7 @@ files. An `Artifact` is one robot as one file has it. Nothing here was executed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from actspec.diagnostics import Diagnostic, Span
@@ -144,6 +144,8 @@ class RandomizedRange:
         span: Where it is written.
         distribution: `uniform`, `log_uniform` or `gaussian` (then low, high are mean and deviation).
         actuators: Patterns of mjlab's `actuator_names`; None: not given.
+        when: The event's mode (`startup`, `reset`, `interval`, ...); "" where nobody says.
+        every: Time between two draws of mode `interval`, low and high [s]; None without.
     """
 
     field: str
@@ -154,6 +156,8 @@ class RandomizedRange:
     span: Span
     distribution: str = "uniform"
     actuators: tuple[str, ...] | None = None
+    when: str = ""
+    every: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,9 +171,11 @@ class RobotConfig:
         groups: Its actuator groups, in the author's order.
         settings: Robot-wide settings by actspec's name: `physics_dt`, `decimation`, `action_scale`, `control_dt`,
             `default_position` (by pattern), `soft_joint_pos_limit_factor`, `joint_order` (tuple of names),
+            `sdk_order` (the robot's numbering, of a deploy file that actspec wrote: names and None; empty: not stated),
             `model` (path of the asset that it names).
         randomize: Its ranges.
         notes: What could not be folded, each with its place and reason.
+        written_for: What its groups are for, where actspec wrote them: names of `case.Versions`' fields.
     """
 
     framework: Framework
@@ -179,6 +185,7 @@ class RobotConfig:
     settings: Mapping[str, Setting]
     randomize: tuple[RandomizedRange, ...] = ()
     notes: tuple[Diagnostic, ...] = ()
+    written_for: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def physics_dt(self) -> float | None:
@@ -198,6 +205,7 @@ class Artifact:
         robot: MJCF or URDF, read; its inertia matrices may have been dropped after `inertia` was taken.
         config: Configuration, read.
         spec: Spec, resolved.
+        networks: Networks that a spec names, each once; those of a configuration are in its groups.
         text_only: Why the numbers come from the text alone (MuJoCo refuses the file, with its reason); None: compiled.
     """
 
@@ -207,6 +215,7 @@ class Artifact:
     robot: RobotView | None = None
     config: RobotConfig | None = None
     spec: ActuatorSet | None = None
+    networks: tuple[NetworkReading, ...] = ()
     text_only: str | None = None
 
 

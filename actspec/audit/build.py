@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from actspec.audit.artifact import Artifact, FileKind, FileReading
-from actspec.audit.case import Case, Robot, Versions
+from actspec.audit.case import Case, Robot, Versions, meant_for
 from actspec.audit.ledger import LedgerRow
 
 
@@ -36,7 +36,7 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
     """A spec whose own robot could not be read, on another one."""
     if reading.kind is not FileKind.SPEC or reading.artifacts:
         return reading
-    from actspec.audit.readers.spec import resolved_on
+    from actspec.audit.readers.spec import artifact_of, resolved_on
     from actspec.diagnostics import ActspecError
 
     for robot in (artifact.robot for other in readings for artifact in other.artifacts):
@@ -46,7 +46,7 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
             actuators = resolved_on(reading.path, robot)
         except ActspecError:
             continue
-        artifact = Artifact(reading.path, FileKind.SPEC, actuators.robot, spec=actuators)
+        artifact = artifact_of(reading.path, actuators)
         return FileReading(
             reading.path, FileKind.SPEC, None, (artifact,), reading.files, actuators.diagnostics
         )
@@ -68,5 +68,5 @@ def _rows(
         else:
             members = next((robot.artifacts for robot in robots if index in robot.artifacts), ())
             partners = tuple(artifacts[other] for other in members if other != index)
-            rows += rows_of_config(artifact, index, partners, versions)
+            rows += rows_of_config(artifact, index, partners, meant_for(versions, artifact))
     return tuple(rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from actspec.audit.artifact import Artifact, FileKind, FileReading
 from actspec.audit.ledger import LedgerRow
@@ -27,6 +27,18 @@ class Versions:
     isaac_sim: str | None = None
     backend: str | None = None
     mjlab: str | None = None
+
+
+def meant_for(versions: Versions, artifact: Artifact) -> Versions:
+    """What an artifact is meant for: as was said, else as actspec wrote it for.
+
+    Args:
+        versions: As was said for all files; one of Isaac Lab's speaks for all of it.
+        artifact: The artifact.
+    """
+    config = artifact.config
+    said = versions.isaaclab or versions.isaac_sim or versions.backend
+    return versions if said or config is None else replace(versions, **config.written_for)
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +98,10 @@ class Case:
         for index, artifact in enumerate(self.artifacts):
             if artifact.kind in kinds:
                 yield index, artifact
+
+    def versions_of(self, artifact: int) -> Versions:
+        """What an artifact is meant for."""
+        return meant_for(self.versions, self.artifacts[artifact])
 
     def robot_of(self, artifact: int) -> Robot:
         """The robot that an artifact belongs to."""

@@ -175,6 +175,9 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
         rows: Of one joint, one an actuator; at least one.
         name: Field of a row that is a number.
     """
+    if len(rows) == 1:
+        row = rows[0]
+        return Figure(getattr(row, name), _unit(name, row.kind), row.place(name), name in row.stated)
     said = [row for row in rows if name in row.stated]
     values: list[float | None] = [getattr(row, name) for row in rows]
     value = values[0]

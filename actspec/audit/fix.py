@@ -12,6 +12,7 @@ import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
+from actspec.audit.apart import Apart, LostError
 from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.outcome import Reported
@@ -78,17 +79,18 @@ def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsa
             edits |= own
             taken.append((item, fix))
     refused: list[Diagnostic] = []
-    reason = _fault([fix for _, fix in taken], data, files)
-    if reason is not None:
-        # One of them is at fault: each is tried beside those that passed.
-        good: list[tuple[Reported, Fix]] = []
-        for item, fix in taken:
-            reason = _fault([*(other for _, other in good), fix], data, files)
-            if reason is None:
-                good.append((item, fix))
-            else:
-                refused.append(_refusal(item, fix, reason))
-        taken = good
+    with Apart(_model_fault) as check:
+        reason = _fault([fix for _, fix in taken], data, files, check)
+        if reason is not None:
+            # One of them is at fault: each is tried beside those that passed.
+            good: list[tuple[Reported, Fix]] = []
+            for item, fix in taken:
+                reason = _fault([*(other for _, other in good), fix], data, files, check)
+                if reason is None:
+                    good.append((item, fix))
+                else:
+                    refused.append(_refusal(item, fix, reason))
+            taken = good
     return Fixes(tuple(_fixed([fix for _, fix in taken], data)), tuple(dict.fromkeys(refused)))
 
 
@@ -167,7 +169,12 @@ def _refusal(item: Reported, fix: Fix, reason: str) -> Diagnostic:
     )
 
 
-def _fault(fixes: Sequence[Fix], data: Mapping[str, ModelFile], files: Sequence[FileReading]) -> str | None:
+def _fault(
+    fixes: Sequence[Fix],
+    data: Mapping[str, ModelFile],
+    files: Sequence[FileReading],
+    check: Apart[str | None],
+) -> str | None:
     """Why these fixes together must not be made; None when they may."""
     new = _edited(fixes, data)
     fields = {field for fix in fixes for field in fix.fields}
@@ -175,15 +182,22 @@ def _fault(fixes: Sequence[Fix], data: Mapping[str, ModelFile], files: Sequence[
         touched = reading.readable and any(_key(file.path) in new for file in reading.files)
         if touched:
             after = tuple(replace(file, data=new.get(_key(file.path), file.data)) for file in reading.files)
-            reason = _reading_fault(reading, after, fields)
+            reason = _reading_fault(reading, after, fields, check)
             if reason is not None:
                 return reason
     return None
 
 
-def _reading_fault(reading: FileReading, after: tuple[ModelFile, ...], fields: set[str]) -> str | None:
+def _reading_fault(
+    reading: FileReading, after: tuple[ModelFile, ...], fields: set[str], check: Apart[str | None]
+) -> str | None:
     if reading.kind in (FileKind.MJCF, FileKind.URDF):
-        return _model_fault(reading, after, fields)
+        form = ModelFormat.MJCF if reading.kind is FileKind.MJCF else ModelFormat.URDF
+        try:
+            # MuJoCo has read these files, but not yet as they would be, and not in this process.
+            return check(reading.path, form, reading.files, after, fields)
+        except LostError as err:
+            return f"{reading.path} could not be compiled to check it: {err}"
     import yaml
 
     for file in after:
@@ -197,19 +211,24 @@ def _reading_fault(reading: FileReading, after: tuple[ModelFile, ...], fields: s
     return None
 
 
-def _model_fault(reading: FileReading, after: tuple[ModelFile, ...], fields: set[str]) -> str | None:
+def _model_fault(
+    path: str,
+    form: ModelFormat,
+    before: tuple[ModelFile, ...],
+    after: tuple[ModelFile, ...],
+    fields: set[str],
+) -> str | None:
     """What the compiled model says against an edit of its text."""
     from actspec.robot.mjspec import compile_spec, open_spec
     from actspec.robot.model_fields import DERIVED, differences
 
-    form = ModelFormat.MJCF if reading.kind is FileKind.MJCF else ModelFormat.URDF
     try:
-        old = compile_spec(open_spec(reading.files, format=form))
+        old = compile_spec(open_spec(before, format=form))
     except ActspecError:
-        return f"MuJoCo does not take {reading.path} as it is, so the fix cannot be checked"
+        return f"MuJoCo does not take {path} as it is, so the fix cannot be checked"
     try:
         new = compile_spec(open_spec(after, format=form))
     except ActspecError as err:
-        return f"MuJoCo refuses {reading.path} afterwards: {err.diagnostics[0].message}"
+        return f"MuJoCo refuses {path} afterwards: {err.diagnostics[0].message}"
     changed = [text for text in differences(old, new) if text.partition(":")[0] not in fields | DERIVED]
     return f"it would change {listed(changed, 3)} of the compiled model" if changed else None

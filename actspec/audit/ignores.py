@@ -42,11 +42,14 @@ class Ignore:
     first: int
     last: int
 
+    @property
+    def placed(self) -> bool:
+        """Whether it stands where it speaks about a line at all."""
+        return self.span.line <= FIRST_LINES if self.whole_file else self.first > 0
+
     def covers(self, line: int) -> bool:
         """Whether it speaks about a line."""
-        if self.whole_file:
-            return self.span.line <= FIRST_LINES
-        return 0 < self.first <= line <= self.last
+        return self.placed and (self.whole_file or self.first <= line <= self.last)
 
 
 def ignores_of(files: Iterable[FileReading]) -> dict[str, tuple[Ignore, ...]]:
@@ -133,25 +136,18 @@ def without_reason(ignores: Iterable[Ignore]) -> Iterator[Finding]:
             )
 
 
-def unused(
-    ignores: Iterable[tuple[Ignore, str]], ran: set[str], rules: Sequence[type[Rule]]
-) -> Iterator[Finding]:
-    """ACT002: remarks that set nothing aside, where their rule has looked.
+def unused(ignores: Iterable[tuple[Ignore, str]]) -> Iterator[Finding]:
+    """ACT002: remarks that set nothing aside.
 
     Args:
-        ignores: From `set_aside`.
-        ran: Codes of rules that ran and had input.
-        rules: All rules.
+        ignores: From `actspec.audit.unused.certainly_unused`.
     """
-    codes = {name: rule.code for rule in rules for name in (rule.code, rule.name)}
     for ignore, code in ignores:
-        if codes.get(code) not in ran:
-            continue
         message, help = f"this ignore of {code} sets nothing aside", "remove it"
-        if ignore.whole_file and ignore.span.line > FIRST_LINES:
+        if ignore.whole_file and not ignore.placed:
             message = f"this ignore-file stands below line {FIRST_LINES}, and is not followed"
             help = "move it to the top of the file"
-        elif not ignore.whole_file and not ignore.first:
+        elif not ignore.placed:
             help = "put it on the line of the finding, or alone on the line before"
         yield Finding("ACT002", message, ignore.span, help=help)
 

@@ -44,8 +44,13 @@ class LedgerRow:
         kd: The drive's velocity gain in its linear region, gear included; back-EMF is in it.
         kd_clamped: Whether the effort limit clamps the kd torque.
         kd_implicit: Whether it is integrated implicitly; None when the file does not say.
-        joint_damping: Passive viscous friction of the joint; outside every clamp.
-        actuator_damping: MuJoCo's actuator-level damping at the joint (gear squared); outside every clamp.
+        joint_damping: Passive viscous friction of the joint.
+        joint_damping_clamped: Whether the effort limit clamps it; None when the file does not say, as a URDF, whose
+            damping some importers put into the drive.
+        joint_damping_implicit: Whether it is integrated implicitly; None when the file does not say.
+        actuator_damping: MuJoCo's actuator-level damping at the joint (gear squared).
+        actuator_damping_clamped: As of the joint's.
+        actuator_damping_implicit: Likewise.
         back_emf: Part of `kd` that is back-EMF of a dcmotor in voltage or passive mode; 0 for others.
         total_damping: kd of all the joint's actuators, joint and actuator damping together.
         frictionloss: Dry friction.
@@ -81,7 +86,11 @@ class LedgerRow:
     kd_clamped: bool | None = None
     kd_implicit: bool | None = None
     joint_damping: float | None = None
+    joint_damping_clamped: bool | None = None
+    joint_damping_implicit: bool | None = None
     actuator_damping: float | None = None
+    actuator_damping_clamped: bool | None = None
+    actuator_damping_implicit: bool | None = None
     back_emf: float | None = None
     total_damping: float | None = None
     frictionloss: float | None = None

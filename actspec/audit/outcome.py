@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
+from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
@@ -98,8 +100,18 @@ class Report:
             if not file.readable and not any(item.severity is Severity.ERROR for item in file.diagnostics):
                 message = f"the file cannot be read: {file.reason}"
                 found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
-            for refusal in dict.fromkeys(artifact.text_only for artifact in file.artifacts):
-                if refusal is not None:
-                    message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
-                    found.append(Diagnostic("AUD013", Severity.WARNING, message, "", Span(file.path)))
+            found += _from_text(file)
         return (*found, *self.problems)
+
+
+def _from_text(file: FileReading) -> Iterator[Diagnostic]:
+    """Why a file was judged from its text alone; for a URDF without a mass that is no loss."""
+    for refusal in dict.fromkeys(artifact.text_only for artifact in file.artifacts):
+        if refusal is None:
+            continue
+        if file.kind is FileKind.URDF and not any(b"<inertial" in part.data for part in file.files):
+            message, severity = "no link has a mass, so what needs inertia is not judged", Severity.INFO
+        else:
+            message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
+            severity = Severity.WARNING
+        yield Diagnostic("AUD013", severity, message, "", Span(file.path))

@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 
 from actspec.audit.artifact import Artifact, Framework, RobotConfig
 from actspec.audit.case import Robot
@@ -45,7 +46,8 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
     Artifacts that name their joints (models, specs, deploy files) come together when they share joints
     and their names do not contradict. A configuration joins the robot of its name, where at least half of
     its patterns match a joint, else the one whose joints all of its patterns match; where several do,
-    none: nothing is guessed.
+    none: nothing is guessed. Ranges of randomisation without actuators join the robot that their file's name tells,
+    or the only one.
 
     Args:
         artifacts: All robots of all files.
@@ -55,6 +57,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
     Returns: Every artifact in exactly one robot, in the order of the files.
     """
     names = [joint_names(artifact) for artifact in artifacts]
+    sets = [frozenset(own or ()) for own in names]
     calls = [_names_of(artifact) for artifact in artifacts]
     words = [distinctive(artifact) for artifact in artifacts]
 
@@ -64,7 +67,9 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
         return _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
 
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
-    bound = {i for i, own in enumerate(names) if held and own is not None and _overlap(own, held)}
+    bound = {
+        i for i, own in enumerate(names) if held and own is not None and _overlap(sets[i], frozenset(held))
+    }
     groups: list[list[int]] = []
     for index, own in enumerate(names):
         if own is None:
@@ -74,7 +79,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
                 group
                 for group in groups
                 if all(
-                    {index, i} <= bound or (_overlap(own, names[i] or ()) and agree(index, i)) for i in group
+                    {index, i} <= bound or (_overlap(sets[index], sets[i]) and agree(index, i)) for i in group
                 )
             ),
             None,
@@ -84,7 +89,8 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
         else:
             home.append(index)
     named = [tuple(group) for group in groups]
-    configs = [i for i, own in enumerate(names) if own is None]
+    unnamed = [i for i, own in enumerate(names) if own is None]
+    configs = [i for i in unnamed if not _is_events(artifacts[i])]
     for index in configs:
         joints_of = [[n for i in group for n in names[i] or ()] for group in named]
         only = len(_same_file(artifacts, configs, index)) == 1
@@ -106,10 +112,25 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             groups.append([index])
         else:
             groups[choice[0]].append(index)
+    for index in unnamed:
+        if _is_events(artifacts[index]):
+            called = words[index] | _telling(os.path.splitext(os.path.basename(artifacts[index].path))[0])
+            named_so = [group for group in groups if any(called & words[i] for i in group)]
+            homes = named_so if len(named_so) == 1 else groups if not named_so and len(groups) == 1 else []
+            if homes:
+                homes[0].append(index)
+            else:
+                groups.append([index])
     robots = [
         Robot(_name(artifacts, words, sorted(group)), tuple(sorted(group))) for group in groups if group
     ]
     return tuple(sorted(robots, key=lambda robot: robot.artifacts))
+
+
+def _is_events(artifact: Artifact) -> bool:
+    """Whether a configuration has ranges and no actuators: what it randomises is in other files of its robot."""
+    config = artifact.config
+    return config is not None and not config.groups and bool(config.randomize)
 
 
 def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
@@ -142,6 +163,7 @@ def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     return own or _telling(stem), _telling(folder)
 
 
+@lru_cache(maxsize=1024)  # a folder's files share most of it
 def _telling(text: str) -> frozenset[str]:
     return frozenset(_words(text))
 
@@ -170,9 +192,9 @@ def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
     return bool(one & other) and not signs[0] & signs[1]
 
 
-def _overlap(one: Sequence[str], other: Sequence[str]) -> bool:
+def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:
     least = min(len(one), len(other))
-    return least > 0 and len(set(one) & set(other)) >= SHARE * least
+    return least > 0 and len(one & other) >= SHARE * least
 
 
 def _fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import re
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.artifact import Artifact, FileKind, FileReading
+from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.workers import FAULT, Task, Workers
-from actspec.diagnostics import ActspecError
+from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFile
 from actspec.spec.read import is_spec
@@ -101,6 +102,11 @@ class PendingFiles:
         """Stop reading."""
         self._workers.__exit__()
 
+    @property
+    def in_folders(self) -> frozenset[str]:
+        """Those that were found in a folder that was named."""
+        return frozenset(file.path for file in self._files if file.folder is not None)
+
     def finish(self, progress: Callable[[int, int], None] | None = None) -> tuple[FileReading, ...]:
         """Wait until all are read.
 
@@ -171,6 +177,7 @@ def _chosen(
     chosen = []
     told = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)} - told
+    seen = Counter(file.folder for file in files)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
         named = file.folder is None and not (skip_other and os.path.exists(file.path))
@@ -178,9 +185,23 @@ def _chosen(
             chosen.append(found[index])
     for path in dict.fromkeys(paths):
         if path in empty:
-            reason = "the folder has no robot file, configuration, deploy file or spec"
-            chosen.append(FileReading(path, None, reason))
+            chosen.append(_nothing_in(path, seen[path]))
     return chosen
+
+
+def _nothing_in(folder: str, count: int) -> FileReading:
+    """A folder without anything to audit, of which that is said in place of that it cannot be read."""
+    endings = ", ".join((*ROBOT, *PYTHON, *YAML))
+    reason = f"it has no file that ends in {endings}"
+    if count:
+        files = "file that ends" if count == 1 else "files that end"
+        reason = (
+            f"of its {count} {files} in {endings} none is a robot file, configuration, deploy file or spec"
+        )
+    message = f"nothing to audit in this folder: {reason}"
+    help = "links to folders are not followed and hidden folders are passed over; name those"
+    told = Diagnostic("AUD014", Severity.ERROR, message, "", Span(folder), help)
+    return FileReading(folder, None, f"nothing to audit: {reason}", diagnostics=(told,))
 
 
 def _concerns(reading: FileReading) -> bool:
@@ -207,7 +228,7 @@ def _read_yaml(path: str) -> FileReading:
 
         return read_deploy(path)
     from actspec.audit.readers.robot import reason_of
-    from actspec.audit.readers.spec import resolved
+    from actspec.audit.readers.spec import artifact_of, resolved
 
     files = (ModelFile(path, "", data),)
     try:
@@ -215,5 +236,6 @@ def _read_yaml(path: str) -> FileReading:
     except ActspecError as err:
         reason = reason_of(err.diagnostics, path)
         return FileReading(path, FileKind.SPEC, reason, (), files, err.diagnostics)
-    artifact = Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators)
-    return FileReading(path, FileKind.SPEC, None, (artifact,), files, actuators.diagnostics)
+    return FileReading(
+        path, FileKind.SPEC, None, (artifact_of(path, actuators),), files, actuators.diagnostics
+    )

@@ -24,6 +24,8 @@ class Rule:
         confidence: Likewise.
         fix: Whether it offers a fix; None: never.
         options: Its options and their defaults.
+        paired: Whether another file of the robot can give it a finding in a model that the model by itself would not
+            get.
     """
 
     code: ClassVar[str]
@@ -32,6 +34,7 @@ class Rule:
     confidence: ClassVar[Confidence]
     fix: ClassVar[Safety | None] = None
     options: ClassVar[dict[str, float]] = {}
+    paired: ClassVar[bool] = False
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find, or say why nothing could be looked at.

@@ -138,15 +138,15 @@ def read_versions(data: Mapping[str, str], where: str, span: Span | None, out: C
 def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any]]]:
     folder = os.path.abspath(start)
     while not collector.failed:
-        own = os.path.join(folder, OWN_FILE)
+        own = _shown(os.path.join(folder, OWN_FILE))
         if os.path.isfile(own):
-            yield _shown(own), _read(own, collector)
-        shared = os.path.join(folder, SHARED_FILE)
+            yield own, _read(own, collector)
+        shared = _shown(os.path.join(folder, SHARED_FILE))
         if os.path.isfile(shared):
             data = _read(shared, collector, quietly=True)
             tool = data.get("tool")
             if isinstance(tool, dict) and "actspec" in tool:
-                yield _shown(shared), data
+                yield shared, data
         parent = os.path.dirname(folder)
         if parent == folder:
             return
@@ -154,12 +154,11 @@ def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[st
 
 
 def _shown(path: str) -> str:
-    """A path below the working folder as the user would write it, others as they are."""
+    """A path as the user would write it from the working folder."""
     try:
-        relative = os.path.relpath(path)
+        return os.path.relpath(path)
     except ValueError:  # another drive
         return path
-    return path if relative.startswith(os.pardir) else relative
 
 
 def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str, Any]:

@@ -116,7 +116,7 @@ class Workers:
                     if done is not None:
                         yield done
                         continue
-                    fault = _death(worker.process)
+                    fault = death(worker.process)
                 elif time.monotonic() - worker.since > self._limit:
                     fault = f"MuJoCo took longer than {self._limit:g} s for it"
                 else:
@@ -188,21 +188,32 @@ class _Worker:
 
 def _start(read: Read, others: Sequence[_Worker]) -> _Worker:
     """A new process. Where it is forked it inherits the pipes of the others, and closes them."""
-    import multiprocessing
+    context = process_context()
+    ours, theirs = context.Pipe()
+    inherited = [*(worker.pipe for worker in others), ours] if context.get_start_method() == "fork" else []
+    process = context.Process(target=_serve, args=(theirs, inherited, read), daemon=True)
+    start_quietly(process)
+    theirs.close()
+    return _Worker(process, ours, time.monotonic())
+
+
+def start_quietly(process: BaseProcess) -> None:
+    """Start a process."""
     import warnings
 
-    # Elsewhere a fork is not safe; nor is one beside other threads of Python, which may hold a lock.
-    forks = sys.platform.startswith("linux") and threading.active_count() == 1
-    context: Any = multiprocessing.get_context("fork" if forks else "spawn")
-    ours, theirs = context.Pipe()
-    inherited = [*(worker.pipe for worker in others), ours] if forks else []
-    process = context.Process(target=_serve, args=(theirs, inherited, read), daemon=True)
     with warnings.catch_warnings():
         # Python 3.12 warns of threads that numpy's linear algebra has started, which is made for forks.
         warnings.simplefilter("ignore", DeprecationWarning)
         process.start()
-    theirs.close()
-    return _Worker(process, ours, time.monotonic())
+
+
+def process_context() -> Any:
+    """How processes are started: forked where that is safe, which is quicker."""
+    import multiprocessing
+
+    # Elsewhere a fork is not safe; nor is one beside other threads of Python, which may hold a lock.
+    forks = sys.platform.startswith("linux") and threading.active_count() == 1
+    return multiprocessing.get_context("fork" if forks else "spawn")
 
 
 def _serve(pipe: Connection[Any, Any], inherited: Sequence[Connection[Any, Any]], read: Read) -> None:
@@ -228,26 +239,30 @@ def _serve(pipe: Connection[Any, Any], inherited: Sequence[Connection[Any, Any]]
         except Exception as err:
             reason = f"a fault of actspec, not of the file; please report it: {type(err).__name__}: {err}"
             reading = _lost(task.path, reason)
-        pipe.send_bytes(_pickled(reading))
+        pipe.send_bytes(pickled(reading))
 
 
-def _pickled(reading: FileReading) -> bytes:
-    """A reading for the parent, in a third of the time that dataclasses with slots take by themselves."""
+def pickled(item: object) -> bytes:
+    """Something for the parent, in a third of the time that dataclasses with slots take by themselves."""
     buffer = io.BytesIO()
     pickler = pickle.Pickler(buffer, pickle.HIGHEST_PROTOCOL)
     pickler.dispatch_table = {**copyreg.dispatch_table, **_by_fields()}
-    pickler.dump(reading)
+    pickler.dump(item)
     return buffer.getvalue()
 
 
 @lru_cache(maxsize=1)
 def _by_fields() -> dict[type, Callable[[Any], tuple[type, tuple[Any, ...]]]]:
-    """Classes of which a reading has many, with a function that takes one apart for its constructor."""
+    """Classes of which there are many, with a function that takes one apart for its constructor."""
+    from actspec.audit.finding import Finding, Fix, Skipped, TextEdit
     from actspec.diagnostics import Diagnostic, Span
     from actspec.ir import InertiaRange
     from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFile, RobotView
 
-    many = (ActuatorView, Diagnostic, InertiaRange, JointInertia, JointView, ModelFile, RobotView, Span)
+    many = (
+        ActuatorView, Diagnostic, Finding, Fix, InertiaRange, JointInertia, JointView, ModelFile, RobotView,
+        Skipped, Span, TextEdit,
+    )  # fmt: skip
     return {cls: _taking_apart(cls, attrgetter(*(one.name for one in fields(cls)))) for cls in many}
 
 
@@ -261,7 +276,7 @@ def _lost(path: str, reason: str) -> FileReading:
     return FileReading(path, None, reason, diagnostics=(fault,))
 
 
-def _death(process: BaseProcess) -> str:
+def death(process: BaseProcess) -> str:
     """How a process ended whose pipe has closed."""
     process.join(1.0)
     code = process.exitcode

@@ -14,6 +14,7 @@ from actspec.audit.outcome import Report
 from actspec.audit.read import PendingFiles
 from actspec.audit.report import ReportOptions, render
 from actspec.audit.rules.registry import all_rules
+from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
 from actspec.cli.audit import begin
 from actspec.cli.progress import Progress
@@ -62,6 +63,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
         colour=arguments.output is None and _has_colour(),
         ledger=arguments.ledger,
         statistics=arguments.statistics,
+        chosen=ALL not in settings.select,
         fail_on=settings.fail_on,
     )
     text = render(report, output_format, options)

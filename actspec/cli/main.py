@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from keyword import iskeyword
 from typing import NoReturn
 
 import actspec
@@ -25,6 +26,7 @@ WRITTEN = (
     "rules",
     "diff",
     "lock",
+    "verify",
 )
 """Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
 
@@ -88,7 +90,7 @@ def parser() -> argparse.ArgumentParser:
         default="spec",
         choices=("spec", "results", "network", *WRITTEN),
         help="of a file that people write (spec, results, network), or that actspec does: the JSON of compile, show "
-        "(actuators), validate, audit (report) and rule (rules), and files that are written",
+        "(actuators), validate, verify, audit (report) and rule (rules), and files that are written",
     )
 
     audit = commands.add_parser("audit", help="audit robot files, with or without a spec", description=_AUDIT)
@@ -120,9 +122,50 @@ def parser() -> argparse.ArgumentParser:
     rule.add_argument("--docs", metavar="DIR", help="write the pages of all rules to DIR")
     _format(rule)
 
+    verify = commands.add_parser(
+        "verify", help="show by numbers that every target agrees", description=_VERIFY
+    )
+    verify.add_argument("spec", nargs="*", metavar="SPEC", help="actuator spec (YAML)")
+    verify.add_argument("--built", metavar="DIR", help="verify the compiled files below DIR, edited or not")
+    verify.add_argument(
+        "-t",
+        "--target",
+        action="append",
+        default=[],
+        metavar="TARGET",
+        help="only this target of the spec, or KIND==VERSION; may be repeated",
+    )
+    verify.add_argument(
+        "--fields-only", action="store_true", help="read the files, run no simulator and no Python file"
+    )
+    verify.add_argument(
+        "--require-engines", action="store_true", help="exit 2 when an engine is not prepared"
+    )
+    verify.add_argument(
+        "--strict",
+        action="store_true",
+        help="exit 1 on an approximation that the spec does not accept, too",
+    )
+    verify.add_argument(
+        "--setup", action="store_true", help="install the simulators' packages in a folder of their own"
+    )
+    verify.add_argument("--yes", action="store_true", help="with --setup: do not ask")
+    verify.add_argument(
+        "--output-format", choices=("text", "json", "markdown"), default="text", help="default: text"
+    )
+
+    import_ = commands.add_parser("import", help="write a spec from files that you have", description=_IMPORT)
+    import_.add_argument(
+        "file", nargs="+", metavar="FILE", help="MJCF, URDF, cfg .py or deploy YAML of one robot"
+    )
+    import_.add_argument("-o", "--output", metavar="SPEC", help="file to write (default: standard output)")
+    import_.add_argument("--robot", metavar="NAME", help="this robot of a file that has several")
+    import_.add_argument("--force", action="store_true", help="replace a file that is there")
+    _versions(import_)
+
     init = commands.add_parser("init", help="write a starting spec")
     init.add_argument("path", nargs="?", default="actspec.yaml", metavar="SPEC", help="file to write")
-    init.add_argument("--from", dest="source", metavar="FILE", help="draft it from an MJCF or URDF")
+    init.add_argument("--from", dest="source", metavar="FILE", help="as `import FILE -o SPEC`")
     init.add_argument("--force", action="store_true", help="replace a file that is there")
     return top
 
@@ -155,6 +198,16 @@ _LOCK = (
     "Write what acts on each joint to a file for version control, and with --check say what has changed since: "
     "policies that were trained before need re-evaluation. Exit codes: 0 written, or no change; 1 changes; 2 could "
     "not run."
+)
+_VERIFY = (
+    "Compile a spec, read every file back, run the simulators' own code over a grid of error, velocity and history, "
+    "and compare with the law. Exit codes: 0 all agree, known approximations marked; 1 something does not; 2 could "
+    "not run."
+)
+_IMPORT = (
+    "Write the spec of one robot from what its files say, each number with its file; where they disagree, the "
+    "training configuration counts before the deploy file, and that before the robot files. Runs none of them. Exit "
+    "codes: 0 written; 2 could not."
 )
 _AUDIT = (
     "Read MJCF, URDF, Isaac Lab, mjlab and legged_gym configurations, deploy YAML and specs, running none of them, "
@@ -211,7 +264,8 @@ def _run(arguments: argparse.Namespace) -> int:
     command: str = arguments.command
     try:
         # Each command imports what it needs, and nothing that another one needs.
-        run: Callable[[argparse.Namespace], int] = import_module(f"actspec.cli.{command}").run
+        module = f"{command}_" if iskeyword(command) else command
+        run: Callable[[argparse.Namespace], int] = import_module(f"actspec.cli.{module}").run
         return run(arguments)
     except ActspecError as err:
         report.print_failure(err.diagnostics, getattr(arguments, "output_format", "text"), command)

@@ -15,6 +15,9 @@ COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
 OUTPUT = {"audit": "report", "rule": "rules"}
 """Commands whose machine output has another name."""
 
+WRITING = ("compile", "import", "init", "lock")
+"""Commands whose work are files, all or none. Of an audit some fixes may be written when another one cannot be."""
+
 
 def colour(text: str, code: str, stream: TextIO) -> str:
     """Text in an ANSI colour on a terminal without NO_COLOR, else as it is."""
@@ -39,7 +42,8 @@ def print_failure(diagnostics: Sequence[Diagnostic], output_format: str, command
         return
     print_diagnostics(diagnostics)
     errors = sum(item.severity is Severity.ERROR for item in diagnostics)
-    print(f"{errors} error{'s' * (errors != 1)}; nothing was written", file=sys.stderr)
+    rest = "; nothing was written" if command in WRITING else ""
+    print(f"{errors} error{'s' * (errors != 1)}{rest}", file=sys.stderr)
 
 
 def record(item: Diagnostic) -> dict[str, Any]:

@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any
 
 from actspec import api
 from actspec.cli.report import print_diagnostics, print_json
 from actspec.diagnostics import EXIT_CLEAN, Diagnostic, ResolveError, Severity, listed
-from actspec.ir import ActuatorSet, JointActuator, Quantity
+from actspec.ir import ActuatorSet, Approximation, JointActuator, Quantity
 from actspec.tables import table
 from actspec.units import format_quantity
 
@@ -28,7 +28,8 @@ def run(arguments: argparse.Namespace) -> int:
     for index, joint in enumerate(joints):
         if index and detailed:
             print()
-        sys.stdout.writelines(line + "\n" for line in (_details(joint) if detailed else ()))
+        losses = [loss for loss in actuators.approximations if loss.joint == joint.joint]
+        sys.stdout.writelines(line + "\n" for line in (_details(joint, losses) if detailed else ()))
     if not detailed:
         print(
             f"{actuators.robot}: {len(joints)} joints; `actspec show {arguments.spec} JOINT` shows every value"
@@ -54,7 +55,8 @@ def _chosen(actuators: ActuatorSet, pattern: str) -> tuple[JointActuator, ...]:
     return tuple(joint for joint in actuators.joints if joint.joint in found)
 
 
-def _details(joint: JointActuator) -> Iterator[str]:
+def _details(joint: JointActuator, losses: Sequence[Approximation]) -> Iterator[str]:
+    """Every value of a joint; `losses` are what the spec simplifies of it."""
     yield (
         f"{joint.joint}  ({joint.kind.value}, group {joint.group} by '{joint.pattern}', level {joint.level.value}, "
         f"command {joint.command.value}" + (f", motor {joint.motor})" if joint.motor else ")")
@@ -75,6 +77,9 @@ def _details(joint: JointActuator) -> Iterator[str]:
             f"  randomize {entry.field}: {entry.operation} {entry.low:g} to {entry.high:g} "
             f"({entry.distribution}, at {entry.when}, per {entry.per})"
         )
+    for loss in losses:
+        size = f"; torque error {loss.max_torque_error:.4g} {loss.unit}" if loss.max_torque_error else ""
+        yield f"  approximated, {loss.key}: {loss.asked} -> {loss.emitted}{size} ({loss.why})"
     yield from _dynamics(joint)
 
 

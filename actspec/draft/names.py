@@ -151,6 +151,12 @@ def _class(characters: Iterable[str]) -> str:
     return text
 
 
+def body_part(joints: Sequence[str]) -> str | None:
+    """`legs`, `arms`, `hands` or `torso` where all names are of one; None where they are not."""
+    heads = {parts[0] for parts in map(_parts, joints) if parts}
+    return next((name for name, known in _BODY_PARTS if heads and known.issuperset(heads)), None)
+
+
 def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
     """A key for a group of joints: what their names have in common, without sides and numbers.
 

@@ -10,13 +10,14 @@ from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity
 from actspec.resolution.binding import bind
 from actspec.resolution.inputs import joint_inputs
 from actspec.resolution.joint import actuator_of, armature_of
+from actspec.resolution.linked import linked_motors
 from actspec.resolution.model_values import model_values
-from actspec.resolution.motor import linear_faults
+from actspec.resolution.motor import own_motors
 from actspec.resolution.quantities import written
 from actspec.resolution.reports import Reports
+from actspec.resolution.simplified import simplifications
 from actspec.resolution.stated import stated_of
 from actspec.robot.view import RobotView
-from actspec.spec.paths import dotted
 from actspec.spec.validate import Spec
 
 DEFAULT_TIMESTEP = 0.002
@@ -33,26 +34,27 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     for item in (*spec.diagnostics, *robot.diagnostics):
         collector.add(item)
     bindings = bind(spec, robot, collector)
-    said = []
+    stated = [stated_of(spec, binding, collector) for binding in bindings.managed]
+    linkages = linked_motors(spec, stated, bindings, collector)
+    motors = {
+        joint: linkage.at_joint(index, item.kind)
+        for item in stated
+        for linkage in linkages
+        for index, joint in enumerate(linkage.joints)
+        if joint == item.binding.joint.name
+    }
+    motors |= own_motors(spec, stated, collector)
     reports = Reports()
-    seen_motors: set[tuple[str, str]] = set()
-    for binding in bindings.managed:
-        stated = stated_of(spec, binding, collector)
-        motor_name = stated.get("motor")
-        if stated.motor is not None and (str(motor_name), stated.kind.value) not in seen_motors:
-            seen_motors.add((str(motor_name), stated.kind.value))
-            wrong = linear_faults(stated.motor, stated.kind)
-            for name in wrong:
-                path = ("motors", str(motor_name), *name.split("."))
-                collector.error(
-                    "RES001",
-                    f"'{binding.joint.name}' is a {stated.kind.value} joint, but {name} of its motor is not "
-                    "in that joint's unit",
-                    where=dotted(path),
-                    span=spec.span(*path),
-                    help="state the figure at the joint: rad and N*m for a hinge, m and N for a slide",
-                )
-        said.append(joint_inputs(stated, model_values(robot, binding.joint), collector, reports))
+    said = [
+        joint_inputs(
+            item,
+            model_values(robot, item.binding.joint),
+            motors.get(item.binding.joint.name),
+            collector,
+            reports,
+        )
+        for item in stated
+    ]
     collector.raise_if_failed(ResolveError)
 
     armatures = [armature_of(inputs) for inputs in said]
@@ -105,6 +107,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         spec_sha256=spec.document.text_sha256,
         diagnostics=collector.sorted(),
         default_pose=tuple(model.robot.default_pose),
+        approximations=simplifications(joints, motors, linkages),
     )
 
 

@@ -28,9 +28,10 @@ def filter_cutoff(inputs: JointInputs) -> Quantity | None:
     elif value == "from_motor":
         bandwidth = None if inputs.motor is None else inputs.motor.bandwidth
         if bandwidth is None or not bandwidth.known:
+            whose = "" if inputs.motor is None else f" '{inputs.motor.name}'"
             inputs.error(
                 "RES008",
-                f"the filter is to be that of the motor '{inputs.stated.get('motor')}', whose bandwidth is unknown",
+                f"the filter is to be that of the motor{whose}, whose bandwidth is unknown",
                 "command_filter",
                 "state the motor's bandwidth, or write command_filter: {cutoff: 30 Hz}",
             )

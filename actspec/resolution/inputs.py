@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Collector, Span
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
 from actspec.resolution.model_values import ModelValues
-from actspec.resolution.motor import JointMotor, Transmission, joint_motor
+from actspec.resolution.motor import JointMotor
 from actspec.resolution.quantities import choose, conflict, unit_of, written
 from actspec.resolution.reports import Reports
 from actspec.resolution.stated import UNITS_OF_JOINTS, Stated
@@ -158,19 +158,12 @@ class JointInputs:
             )
 
 
-def joint_inputs(stated: Stated, model: ModelValues, collector: Collector, reports: Reports) -> JointInputs:
+def joint_inputs(
+    stated: Stated, model: ModelValues, motor: JointMotor | None, collector: Collector, reports: Reports
+) -> JointInputs:
     """Gather what is said about a joint.
 
     Args: as the fields of `JointInputs`.
     """
     command, level = Command(stated.group.command), Level(stated.group.level)
-    return JointInputs(stated, model, _motor(stated), command, level, collector, reports)
-
-
-def _motor(stated: Stated) -> JointMotor | None:
-    if stated.motor is None:
-        return None
-    reduction = stated.get("reduction")
-    ratio = reduction.value if isinstance(reduction, SpecValue) and reduction.value is not None else 1.0
-    transmission = Transmission(ratio, stated.get("motors_per_joint") or 1)
-    return joint_motor(stated.motor, str(stated.get("motor")), transmission, stated.kind, stated.spec.span)
+    return JointInputs(stated, model, motor, command, level, collector, reports)

@@ -49,6 +49,7 @@ def actuator_of(
         network_path: Path of a network's file from the one in the spec.
     """
     stated, motor = inputs.stated, inputs.motor
+    _check_line(inputs)
     effort = effort_limit(inputs)
     kp = stiffness(inputs, effort, armature, held)
     kd = velocity_gain(inputs, kp, armature, held)
@@ -64,7 +65,7 @@ def actuator_of(
         kind=inputs.kind,
         group=stated.binding.group,
         pattern=stated.binding.pattern,
-        motor=stated.get("motor"),
+        motor=None if motor is None else motor.name,
         level=inputs.level,
         command=inputs.command,
         kp=kp,
@@ -108,15 +109,35 @@ def actuator_of(
     )
 
 
+def _check_line(inputs: JointInputs) -> None:
+    """Level dc_motor has its line: SPEC147 cannot see whether a joint's motors are those of a linkage."""
+    motor = inputs.motor
+    figures: tuple[Quantity | None, ...] = (None,)
+    if motor is not None and motor.curve is not None:
+        parts = motor.curve
+        figures = (parts.drive_torque, parts.brake_torque, parts.knee_speed, parts.no_load_speed)
+    elif motor is not None:
+        figures = (motor.stall_torque, motor.no_load_speed)
+    if inputs.level is Level.DC_MOTOR and not all(figure is not None and figure.known for figure in figures):
+        whose = "" if motor is None else f" '{motor.name}'"
+        inputs.error(
+            "RES008",
+            f"level dc_motor needs the torque-speed line of the motor{whose}, which is unknown",
+            "motor",
+            "state stall_torque and no_load_speed of each motor (or a curve of each), or use level ideal_pd",
+        )
+
+
 def effort_limit(inputs: JointInputs) -> Quantity:
     """L [N*m or N]: authored, else the motor's continuous, peak or stall torque, else the file's, else unknown."""
     value = inputs.stated.get("effort_limit")
     word = value if isinstance(value, str) else None
     candidates = [] if inputs.motor is None else _motor_torques(inputs.motor, word)
-    if inputs.motor is not None and word is not None and not candidates:
+    if word is not None and not candidates:
+        whose = "" if inputs.motor is None else f" '{inputs.motor.name}'"
         inputs.error(
             "RES008",
-            f"the limit is to be the {word} torque of the motor '{inputs.stated.get('motor')}', which is unknown",
+            f"the limit is to be the {word} torque of the motor{whose}, which is unknown",
             "effort_limit",
             f"state {word}_torque of the motor, or a torque here",
         )

@@ -2,23 +2,37 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Collector
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.resolution.quantities import scaled, tidy, unit_of, unknown, written
+from actspec.resolution.gearbox import (
+    Train,
+    carried,
+    check_train,
+    gear_train,
+    inertia_at_joint,
+    joint_train,
+    unfit,
+)
+from actspec.resolution.quantities import Factor, scaled, tidy, unit_of, unknown, written
+from actspec.resolution.stated import Stated
 from actspec.spec.models import Motor
+from actspec.spec.paths import Path, dotted
+from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
-
-SpanOf = Callable[..., Span]
 
 
 @dataclass(frozen=True, slots=True)
 class JointMotor:
-    """A motor's figures at the joint; see `ir.JointActuator` for each."""
+    """A motor's figures at the joint; see `ir.JointActuator` for each.
 
+    `name` is what messages call it, `arms` the lever arms on its way, as written.
+    """
+
+    name: str
     stall_torque: Quantity | None
     no_load_speed: Quantity | None
     curve: AsymmetricCurve | None
@@ -26,24 +40,92 @@ class JointMotor:
     continuous_torque: Quantity
     reflected_inertia: Quantity
     bandwidth: Quantity | None
+    arms: tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Transmission:
-    """Between the gearbox output of one motor and the joint.
+class Drivetrain:
+    """From the rotor of one motor to the joint.
 
     Attributes:
-        reduction: Extra reduction [-].
+        gearbox: From the rotor to the motor's output.
+        transmission: From there to the joint.
         motors: Motors in parallel [-].
+        kind: Kind of the joint.
     """
 
-    reduction: float
+    gearbox: Train
+    transmission: Train
     motors: int
+    kind: JointKind
 
 
-def joint_motor(
-    motor: Motor, name: str, transmission: Transmission, kind: JointKind, span_of: SpanOf
-) -> JointMotor:
+def own_motors(spec: Spec, stated: Sequence[Stated], collector: Collector) -> dict[str, JointMotor]:
+    """The motor of every joint whose group names one, at the joint; what does not fit goes to the collector."""
+    found = {}
+    checked = set()
+    for item in stated:
+        if item.motor is None:
+            continue
+        name, joint = str(item.get("motor")), item.binding.joint.name
+        drivetrain = drivetrain_of(item.motor, name, item)
+        # The same misfit of other joints with the same drive is not told again.
+        key = (name, item.kind, item.path("transmission"), drivetrain.gearbox.input)
+        if key not in checked:
+            checked.add(key)
+            end = f"'{joint}', a {item.kind.value} joint"
+            check_motor(item.motor, name, drivetrain, end, spec, collector)
+        found[joint] = joint_motor(item.motor, name, drivetrain, spec)
+    return found
+
+
+def drivetrain_of(motor: Motor, name: str, stated: Stated) -> Drivetrain:
+    """What the spec states between a joint and its motor."""
+    reduction = stated.get("reduction")
+    transmission = joint_train(
+        stated.get("transmission"),
+        None if reduction is None else reduction.value,
+        stated.path("transmission"),
+        stated.kind,
+    )
+    gearbox = gear_train(motor, name, transmission.input)
+    return Drivetrain(gearbox, transmission, stated.get("motors_per_joint") or 1, stated.kind)
+
+
+def check_motor(
+    motor: Motor, name: str, drivetrain: Drivetrain, end: str, spec: Spec, collector: Collector
+) -> None:
+    """Refuse what cannot drive the joint: gears of the wrong sort, figures in the unit of the other sort of shaft.
+
+    Args:
+        motor: The motor.
+        name: Its key in `motors`.
+        drivetrain: What stands between it and what it drives.
+        end: What it drives, for messages: "'hip', a hinge joint".
+        spec: The spec.
+        collector: Takes what is wrong.
+    """
+    trains = (drivetrain.gearbox, drivetrain.transmission)
+    fits = [check_train(train, end, spec, collector) for train in trains]
+    # Units of shafts mean nothing where it is wrong which of them turn.
+    if not all(fits):
+        return
+    for field, value, shaft in linear_faults(motor, drivetrain):
+        path: Path = ("motors", name, *field.split("."))
+        does = "turns" if shaft is JointKind.HINGE else "travels"
+        help = "what turns has figures in rad and N*m, what travels in m and N"
+        if shaft is JointKind.SLIDE and shaft is drivetrain.kind:
+            help += "; a screw between the two is a stage `{lead: 5 mm/rev}` of gearbox or transmission"
+        collector.error(
+            "RES001",
+            f"{field} is {value.written}, but its shaft {does}, on the way to {end}",
+            where=dotted(path),
+            span=spec.span(*path),
+            help=help,
+        )
+
+
+def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> JointMotor:
     """Bring a motor's figures to the joint.
 
     Torque times gear ratio, efficiency (motor side only), reduction and number of motors; speed
@@ -53,43 +135,40 @@ def joint_motor(
     Args:
         motor: The motor as the spec has it.
         name: Its key in `motors`.
-        transmission: What stands between the gearbox and the joint.
-        kind: hinge or slide; decides the units.
-        span_of: Path in the spec to its place.
+        drivetrain: What stands between rotor and joint.
+        spec: The spec.
     """
     at_rotor = motor.side == "motor"
-    gear = (
-        motor.gear_ratio.value if motor.gear_ratio is not None and motor.gear_ratio.value is not None else 1.0
-    )
-    efficiency = (
-        motor.efficiency.value if motor.efficiency is not None and motor.efficiency.value is not None else 1.0
-    )
-    reduction, motors = transmission.reduction, float(transmission.motors)
-    to_torque = [(reduction, "reduction"), (motors, "motors_per_joint")]
-    to_speed = [(reduction, "reduction")]
-    if at_rotor:
-        to_torque = [(gear, "gear_ratio"), (efficiency, "efficiency"), *to_torque]
-        to_speed = [(gear, "gear_ratio"), *to_speed]
-    to_inertia = [(reduction * reduction, "reduction^2"), (motors, "motors_per_joint")]
+    passed = [drivetrain.gearbox] * at_rotor + [drivetrain.transmission]
+    kind, quoted = drivetrain.kind, passed[0].input
+    motors = (float(drivetrain.motors), "motors_per_joint")
+    to_torque = [*(factor for train in passed for factor in train.torque), motors]
+    to_speed = [factor for train in passed for factor in train.speed]
 
     def figure(value: SpecValue | None, quantity: Kind, *path: str) -> Quantity | None:
         if value is None:
             return None
-        return written(value, unit_of(quantity, kind), span_of("motors", name, *path))
+        return written(value, unit_of(quantity, quoted), spec.span("motors", name, *path))
 
     def torque(value: SpecValue | None, *path: str) -> Quantity | None:
         found = figure(value, Kind.TORQUE, *path)
-        return None if found is None else efficient(scaled(found, to_torque))
+        return None if found is None else at_joint(scaled(found, to_torque), Kind.TORQUE)
 
     def speed(value: SpecValue | None, *path: str) -> Quantity | None:
         found = figure(value, Kind.SPEED, *path)
-        return None if found is None else scaled(found, to_speed, divide=True)
+        return None if found is None else at_joint(scaled(found, to_speed, divide=True), Kind.SPEED)
 
-    def efficient(found: Quantity) -> Quantity:
-        """Say where an efficiency that nobody states was taken as 1."""
-        if not at_rotor or motor.efficiency is not None or found.formula is None:
-            return found
-        return replace(found, formula=f"{found.formula} x 1 (efficiency, default)")
+    def at_joint(found: Quantity, quantity: Kind) -> Quantity:
+        """In the joint's unit; its formula tells what gears are made of, and an efficiency that was taken as 1."""
+        formula = found.formula
+        if formula is not None:
+            torque = quantity is Kind.TORQUE
+            for train in passed:
+                if torque and train.efficiency is None and train.steps:
+                    own = " of the transmission" if train is drivetrain.transmission else ""
+                    formula += f" x 1 (efficiency{own}, default)"
+            formula += "".join(train.legend + train.efficiencies * torque for train in passed)
+        return replace(found, unit=unit_of(quantity, kind), formula=formula)
 
     def by_current(current: SpecValue | None, field: str) -> Quantity | None:
         """Torque constant times current, where the torque itself is not stated."""
@@ -98,20 +177,18 @@ def joint_motor(
             return None
         product = Quantity(
             tidy(constant.value * current.value),
-            unit_of(Kind.TORQUE, kind),
+            unit_of(Kind.TORQUE, quoted),
             Origin.DERIVED,
             source=constant.source or current.source,
-            span=span_of("motors", name, field),
+            span=spec.span("motors", name, field),
             formula=f"{format_quantity(constant.value, 'N*m/A')} (torque_constant) x "
             f"{format_quantity(current.value, 'A')} ({field})",
         )
-        at_joint = scaled(product, to_torque)
-        if at_joint is product:
-            return efficient(product)
-        formula = f"{product.formula}" + (at_joint.formula or "").removeprefix(
-            format_quantity(product.value, product.unit)
-        )
-        return efficient(replace(at_joint, formula=formula))
+        found = scaled(product, to_torque)
+        if found is not product:
+            factors = (found.formula or "").removeprefix(format_quantity(product.value, product.unit))
+            found = replace(found, formula=f"{product.formula}{factors}")
+        return at_joint(found, Kind.TORQUE)
 
     torque_unit = unit_of(Kind.TORQUE, kind)
     curve = None
@@ -123,14 +200,8 @@ def joint_motor(
             speed(parts.knee_speed, "curve", "knee_speed") or unknown(unit_of(Kind.SPEED, kind)),
             speed(parts.no_load_speed, "curve", "no_load_speed") or unknown(unit_of(Kind.SPEED, kind)),
         )
-    if motor.rotor_inertia is not None:
-        rotor = figure(motor.rotor_inertia, Kind.INERTIA, "rotor_inertia")
-        assert rotor is not None
-        reflected = scaled(rotor, [(gear * gear, "gear_ratio^2"), *to_inertia])
-    else:
-        output = figure(motor.reflected_inertia, Kind.INERTIA, "reflected_inertia")
-        reflected = unknown(unit_of(Kind.INERTIA, kind)) if output is None else scaled(output, to_inertia)
     return JointMotor(
+        name=name,
         stall_torque=torque(motor.stall_torque, "stall_torque"),
         no_load_speed=speed(motor.no_load_speed, "no_load_speed"),
         curve=curve,
@@ -140,31 +211,70 @@ def joint_motor(
         continuous_torque=torque(motor.continuous_torque, "continuous_torque")
         or by_current(motor.nominal_current, "nominal_current")
         or unknown(torque_unit),
-        reflected_inertia=reflected,
+        reflected_inertia=_reflected(motor, name, drivetrain, spec),
         bandwidth=figure(motor.bandwidth, Kind.FREQUENCY, "bandwidth"),
+        arms=tuple(
+            step.text
+            for train in (drivetrain.gearbox, drivetrain.transmission)
+            for step in train.steps
+            if step.key == "lever_arm"
+        ),
     )
 
 
-def linear_faults(motor: Motor, kind: JointKind) -> list[str]:
-    """Fields of a motor whose unit does not fit the joint: rotary figures on a slide or the reverse."""
-    wrong = kind is JointKind.HINGE
-    names = []
-    for field in (
-        "stall_torque",
-        "no_load_speed",
-        "peak_torque",
-        "continuous_torque",
-        "rotor_inertia",
-        "reflected_inertia",
-    ):
-        value = getattr(motor, field)
-        if value is not None and value.value is not None and value.linear is wrong:
-            names.append(field)
-    if motor.torque_constant is not None and (motor.nominal_current or motor.peak_current) and not wrong:
-        names.append("torque_constant")
+def _reflected(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> Quantity:
+    """Inertia of rotor and stages at the joint: each times the square of the ratio that is behind it."""
+    gearbox, transmission = drivetrain.gearbox, drivetrain.transmission
+    outside: list[Factor] = [
+        *transmission.behind(0, power=2),
+        (float(drivetrain.motors), "motors_per_joint"),
+    ]
+    unit = unit_of(Kind.INERTIA, drivetrain.kind)
+    if motor.rotor_inertia is not None:
+        own, kind, field = motor.rotor_inertia, gearbox.input, "rotor_inertia"
+        factors, passed = [*gearbox.behind(0, power=2), *outside], [gearbox, transmission]
+    elif motor.reflected_inertia is not None:
+        own, kind, field = motor.reflected_inertia, transmission.input, "reflected_inertia"
+        factors, passed = outside, [transmission]
+    else:
+        return unknown(unit)
+    first = written(own, unit_of(Kind.INERTIA, kind), spec.span("motors", name, field))
+    own_terms = [scaled(first, factors)]
+    if gearbox in passed:
+        own_terms += carried(gearbox, outside, spec)
+    found = inertia_at_joint(
+        own_terms,
+        outside,
+        carried(transmission, outside[-1:], spec),
+        [part for train in passed for part in train.massless],
+        unit,
+    )
+    if found.formula is None:
+        return found
+    return replace(found, formula=found.formula + "".join(train.legend for train in passed))
+
+
+def linear_faults(motor: Motor, drivetrain: Drivetrain) -> list[tuple[str, SpecValue, JointKind]]:
+    """Fields of a motor whose unit does not fit their shaft, with what is written and what the shaft does."""
+    rotor, output = drivetrain.gearbox.input, drivetrain.transmission.input
+    quoted = rotor if motor.side == "motor" else output
+    named: list[tuple[str, SpecValue | None, JointKind]] = [
+        *(
+            (field, getattr(motor, field), quoted)
+            for field in ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque")
+        ),
+        ("rotor_inertia", motor.rotor_inertia, rotor),
+        ("reflected_inertia", motor.reflected_inertia, output),
+    ]
     if motor.curve is not None:
-        for field in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
-            value = getattr(motor.curve, field)
-            if value.value is not None and value.linear is wrong:
-                names.append(f"curve.{field}")
-    return names
+        named += [
+            (f"curve.{field}", getattr(motor.curve, field), quoted)
+            for field in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed")
+        ]
+    faults = [
+        (field, value, kind) for field, value, kind in named if value is not None and unfit(value, kind)
+    ]
+    currents = motor.nominal_current or motor.peak_current
+    if motor.torque_constant is not None and currents and quoted is JointKind.SLIDE:
+        faults.append(("torque_constant", motor.torque_constant, quoted))
+    return faults

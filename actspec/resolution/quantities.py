@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -9,6 +10,9 @@ from actspec.diagnostics import Span
 from actspec.ir import JointKind, Origin, Quantity
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
+
+Factor = tuple[float, str]
+"""A number that scales another, and its name in formulas, e.g. (9.0, "gear_ratio")."""
 
 CONFLICT_STD = 3.0
 """Authored and identified apart by more than this many std are reported (DESIGN: precedence)."""
@@ -45,26 +49,32 @@ def tidy(value: float) -> float:
     return float(f"{value:.12g}")
 
 
-def scaled(quantity: Quantity, factors: Sequence[tuple[float, str]], divide: bool = False) -> Quantity:
+def scaled(quantity: Quantity, factors: Sequence[Factor], divide: bool = False) -> Quantity:
     """A quantity times (or divided by) named factors; factors of 1 leave it as it is.
 
     Args:
         quantity: What is scaled; unknown stays unknown.
-        factors: (number, name), e.g. (9.0, "gear_ratio").
+        factors: What it is scaled by.
         divide: Divide instead.
     """
     used = [(number, name) for number, name in factors if number != 1.0]
     if quantity.value is None or not used:
         return quantity
-    value, sign = quantity.value, "/" if divide else "x"
-    formula = format_quantity(quantity.value, quantity.unit)
-    for number, name in used:
-        value = value / number if divide else value * number
-        formula += f" {sign} {number:g} ({name})"
+    value = quantity.value
+    for number, _ in used:
+        # A product of ratios below the smallest float is 0: a speed divided by it is out of range (RES011).
+        value = value * number if not divide else value / number if number else math.inf
+    formula = format_quantity(quantity.value, quantity.unit) + in_words(used, divide)
     std = quantity.std
     if std is not None:
         std = std * abs(value / quantity.value) if quantity.value else std
     return replace(quantity, value=tidy(value), std=std, origin=Origin.DERIVED, formula=formula)
+
+
+def in_words(factors: Sequence[Factor], divide: bool = False) -> str:
+    """Factors as formulas have them, ` x 9 (gear_ratio)`; those of 1 are left out."""
+    sign = "/" if divide else "x"
+    return "".join(f" {sign} {number:g} ({name})" for number, name in factors if number != 1.0)
 
 
 def choose(*candidates: Quantity | None) -> Quantity | None:

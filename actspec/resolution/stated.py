@@ -23,6 +23,7 @@ if TYPE_CHECKING:
 FIELDS = (
     "motor",
     "reduction",
+    "transmission",
     "motors_per_joint",
     "kp",
     "kd",

@@ -142,10 +142,11 @@ def _dcmotor_line(
     if min(resistance, constant, voltage) <= 0.0 or integral or any(bias) or model.actuator_actnum[index]:
         return None
     if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
-        # One input: a position, or a velocity without any stiffness left.
+        # One input: a position, a velocity without any stiffness left, or a torque without any gain.
         inputs = model.actuator_ctrlspec[index]
         speed = inputs == int(mujoco.mjtCtrlInput.mjINPUT_VEL) and gain[4] == 0.0
-        if inputs != int(mujoco.mjtCtrlInput.mjINPUT_POS) and not speed:
+        torque = inputs == int(mujoco.mjtCtrlInput.mjINPUT_FF) and gain[4] == gain[6] == 0.0
+        if inputs != int(mujoco.mjtCtrlInput.mjINPUT_POS) and not speed and not torque:
             return None
     elif gain[8] != 1.0:
         return None

@@ -342,6 +342,7 @@ class ActuatorText:
             kp, kd, back_emf = 0.0, own, own
         line = None
         pd = self.mode == "position" or self.inputs == {"pos"} or (self.inputs == {"vel"} and kp == 0.0)
+        pd = pd or (self.inputs == {"ff"} and kp == kd == 0.0)
         if (
             pd
             and min(resistance, constant, voltage) > 0.0
@@ -372,16 +373,27 @@ def _first(element: Element, name: str, otherwise: float) -> float:
     return found[0] if found else otherwise
 
 
-def actuator_text(classes: Sequence[Sequence[Element]], element: Element) -> ActuatorText:
-    """An actuator as its default classes and its own element make it.
+def class_text(classes: Sequence[Sequence[Element]]) -> ActuatorText:
+    """An actuator as its default classes make it.
 
     Args:
-        classes: Elements of each of its classes, the outermost first.
-        element: Its own.
+        classes: Elements of each class, the outermost first.
     """
     found = ActuatorText()
-    for elements in (*classes, (element,)):
+    for elements in classes:
         found = found.below()
         for one in elements:
             found.apply(one)
+    return found
+
+
+def actuator_text(of_class: ActuatorText, element: Element) -> ActuatorText:
+    """An actuator as its own element makes it.
+
+    Args:
+        of_class: What its classes make; not changed.
+        element: Its own.
+    """
+    found = of_class.below()
+    found.apply(element)
     return found

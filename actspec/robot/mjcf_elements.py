@@ -48,16 +48,18 @@ class DefaultClass:
         joint: Attribute to the `joint` element in a `default` that states it last.
         actuators: Elements of actuators of each class on the way to it, the outermost first, in the
             order in which they act: MuJoCo keeps one actuator for a class, and each element changes it.
+        attributes: Attribute to the one of those elements that states it last.
     """
 
     joint: Mapping[str, Element]
     actuators: tuple[tuple[Element, ...], ...]
+    attributes: Mapping[str, Element]
 
 
 _WALKED = frozenset({"joint", "freejoint", "attach", "body", "frame", "replicate"})
 """What is looked at inside the world; a `worldbody` is its root only."""
 
-NO_CLASS = DefaultClass({}, ())
+NO_CLASS = DefaultClass({}, (), {})
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +158,8 @@ def _defaults(document: XmlDocument) -> dict[str, DefaultClass]:
                 joint.update(dict.fromkeys(child.values, child))
             elif child.tag in ACTUATORS:
                 actuators.append(child)
-        made = found[name] = DefaultClass(joint, (*above.actuators, tuple(actuators)))
+        attributes = {**above.attributes, **{key: one for one in actuators for key in one.values}}
+        made = found[name] = DefaultClass(joint, (*above.actuators, tuple(actuators)), attributes)
         if name == _MAIN and element.get("class"):
             # The author may name the main class otherwise.
             found[element.get("class") or _MAIN] = made

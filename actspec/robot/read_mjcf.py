@@ -90,8 +90,9 @@ def read_mjcf(
     unnamed = model.njnt - len(joints)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
+    switched_off = _switched_off(model)
     actuators = tuple(
-        _actuator(lists, index, element, written, document, main)
+        _actuator(lists, index, element, written, document, main, switched_off)
         for index, element in enumerate(_actuator_elements(lists, written))
     )
     for actuator in actuators:
@@ -113,7 +114,7 @@ def read_mjcf(
         inertia_reason=masses.reason,
         files=tuple(files),
         diagnostics=tuple(out),
-        eulerdamp=not _is_off(model, "EULERDAMP"),
+        eulerdamp="EULERDAMP" not in switched_off,
         joint_inertia=masses.by_name(joints),
     )
 
@@ -257,11 +258,12 @@ def stated_fields(
     """
     stated, places = set(), {}
     for field, names in _STATED.items():
-        owner = next((owners[name] for name in names if name in owners), None)
-        if owner is not None:
-            stated.add(field)
-            if owner is not element:
-                places[field] = document.span(owner)
+        for name in names:
+            if name in owners:
+                stated.add(field)
+                if owners[name] is not element:
+                    places[field] = document.span(owners[name])
+                break
     return stated, places
 
 
@@ -290,6 +292,7 @@ def _actuator(
     written: Written,
     document: XmlDocument,
     main: Span,
+    switched_off: frozenset[str],
 ) -> ActuatorView:
     tag = element.tag if element is not None else ""
     kind = control(model, index, tag)
@@ -299,7 +302,7 @@ def _actuator(
     address = model.actuator_ctrladr[index] if hasattr(model.model, "actuator_ctrladr") else index
     stated, places = stated_attributes(element, written, document) if element is not None else (set(), {})
     limited = 0 <= address < len(model.actuator_ctrllimited) and bool(model.actuator_ctrllimited[address])
-    limited = limited and not _is_off(model.model, "CLAMPCTRL")
+    limited = limited and "CLAMPCTRL" not in switched_off
     group = model.actuator_group[index]
     return ActuatorView(
         name=model.name("mjOBJ_ACTUATOR", index),
@@ -325,21 +328,25 @@ def _actuator(
         back_emf=gear**2 * kind.back_emf,
         stated=frozenset(stated),
         places=places,
-        disabled=_is_disabled(model.model, group),
+        disabled="ACTUATION" in switched_off or _is_disabled(model.model, group),
     )
 
 
 def _is_disabled(model: mujoco.MjModel, group: int) -> bool:
     # Groups beyond 30 cannot be switched off.
-    off = 0 <= group <= 30 and int(model.opt.disableactuator) >> group & 1
-    return bool(off) or _is_off(model, "ACTUATION")
+    return 0 <= group <= 30 and bool(int(model.opt.disableactuator) >> group & 1)
 
 
-def _is_off(model: mujoco.MjModel, flag: str) -> bool:
-    """Whether `option/flag` switches something off."""
+def _switched_off(model: mujoco.MjModel) -> frozenset[str]:
+    """What `option/flag` switches off, of what concerns actuators."""
     import mujoco
 
-    return bool(model.opt.disableflags & int(getattr(mujoco.mjtDisableBit, f"mjDSBL_{flag}")))
+    bits, flags = mujoco.mjtDisableBit, int(model.opt.disableflags)
+    return frozenset(
+        name
+        for name in ("ACTUATION", "CLAMPCTRL", "EULERDAMP")
+        if flags & int(getattr(bits, f"mjDSBL_{name}"))
+    )
 
 
 def stated_attributes(
@@ -350,10 +357,9 @@ def stated_attributes(
     A class may also hold an actuator of another tag; its gains are counted, although MuJoCo from 3.16
     on does not pass them on.
     """
-    classes = written.defaults_of(element).actuators
-    owners = {name: other for elements in classes for other in elements for name in other.values}
-    places = {name: document.span(other) for name, other in owners.items() if name not in element.values}
-    return {*owners, *element.values}, places
+    owners, own = written.defaults_of(element).attributes, element.values
+    places = {name: document.span(other) for name, other in owners.items() if name not in own}
+    return {*owners, *own}, places
 
 
 def _is_finite(model: mujoco.MjModel) -> bool:

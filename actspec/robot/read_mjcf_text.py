@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from actspec.diagnostics import Collector, Span
 from actspec.ir import JointKind
-from actspec.robot.mjcf_actuator_text import actuator_text, numbers
+from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.read_mjcf import stated_attributes, stated_fields
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
@@ -255,7 +255,7 @@ def _actuator(
     automatic: bool,
     switches: _Switches,
 ) -> ActuatorView:
-    text = actuator_text(written.defaults_of(element).actuators, element)
+    text = actuator_text(class_text(written.defaults_of(element).actuators), element)
     kind = text.control(element.tag)
     gear = text.gear
     stated, places = stated_attributes(element, written, document)

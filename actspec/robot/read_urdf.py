@@ -266,13 +266,13 @@ def _judge_limit(
         )
     if effort == 0:
         out.warning(
-            "ROBOT123",
+            "ROBOT125",
             f"limit effort is 0 {torque}: MuJoCo reads it as no limit, other importers as a dead joint",
             where=name, span=span, help="state the actuator's limit, or leave the attribute out",
         )  # fmt: skip
     if velocity == 0:
         out.warning(
-            "ROBOT123",
+            "ROBOT125",
             f"limit velocity is 0 {speed}: importers disagree whether that is no limit or a locked joint",
             where=name, span=span, help="state the joint's limit, or leave the attribute out",
         )  # fmt: skip

@@ -15,6 +15,7 @@ from actspec.robot.view import ModelFile
 from actspec.robot.xml_tree import Element, XmlDocument
 
 _SHAPES = ("geom", "visual", "collision")
+_HOLDERS = ("body", "link")
 _NAMING = {
     name: re.compile(name.encode() + rb"""[12]?\s*=\s*["']([^"']*)["']""")
     for name in ("geom", "objname", "refname", "mesh", "hfield", "material", "texture")
@@ -54,9 +55,13 @@ def without_shapes(document: XmlDocument) -> tuple[ModelFile, ...]:
 def _shapes(document: XmlDocument) -> list[Element]:
     """Shapes of the world, and of bodies and links that state their inertia."""
     found: list[Element] = []
-    for holder in document.walk("worldbody", "body", "link"):
-        if holder.tag == "worldbody" or any(child.tag == "inertial" for child in holder.children):
+    stack = [document.root]
+    while stack:
+        holder = stack.pop()
+        tags = {child.tag for child in holder.children}
+        if holder.tag == "worldbody" or (holder.tag in _HOLDERS and "inertial" in tags):
             found += [child for child in holder.children if child.tag in _SHAPES]
+        stack += [child for child in holder.children if child.children]
     return found
 
 

@@ -83,8 +83,8 @@ class Attributes(Mapping[str, Attribute]):
 class Element:
     """One element; compared by identity, and not changed once its document is there.
 
-    It is not frozen because hundreds are made for a file, of which few are looked at: attributes and
-    column are worked out when they are asked for.
+    It is not frozen because hundreds are made for a file, of which few are looked at: attributes, column
+    and span are worked out when they are asked for.
 
     Attributes:
         tag: Tag, with its prefix.
@@ -109,6 +109,7 @@ class Element:
     line: int
     children: list[Element]
     _values: dict[str, str] | None = field(default=None, init=False, repr=False)
+    _span: Span | None = field(default=None, init=False, repr=False)
 
     @property
     def attributes(self) -> Attributes:
@@ -210,7 +211,9 @@ class XmlDocument:
 
     def span(self, element: Element) -> Span:
         """Where an element starts."""
-        return Span(self.files[element.file].path, element.line, element.column)
+        if element._span is None:
+            element._span = Span(self.files[element.file].path, element.line, element.column)
+        return element._span
 
     def is_repeated(self, element: Element) -> bool:
         """Whether the element's file is included more than once: an edit would then count twice."""

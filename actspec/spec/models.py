@@ -8,25 +8,17 @@ from __future__ import annotations
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Discriminator, Field, Tag, WithJsonSchema
+from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
+from actspec.spec.base import Efficiency, Factor, Inertia, Name, Ratio, Strict
 from actspec.spec.derive import Gain, GainField
 from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
+from actspec.spec.gears import Linkage, Stages
 from actspec.spec.values import Number, Pair, SpecValue, fault, short
 from actspec.units import Kind
 
 SPEC_VERSION = 1
 """The number that `actspec:` carries in this version of the tool."""
-
-
-class Strict(BaseModel):
-    """Base of all models: frozen, unknown keys refused, built when the first file is read.
-
-    `use_attribute_docstrings` is off because it parses the source at every start; `descriptions`
-    does so when somebody asks.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 def _text_version(given: Any) -> Any:
@@ -57,12 +49,14 @@ def _text_or_number(given: Any) -> Any:
 FILTER_WORDS = ("from_motor", "none")
 
 Version = Annotated[str, BeforeValidator(_text_version)]
-Name = Annotated[str, Field(min_length=1, max_length=200)]
 Page = Annotated[str, BeforeValidator(_text_or_number), WithJsonSchema({"type": ["string", "integer"]})]
+
+NameOrGap = Annotated[str | None, WithJsonSchema({"anyOf": [{"type": "string"}, {"const": None}]})]
+GAPPED = "joint_order"
+"""The list whose entries may be null; everywhere else that is a value which was forgotten."""
 
 Torque = Annotated[SpecValue, Number(Kind.TORQUE, above=0.0)]
 Speed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0)]
-Inertia = Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0)]
 FittedInertia = Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0, identified=True)]
 FrictionTorque = Annotated[SpecValue, Number(Kind.TORQUE, at_least=0.0, identified=True)]
 Viscous = Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0, identified=True)]
@@ -71,9 +65,6 @@ FittedSpeed = Annotated[SpecValue, Number(Kind.SPEED, above=0.0, identified=True
 PositiveTime = Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
 Frequency = Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0)]
 Cutoff = Annotated[SpecValue, Number(Kind.FREQUENCY, above=0.0, identified=True)]
-Ratio = Annotated[SpecValue, Number(Kind.RATIO, above=0.0)]
-Factor = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, unknown=False)]
-Efficiency = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, at_most=1.0)]
 Kp = Annotated[
     Gain,
     GainField(
@@ -131,7 +122,7 @@ class Robot(Strict):
     """Joints in the robot's order, only with `model: none`."""
     unmanaged: tuple[str, ...] = ()
     """Patterns of joints that are left as they are."""
-    default_pose: dict[str, Annotated[SpecValue, Number(Kind.POSITION)]] = {}
+    default_pose: dict[str, Annotated[SpecValue, Number(Kind.POSITION)]] = Field(default_factory=dict)
     """Pattern to default position [rad or m]; the others are at 0."""
 
 
@@ -175,6 +166,8 @@ class Motor(Strict):
     """Asymmetric curve in place of the line."""
     gear_ratio: Ratio | None = None
     """Rotor turns in one output turn [-]."""
+    gearbox: Stages | None = None
+    """Stages of the gearbox from rotor to output, in place of `gear_ratio` and `efficiency`."""
     efficiency: Efficiency | None = None
     """Of the gearbox, 0 to 1 [-]; scales motor-side torques. Default 1."""
     torque_constant: Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0)] | None = None
@@ -280,6 +273,8 @@ class Tunable(Strict):
     """Key of `motors`."""
     reduction: Factor | None = None
     """Extra reduction from the motor's output to the joint [-]. Default 1."""
+    transmission: Stages | None = None
+    """Stages from the motor's output to the joint, in place of `reduction`."""
     motors_per_joint: Annotated[int, Field(ge=1, le=100, strict=True)] | None = None
     """Motors that drive the joint in parallel [-]. Default 1."""
     kp: Kp | None = None
@@ -320,9 +315,9 @@ class Actuators(Tunable):
     """Network of level actuator_net."""
     identified: str | None = None
     """Results of an identification, relative to the spec's folder."""
-    overrides: dict[str, Tunable] = {}
+    overrides: dict[str, Tunable] = Field(default_factory=dict)
     """Pattern to the fields that differ; at most one match a joint and field."""
-    randomize: dict[RandomizedField, Randomize] = {}
+    randomize: dict[RandomizedField, Randomize] = Field(default_factory=dict)
     """Domain-randomisation ranges."""
     note: str | None = None
     """Remark."""
@@ -354,8 +349,12 @@ class Target(Strict):
     """Kind of actuator class, for Isaac Lab."""
     for_: tuple[str, ...] | None = Field(default=None, alias="for")
     """Stacks to write randomisation for."""
-    joint_order: tuple[str, ...] | None = None
-    """Joint order of the robot's SDK, for deploy."""
+    joint_order: tuple[NameOrGap, ...] | None = None
+    """Joint order of the robot's SDK, `null` where it numbers no joint of the spec, for deploy."""
+    root: str | None = None
+    """Path of the robot's prim in the USD stage, for newton."""
+    joint_paths: dict[str, str] | None = None
+    """Pattern of joint names to the path of their prims, below `root` or absolute; `{joint}` is the name. For newton."""
 
 
 class SpecModel(Strict):
@@ -369,15 +368,17 @@ class SpecModel(Strict):
     """Rates of simulation and control."""
     include: tuple[str, ...] = ()
     """Files with more `motors` and `sources`, inside the spec's folder."""
-    sources: dict[str, Source] = {}
+    sources: dict[str, Source] = Field(default_factory=dict)
     """Key to what it stands for."""
-    motors: dict[str, Motor] = {}
+    motors: dict[str, Motor] = Field(default_factory=dict)
     """Key to motor."""
+    linkages: dict[str, Linkage] = Field(default_factory=dict)
+    """Name to motors that move several joints together."""
     actuators: Annotated[dict[str, Actuators], Field(min_length=1)]
     """Name to group; every actuated joint is in exactly one."""
     delta_action: DeltaAction | None = None
     """Robot-wide delta action."""
-    targets: dict[str, Target] = {}
+    targets: dict[str, Target] = Field(default_factory=dict)
     """Name to target."""
-    accept: dict[str, str] = {}
+    accept: dict[str, str] = Field(default_factory=dict)
     """`target.field` of an approximation to the reason why it is taken."""

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from actspec.spec.models import Strict
+from actspec.spec.base import Strict
 from actspec.spec.values import Number, SpecValue
 from actspec.units import Kind
 

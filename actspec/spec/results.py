@@ -10,8 +10,8 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from actspec.diagnostics import Collector, SpecError
+from actspec.spec.base import Name, Strict
 from actspec.spec.document import Document
-from actspec.spec.models import Name, Strict
 from actspec.spec.validate import checked
 from actspec.spec.values import Number, SpecValue
 from actspec.units import Kind

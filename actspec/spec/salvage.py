@@ -10,7 +10,7 @@ from pydantic import ValidationError
 from actspec.spec.models import SPEC_VERSION, SpecModel
 from actspec.spec.paths import Path
 
-_BY_NAME = ("actuators", "motors", "sources", "targets", "accept")
+_BY_NAME = ("actuators", "motors", "linkages", "sources", "targets", "accept")
 """Sections of named parts: a fault concerns its part."""
 _ROBOT = {"name": "robot", "model": "robot"}
 _GROUP = {"joints": ["joint"], "level": "ideal_pd"}
@@ -44,8 +44,15 @@ def salvaged(data: dict[str, Any], faults: Iterable[Path]) -> tuple[SpecModel, f
         model = SpecModel.model_validate(rest)
     except ValidationError:
         return None
+    for name, linkage in model.linkages.items():
+        if any(("motors", motor) in left_out for motor in linkage.motors) or ("motors",) in left_out:
+            left_out.add(("linkages", name))
+    unlinked = any(path[:1] == ("linkages",) for path in left_out)
     for name, group in model.actuators.items():
         motors = [group.motor, *(override.motor for override in group.overrides.values())]
+        if group.motor is None and unlinked:
+            # Its motors may be those of a linkage that is left out.
+            left_out.add(("actuators", name))
         if any(("motors", motor) in left_out for motor in motors) or ("motors",) in left_out:
             left_out.add(("actuators", name))
     if any(path[:1] == ("targets",) for path in left_out):

@@ -75,7 +75,7 @@ def _root(name: str) -> type[BaseModel]:
 
 def _models(root: type[BaseModel]) -> Iterator[type[BaseModel]]:
     """Every model of the language."""
-    from actspec.spec.models import Strict
+    from actspec.spec.base import Strict
 
     pending = [Strict]
     while pending:

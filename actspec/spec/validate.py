@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import Collector, Span, SpecError, listed, nearest
 from actspec.spec.models import (
+    GAPPED,
     SPEC_VERSION,
     Actuators,
     Friction,
@@ -121,7 +122,7 @@ def checked(
             if item["type"] == "extra_forbidden":
                 # Under an unknown key it does not matter that nothing is written.
                 empty.pop(path, None)
-            elif below in empty:
+            elif below in empty or _made_short(item):
                 continue
             report(collector, document, item, path, root)
     for path in empty:
@@ -135,6 +136,14 @@ def checked(
         if faults is not None:
             faults.append(path)
     return None if empty else model
+
+
+def _made_short(item: Any) -> bool:
+    """Whether a list is short only because pydantic leaves out the entries that have errors of their own."""
+    given = item.get("input")
+    return (
+        item["type"] == "too_short" and isinstance(given, list) and len(given) != item["ctx"]["actual_length"]
+    )
 
 
 def report(collector: Collector, document: Document, item: Any, path: Path, root: type[BaseModel]) -> None:
@@ -288,6 +297,7 @@ def written_path(loc: Path, data: Any) -> Path:
 
 
 def _nulls(node: Any, path: Path = ()) -> Iterator[Path]:
+    """Places of values that are not written, but where a gap is one."""
     if node is None:
         yield path
     elif isinstance(node, Mapping):
@@ -295,7 +305,8 @@ def _nulls(node: Any, path: Path = ()) -> Iterator[Path]:
             yield from _nulls(value, (*path, key))
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _nulls(value, (*path, index))
+            if value is not None or path[-1:] != (GAPPED,):
+                yield from _nulls(value, (*path, index))
 
 
 def _model_at(root: type[BaseModel], path: Path) -> type[BaseModel] | None:

@@ -30,6 +30,8 @@ EXAMPLES: Mapping[Kind, str] = {
     Kind.SPEED: "21 rad/s",
     Kind.POSITION: "0.9 rad",
     Kind.ANGLE: "0.9 rad",
+    Kind.LENGTH: "20 mm",
+    Kind.LEAD: "5 mm/rev",
     Kind.TIME: "5 ms",
     Kind.FREQUENCY: "30 Hz",
     Kind.RATIO: "0.25",

@@ -7,6 +7,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from actspec.diagnostics import Diagnostic, Span
+from actspec.ir import Approximation
+
+__all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,15 +20,17 @@ class TargetOptions:
         name: The target's name in the spec, also the name of its folder.
         kind: Kind of target, e.g. `mujoco`.
         version: Version of the simulator as text, e.g. `3.12`.
-        spans: Where each option is written, by its name in the spec: `version`, `joint_order[3]`. What was
-            chosen on the command line is not in it; None: nothing is written.
+        spans: Where each option is written, by its name in the spec: `version`, `joint_order[3]`,
+            `joint_paths[hip]`. What was chosen on the command line is not in it; None: nothing is written.
         folder: Folder that the files will be written to, for relative paths inside them.
         canonical: Write the simulator's own form of the model instead of the author's text (MuJoCo).
         isaac_sim: Isaac Sim version as text, for Isaac Lab; None: that which the Isaac Lab version goes with.
         backend: `physx`, `newton` or `ovphysx`, for Isaac Lab 3; None: the version's default.
         actuator_class: `auto`, `implicit` or `custom`, for Isaac Lab.
         stacks: What to write randomisation for: `isaaclab`, `mjlab`, `playground`, `json`; empty: the target's default.
-        joint_order: Joint order of the robot's SDK, for deploy; empty: none is stated.
+        joint_order: Joint order of the robot's SDK, None where it numbers no joint, for deploy; empty: none is stated.
+        root: Path of the robot's prim, for Newton; None: that which a converter gives it.
+        joint_paths: (pattern, path) of joints' prims, for Newton; of the others it is a converter's.
         siblings: MuJoCo and Isaac Lab targets of the same spec, for randomization.
     """
 
@@ -39,7 +44,9 @@ class TargetOptions:
     backend: str | None = None
     actuator_class: str = "auto"
     stacks: tuple[str, ...] = ()
-    joint_order: tuple[str, ...] = ()
+    joint_order: tuple[str | None, ...] = ()
+    root: str | None = None
+    joint_paths: tuple[tuple[str, str], ...] = ()
     siblings: tuple[TargetOptions, ...] = ()
 
     def where(self, option: str) -> str:
@@ -62,37 +69,6 @@ class EmittedFile:
     def sha256(self) -> str:
         """Hash of the bytes."""
         return hashlib.sha256(self.data).hexdigest()
-
-
-@dataclass(frozen=True, slots=True)
-class Approximation:
-    """What a target cannot express of one joint.
-
-    Attributes:
-        target: Name of the target in the spec.
-        joint: The joint; "" when it concerns the whole robot.
-        field: Field of the spec, e.g. `command_filter`.
-        asked: What the spec asks for, with unit.
-        emitted: What the target gets instead.
-        why: Reason.
-        max_torque_error: Largest difference in torque that it can make [N*m or N]; None when the
-            loss is not one of torque.
-        unit: Unit of `max_torque_error`.
-    """
-
-    target: str
-    joint: str
-    field: str
-    asked: str
-    emitted: str
-    why: str
-    max_torque_error: float | None
-    unit: str = "N*m"
-
-    @property
-    def key(self) -> str:
-        """Name under which `accept` takes it."""
-        return f"{self.target}.{self.field}"
 
 
 @dataclass(frozen=True, slots=True)

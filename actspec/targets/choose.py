@@ -29,6 +29,7 @@ EMITTERS = {
     "mjlab": "actspec.targets.mjlab.emit",
     "deploy": "actspec.targets.deploy.emit",
     "urdf": "actspec.targets.urdf.emit",
+    "newton": "actspec.targets.newton.emit",
 }
 """Kind of target to the module whose `emit` makes it; imported when it is used."""
 
@@ -51,7 +52,7 @@ def choose_targets(
     """Which targets to compile: those of the spec, or those asked for by name or with their options.
 
     Raises:
-        SpecError: a target that is asked for is unknown, or nothing is left to compile.
+        SpecError: a target that is asked for is unknown.
     """
     folder = output if output is not None else os.path.join(BUILD, spec.model.robot.name)
 
@@ -74,6 +75,8 @@ def choose_targets(
             actuator_class=entry.class_ or "auto",
             stacks=entry.for_ or (),
             joint_order=entry.joint_order or (),
+            root=entry.root,
+            joint_paths=tuple((entry.joint_paths or {}).items()),
         )
     if not named:
         named["mujoco"] = bare("mujoco")
@@ -99,31 +102,9 @@ def choose_targets(
             continue
         if equals:
             options = _at_version(options, version)
-        if options.kind not in EMITTERS:
-            message = (
-                f"the target '{options.name}' ({options.kind}) cannot be compiled by this version of actspec"
-            )
-            if asked:
-                collector.error(
-                    "CLI002", message, where="--target", help=f"it compiles: {', '.join(EMITTERS)}"
-                )
-            else:
-                collector.warning(
-                    "CLI002",
-                    message,
-                    where=f"targets.{name}",
-                    span=spec.document.spans.key(("targets", name)),
-                    help="it is left out; the others are compiled",
-                )
-            continue
         if options not in chosen:
             chosen.append(options)
     collector.raise_if_failed(SpecError)
-    if not chosen:
-        collector.error(
-            "CLI003", "none of the spec's targets can be compiled", where="targets", help="add `mujoco`"
-        )
-        raise SpecError(collector.sorted())
     return tuple(_beside(options, chosen, named.values()) for options in chosen)
 
 
@@ -160,7 +141,7 @@ def _beside(
 
 
 def _spans(spec: Spec, name: str) -> dict[str, Span]:
-    """Where each option of a target is written, the entries of a list one by one too."""
+    """Where each option of a target is written, the entries of a list or a mapping one by one too."""
     found = {}
     for key, value in spec.document.data["targets"][name].items():
         found[key] = spec.span("targets", name, key)
@@ -168,4 +149,6 @@ def _spans(spec: Spec, name: str) -> dict[str, Span]:
             found |= {
                 f"{key}[{index}]": spec.span("targets", name, key, index) for index in range(len(value))
             }
+        elif isinstance(value, dict):
+            found |= {f"{key}[{entry}]": spec.span("targets", name, key, entry) for entry in value}
     return found

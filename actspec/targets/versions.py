@@ -63,7 +63,7 @@ DEFAULT_MUJOCO = "3.12"
 """Version when a spec names none. Chosen: the first with torque-space dcmotor gains."""
 
 
-DEFAULT_VERSIONS = {"mujoco": DEFAULT_MUJOCO, "isaaclab": "2.3", "mjlab": "1.6"}
+DEFAULT_VERSIONS = {"mujoco": DEFAULT_MUJOCO, "isaaclab": "2.3", "mjlab": "1.6", "newton": "1.8"}
 """Version of each kind of target when a spec names none; kinds without versions are not in it."""
 
 

@@ -113,6 +113,9 @@ def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
         )
     if kind is Kind.SPEED and dims == hertz:
         return f"{given} as angular speed is {short(turn * si)} rad/s"
+    if kind is Kind.LEAD and dims == DIMS_OF[Kind.LENGTH][0]:
+        # As m/rad it would be 2 pi times as much.
+        return f"a lead is the travel in one turn: write `{given}/rev`"
     if kind is Kind.FREQUENCY and dims == speed:
         return f"{given} as frequency is {short(si / turn)} Hz"
     if kind is Kind.FREQUENCY and dims == time and si > 0:

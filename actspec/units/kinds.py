@@ -23,6 +23,8 @@ class Kind(Enum):
     SPEED = "speed", "rad/s", "m/s", False
     POSITION = "position", "rad", "m", False
     ANGLE = "angle", "rad", "rad", False
+    LENGTH = "length", "m", "m", False
+    LEAD = "lead", "m/rad", "m/rad", False
     TIME = "time", "s", "s", False
     FREQUENCY = "frequency", "Hz", "Hz", False
     RATIO = "ratio", "1", "1", True

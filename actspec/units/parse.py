@@ -20,6 +20,8 @@ _EXAMPLES = {
     Kind.SPEED: ("rad/s", "rpm", "m/s"),
     Kind.POSITION: ("deg", "rad", "m"),
     Kind.ANGLE: ("deg", "rad"),
+    Kind.LENGTH: ("mm", "m"),
+    Kind.LEAD: ("mm/rev",),
     Kind.TIME: ("ms", "s"),
 }
 

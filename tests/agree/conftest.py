@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.agree.engines import VERSIONS, Engine, EngineUnavailableError, parse
+from actspec.verify.engines.mujoco_release import Engine, parse
+from actspec.verify.releases import EngineUnavailableError
+from tests.agree.engines import VERSIONS
 
 HERE = Path(__file__).parent
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 
 from actspec.ir import JointActuator
 from actspec.laws import (
@@ -25,8 +26,10 @@ from actspec.laws import (
     step_command,
 )
 from actspec.targets.base import Approximation, TargetOptions
-from tests.agree.engines import Answer, Array, Engine, Job, grid, load, time
+from actspec.verify.engines.mujoco_release import Answer, Engine, Job, grid, load, time
 from tests.compiling import Compiled, compile_text
+
+Array = NDArray[np.float64]
 
 EXACT = 1e-9
 """N*m and N: what DESIGN section 10 promises; measured here at 3e-13."""

@@ -22,6 +22,8 @@ TARGETS = (
     "mjlab==1.0",
 )
 """None: the spec's own targets."""
+LOST = {("anymal_d", "mujoco==3.2"): {"SPC104"}, ("spot", "mujoco==3.2"): {"SPC104"}}
+"""What a version cannot hold is a departure: MuJoCo before 3.5 has no delay."""
 
 
 @pytest.fixture(autouse=True)
@@ -53,15 +55,19 @@ def findings(spec: str, files: list[Path], capsys: pytest.CaptureFixture[str], *
 
 
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target or "own targets")
-@pytest.mark.parametrize("robot", ["a1", "a1_stiff", "go1", "g1"])
+@pytest.mark.parametrize(
+    "robot", ["a1", "a1_stiff", "go1", "g1", "go2", "h1", "anymal_c", "anymal_d", "spot", "so101"]
+)
 def test_compiled_files_are_clean(
     robot: str, target: str | None, capsys: pytest.CaptureFixture[str], mjlab_installed: Path
 ) -> None:
-    """No rule about the spec, or about files that disagree, has a word about what was compiled, not even a remark."""
+    """No rule about the spec, or about files that disagree, has a word about what was compiled, not even a remark,
+    but for what the version lacks."""
     spec = str(ROOT / "robots" / f"{robot}.yaml")
     files = compiled(spec, target, capsys)
     assert len(files) >= (4 if target is None else 1)
-    assert findings(spec, files, capsys) == []
+    found = findings(spec, files, capsys)
+    assert {finding["code"] for finding in found} == LOST.get((robot, target or ""), set()), found
 
 
 def _digits(value: float | None) -> float | None:
@@ -172,9 +178,11 @@ def test_a_spec_without_its_model(capsys: pytest.CaptureFixture[str], folder: Pa
     )
     found = findings("spot.yaml", [Path("zebra.xml")], capsys)
     assert {(item["code"], item["file"], item["value"], item["expected"]) for item in found} == {
-        ("SPC102", "zebra.xml", 50.0, 33.5)
+        ("SPC102", "zebra.xml", 50.0, 33.5),
+        # It writes its own timestep, which the mujoco target replaces.
+        ("SPC106", "zebra.xml", 0.002, 0.005),
     }
-    assert len(found) == 12
+    assert len(found) == 13
 
 
 def test_two_dogs_of_one_spec(capsys: pytest.CaptureFixture[str], folder: Path) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import FileKind
+from actspec.audit.artifact import FileKind, RobotConfig
 from actspec.audit.readers.deploy import read_deploy
 
 
@@ -124,3 +124,59 @@ def test_a_missing_file_is_a_reason(tmp_path: Path) -> None:
     """No traceback for what is not there, or is a folder."""
     assert read_deploy(str(tmp_path / "none.yaml")).reason == "No such file or directory"
     assert read_deploy(str(tmp_path)).reason is not None
+
+
+OWN = """format: "FORMAT"
+order: {robot: [hip, knee]}
+timing: {physics_dt: 0.005, decimation: 4, control_dt: 0.02}
+command: [position, effort]
+kp: [25, null]
+kd: [0.5, null]
+effort_limit: [20, 30]
+position_lower: [-1, null]
+command_range: {low: [null, -2], high: [null, 3]}
+policy_delay: {nominal: [null, 0.005], low: [0.0, 0.005], high: [0.01, 0.005]}
+"""
+
+
+def _config(tmp_path: Path, text: str) -> RobotConfig:
+    path = tmp_path / "deploy.yaml"
+    path.write_text(text, encoding="utf-8")
+    (artifact,) = read_deploy(str(path)).artifacts
+    assert artifact.config is not None
+    return artifact.config
+
+
+def test_a_file_of_our_own(tmp_path: Path) -> None:
+    """What only actspec writes is read of its own files: command, clamp, delay, range and timing; null is nothing."""
+    config = _config(tmp_path, OWN.replace("FORMAT", "actspec-deploy/1"))
+    found = {group.name: {k: v.value for k, v in group.settings.items()} for group in config.groups}
+    assert found["hip"] == {
+        "kp": 25.0, "kd": 0.5, "effort_limit": 20.0, "command": "position", "position_low": -1.0,
+        "delay_low": 0.0, "delay_high": 0.01,
+    }  # fmt: skip
+    assert found["knee"] == {
+        "effort_limit": 30.0, "command": "effort", "command_low": -2.0, "command_high": 3.0,
+        "delay": 0.005, "delay_low": 0.005, "delay_high": 0.005,
+    }  # fmt: skip
+    assert (config.physics_dt, config.settings["decimation"].value) == (0.005, 4)
+
+
+def test_the_same_keys_of_somebody_else(tmp_path: Path) -> None:
+    """Of another's file those keys may mean anything, and are left."""
+    config = _config(tmp_path, OWN.replace("FORMAT", "mine"))
+    assert {name for group in config.groups for name in group.settings} == {"kp", "kd", "effort_limit"}
+
+
+@pytest.mark.parametrize(
+    ("sdk", "expected"),
+    [("[knee, null, hip]", ("knee", None, "hip")), ("null", ()), ("{knee: 0}", ()), ("[hip, [knee]]", ())],
+    ids=["gap", "not-stated", "mapping", "nested"],
+)
+def test_the_sdks_order_of_our_own(tmp_path: Path, sdk: str, expected: tuple[str | None, ...]) -> None:
+    """The robot's numbering comes back with its gaps; the lists are in the model's order all the same."""
+    text = OWN.replace("FORMAT", "actspec-deploy/1").replace("knee]}", f"knee], sdk: {sdk}}}")
+    config = _config(tmp_path, text)
+    assert config.settings["sdk_order"].value == expected
+    assert config.settings["joint_order"].value == ("hip", "knee")
+    assert "sdk_order" not in _config(tmp_path, text.replace("actspec-deploy/1", "mine")).settings

@@ -70,6 +70,30 @@ def test_a_file_that_mujoco_refuses_is_told() -> None:
     assert report.complete
 
 
+@pytest.mark.parametrize("mass", [False, True], ids=["no mass", "mass"])
+def test_a_urdf_without_masses_is_no_fault(mass: bool) -> None:
+    """It is there for limits and joints: information, not a warning, and without MuJoCo's words."""
+    text = (
+        b'<robot><link name="a"><inertial><mass value="0"/></inertial></link></robot>'
+        if mass
+        else b"<robot/>"
+    )
+    case = case_of({"a.urdf": text})
+    refused = replace(case.files[0].artifacts[0], text_only="MuJoCo refuses the model: mass")
+    case = replace(case, files=(replace(case.files[0], artifacts=(refused,)),))
+    (told,) = judge(case, Settings(), RULES).diagnostics()
+    assert (told.code, told.severity, told.message) == (
+        (
+            "AUD013",
+            Severity.WARNING,
+            "read from its text alone, so what needs its inertia is not judged: "
+            "MuJoCo refuses the model: mass",
+        )
+        if mass
+        else ("AUD013", Severity.INFO, "no link has a mass, so what needs inertia is not judged")
+    )
+
+
 def test_findings_are_in_order_and_have_all_that_reports_need() -> None:
     """Findings come by file, line, code and joint, with the rule's severity and confidence or their own."""
     first = rule_of(

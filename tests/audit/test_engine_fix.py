@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -18,8 +22,10 @@ from actspec.audit.read import read_files
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import AuditError
-from actspec.robot.view import ModelFile
+from actspec.robot.view import ModelFile, ModelFormat
 from tests.audit.making import case_of, finding, reading, rule_of
+
+Files = tuple[ModelFile, ...]
 
 LEG = b"""<mujoco>
   <worldbody>
@@ -68,6 +74,43 @@ def test_a_fix_changes_its_bytes_and_no_others() -> None:
     (file,) = found.files
     assert (file.path, file.titles) == ("leg.xml", ("Take the damping out",))
     assert file.new == LEG.replace(b' damping="2"', b"", 1)
+
+
+def crashes(path: str, form: ModelFormat, old: Files, new: Files, fields: set[str]) -> str | None:
+    """A check of which the engine dies as soon as a damping of 1 is in the text."""
+    faulthandler.disable()  # pytest's would tell of every death that is meant
+    if any(b'damping="1"' in file.data for file in new):
+        os.kill(os.getpid(), signal.SIGSEGV)
+    return None
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
+def test_a_crash_of_the_engine_loses_only_its_fix(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The run goes on, the fix that it died of is told and not made, the other one is."""
+    monkeypatch.setattr("actspec.audit.fix._model_fault", crashes)
+    fatal = unsafe(edit(LEG, b'damping="2"', b'damping="1"'))
+    good = unsafe(edit(LEG, b'damping="2"', b'damping="3"', nth=1))
+    found = fixed(LEG, fatal, good)
+    assert found.files[0].new == LEG[: LEG.rindex(b'"2"')] + b'"3"' + LEG[LEG.rindex(b'"2"') + 3 :]
+    assert [item.message for item in found.refused] == [
+        "the fix of LIM901 is not made (Take the damping out): "
+        "leg.xml could not be compiled to check it: MuJoCo crashed on it (signal 11)"
+    ]
+
+
+def test_no_model_is_compiled_in_this_process() -> None:
+    """A check that holds in another process does not even load MuJoCo in this one."""
+    code = (
+        "import sys; from tests.audit.test_engine_fix import LEG, edit, fixed, unsafe\n"
+        "found = fixed(LEG, unsafe(edit(LEG, b'damping=\"2\"', b'damping=\"1\"')))\n"
+        "print(len(found.files), 'mujoco' in sys.modules)"
+    )
+    root = str(Path(__file__).parents[2])
+    environment = {**os.environ, "PYTHONPATH": root}
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, env=environment, check=True
+    )
+    assert done.stdout == "1 False\n"
 
 
 def test_consent() -> None:

@@ -54,8 +54,8 @@ def test_everything_is_read(folder: Path) -> None:
         min_confidence=Confidence.MEDIUM,
         options={"DMP901": {"ratio": 1.0}},
         versions=Versions(mujoco="3.12", isaac_sim="5.1", backend="newton"),
-        baseline=os.path.join(folder, "ci", "known.json"),
-        folder=str(folder),
+        baseline=os.path.join("..", "..", "ci", "known.json"),
+        folder=os.path.join("..", ".."),
     )
 
 
@@ -70,6 +70,16 @@ def test_the_nearest_file_counts(folder: Path) -> None:
     (folder / "robots" / "pyproject.toml").write_text("[tool.actspec.audit]\nselect = ['LIM901']\n")
     assert load_settings(RULES).select == ("DMP",)
     assert load_settings(RULES, config=str(folder / "pyproject.toml")).select == ("LIM",)
+
+
+def test_a_fault_is_told_by_the_path_from_here(folder: Path) -> None:
+    """The file is two folders up: so it is named, and not by all folders of the machine."""
+    (folder / "actspec.toml").write_text("[audit\n")
+    with pytest.raises(AuditError) as caught:
+        load_settings(RULES)
+    (item,) = caught.value.diagnostics
+    assert item.span is not None
+    assert (item.code, item.span.path) == ("AUD001", os.path.join("..", "..", "actspec.toml"))
 
 
 def test_never_fails_the_run(folder: Path) -> None:

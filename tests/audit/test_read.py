@@ -237,10 +237,16 @@ def test_a_folder_without_anything_says_so() -> None:
     Path("d").mkdir()
     Path("d/package.xml").write_text("<package/>")
     (found,) = read_files(["d"])
-    assert (found.path, found.reason) == (
-        "d",
-        "the folder has no robot file, configuration, deploy file or spec",
-    )
+    endings = ".xml, .urdf, .mjcf, .py, .yaml, .yml"
+    reason = f"of its 1 file that ends in {endings} none is a robot file, configuration, deploy file or spec"
+    assert (found.path, found.reason) == ("d", f"nothing to audit: {reason}")
+    assert [str(item) for item in found.diagnostics] == [
+        f"d: AUD014: nothing to audit in this folder: {reason}\n"
+        "  help: links to folders are not followed and hidden folders are passed over; name those"
+    ]
+    Path("d/package.xml").rename("d/notes.txt")
+    (found,) = read_files(["d"])
+    assert found.reason == f"nothing to audit: it has no file that ends in {endings}"
 
 
 def dies(task: Task) -> FileReading:

@@ -12,7 +12,8 @@ import pytest
 from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.audit.case import Versions
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rows.config import control_of, rows_of_config
+from actspec.audit.rows.config import rows_of_config
+from actspec.audit.rows.figures import control_of
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.robot.view import JointView, ModelFormat, PoseInertia, RobotView
@@ -112,6 +113,8 @@ def test_a_drive_is_judged_with_the_models_inertia() -> None:
     assert (hip.inertia_min, hip.inertia_max) == pytest.approx((0.05, 0.06))
     assert hip.stability == pytest.approx(0.02)
     assert (hip.kd_implicit, hip.total_damping) == (False, pytest.approx(0.3))
+    # Viscous friction is outside of the drive; how PhysX integrates it the configuration does not say.
+    assert (hip.joint_damping_clamped, hip.joint_damping_implicit) == (False, None)
 
 
 def test_what_a_configuration_does_not_say_is_unknown() -> None:

@@ -192,6 +192,9 @@ def test_stability_counts_what_the_engine_takes_explicitly(
     (found,) = rows(text)
     assert found.stability == pytest.approx(0.002 * explicit, rel=EXACT)
     assert found.kd_implicit is implicit
+    # 4.75 is kd with both dampings, so none of them is implicit there.
+    passive = explicit != 4.75
+    assert (found.joint_damping_implicit, found.actuator_damping_implicit) == (passive, passive)
     if "RK4" in option:
         return  # four stages: no one-step formula
     model = mujoco.MjModel.from_xml_string(text)
@@ -201,6 +204,42 @@ def test_stability_counts_what_the_engine_takes_explicitly(
     h = 0.002
     # (1 + h * implicit) dv = -h * 4.75 * 5 with inertia 1; implicit part = 4.75 - explicit
     assert data.qvel[0] - 5.0 == pytest.approx(-h * 4.75 * 5.0 / (1.0 + h * (4.75 - explicit)), rel=1e-9)
+
+
+def test_the_force_range_clamps_kd_and_no_other_damping() -> None:
+    """At 10 rad/s a limit of 1 N*m leaves 1 of the 20 N*m of kd, and all of joint and actuator damping."""
+    actuator = '<velocity joint="j" kv="2" damping="0.5" forcerange="-1 1"/>'
+    text = one_joint('<joint name="j" damping="0.25"/>', actuator)
+    (found,) = rows(text)
+    assert (found.kd_clamped, found.joint_damping_clamped, found.actuator_damping_clamped) == (
+        True,
+        False,
+        False,
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    data = mujoco.MjData(model)
+    data.qvel[0] = 10.0
+    mujoco.mj_forward(model, data)
+    assert (data.qfrc_actuator[0], data.qfrc_passive[0]) == pytest.approx((-1.0, -7.5), rel=EXACT)
+
+
+def test_a_urdf_does_not_say_what_becomes_of_its_damping(tmp_path: Path) -> None:
+    """One importer makes it passive, another the drive's gain: neither clamped nor implicit is known."""
+    text = (
+        '<robot name="r"><link name="a"/><link name="b"><inertial><mass value="1"/>'
+        '<inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link>'
+        '<joint name="j" type="continuous"><parent link="a"/><child link="b"/><dynamics damping="0.5"/></joint>'
+        "</robot>"
+    )
+    path = tmp_path / "r.urdf"
+    path.write_text(text, encoding="utf-8")
+    (artifact,) = read_robot(str(path), keep_matrices=False).artifacts
+    (found,) = rows_of_robot(artifact, 0)
+    assert (found.joint_damping, found.joint_damping_clamped, found.joint_damping_implicit) == (
+        0.5,
+        None,
+        None,
+    )
 
 
 def test_a_bare_joint_has_one_row_without_a_drive() -> None:

@@ -36,7 +36,7 @@ HEADLINE = (
     "gives every N*m that it is asked for\n"
 )
 SKIPPED = "skipped LIM102: no file states an effort or velocity limit\n"
-COUNT = "2 warnings in 1 file\n"
+COUNT = "2 warnings (1 entry) in 1 file\n"
 
 
 @pytest.fixture(autouse=True)
@@ -140,12 +140,12 @@ def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> N
 
 
 def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
-    """Three joints without effort limit and one without speed limit are two remarks of the reader, not four."""
+    """Three joints with a negative effort and one with a negative speed are two remarks of the reader, not four."""
     links = "".join(f'<link name="{name}"/>' for name in "abcde")
     joints = "".join(
         f'<joint name="j{child}" type="revolute"><parent link="a"/><child link="{child}"/>'
         f'<limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>\n'
-        for child, effort, speed in (("b", 0, 1), ("c", 0, 1), ("d", 5, 0), ("e", 0, 1))
+        for child, effort, speed in (("b", -1, 1), ("c", -1, 1), ("d", 5, -1), ("e", -1, 1))
     )
     Path("r.urdf").write_text(f'<robot name="r">{links}{joints}</robot>')
     run("audit", "r.urdf")
@@ -154,6 +154,18 @@ def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]
         "jb, jc, je",
         "jd",
     ]
+
+
+def test_a_limit_of_zero_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
+    """By the rule, which can be set aside, and not by the reader too."""
+    Path("r.urdf").write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
+        '<child link="b"/><limit lower="-1" upper="1" effort="0" velocity="1"/></joint></robot>'
+    )
+    run("audit", "r.urdf", "--select", "LIM103", "--output-format", "concise")
+    out, err = capsys.readouterr()
+    assert [line.split()[1] for line in out.splitlines() if "effort is 0" in line] == ["LIM103"]
+    assert err == ""
 
 
 def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None:
@@ -179,7 +191,7 @@ def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None
         "AUD003 --ignore: no rule has the code, the beginning of a code or the name 'no-limit-of-any-kin'",
         "  help: did you mean 'no-limit-of-any-kind'?",
         "AUD004 --target: must be a version such as 2.3, got 'x'",
-        "5 errors; nothing was written",
+        "5 errors",
     ]
 
 

@@ -75,7 +75,7 @@ def test_never_overwrites(folder: Path, source: str | None, capsys: pytest.Captu
 
 
 def test_draft(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """--from writes a draft whose model is found from the spec's own folder, and which compiles."""
+    """--from imports the file: its model is found from the spec's own folder, and it compiles."""
     (folder / "models").mkdir()
     (folder / "models" / "robot.xml").write_text(ROBOT, encoding="utf-8")
     assert main(["init", "specs/new/spec.yaml", "--from", "models/robot.xml"]) == 0
@@ -83,8 +83,8 @@ def test_draft(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert said == (
         "wrote specs/new/spec.yaml: 1 joint in 1 group (swing), from models/robot.xml\n"
         "  left as they are, no actuator: free_end\n"
-        "  the file does not say armature: swing\n"
-        "  the file does not say friction.coulomb: swing\n"
+        "  no file says armature: swing\n"
+        "  no file says friction.coulomb: swing\n"
         "next: check it, then\n"
         "  actspec show specs/new/spec.yaml\n"
         "  actspec compile specs/new/spec.yaml\n"
@@ -128,16 +128,16 @@ def test_reader_is_heard(folder: Path, capsys: pytest.CaptureFixture[str]) -> No
 @pytest.mark.parametrize(
     "arguments, code, words",
     [
-        (["--from", "robot.xnl"], "ROBOT101", "did you mean 'robot.xml'?"),
-        (["--from", "no/robot.xml"], "ROBOT101", "its folder does not exist"),
+        (["--from", "robot.xnl"], "DRF004", "did you mean 'robot.xml'?"),
+        (["--from", "no/robot.xml"], "DRF004", "its folder does not exist"),
         (["--from", "broken.xml"], "ROBOT004", "broken.xml:2"),
         (["--from", "package://no-such-distribution-here/a.xml"], "ROBOT102", "is not installed"),
         (["folder"], "OUT001", "is a folder"),
         (["folder/"], "OUT001", "is a folder"),
         (["new/"], "OUT001", "is a folder"),
         (["robot.xml/spec.yaml"], "OUT002", "cannot be written"),
-        (["robot.xml", "--from", "robot.xml", "--force"], "OUT003", "is the robot file itself"),
-        (["link.xml", "--from", "robot.xml", "--force"], "OUT003", "is the robot file itself"),
+        (["robot.xml", "--from", "robot.xml", "--force"], "OUT003", "is the file to import itself"),
+        (["link.xml", "--from", "robot.xml", "--force"], "OUT003", "is the file to import itself"),
     ],
     ids=["near name", "no folder", "not XML", "not installed", "folder", "folder/", "new/", "below a file",
          "itself", "itself by a link"],

@@ -1,4 +1,4 @@
-"""Every robot file that we have: drafted, compiled as drafted and as servos, and compared line by line.
+"""Every robot file that we have: imported, compiled as imported and as servos, and compared line by line.
 
 The files are those below ACTSPEC_CORPUS (default: `shared/corpus` beside the repository) and the
 MJCFs of the mjlab distribution, where there is one.
@@ -15,13 +15,14 @@ from pathlib import Path
 import pytest
 
 from actspec import api
+from actspec.audit.dynamics import JointDynamics
 from actspec.diagnostics import ActspecError, Severity
-from actspec.draft import Draft, draft_spec
 from actspec.ir import JointKind
 from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import Element, parse_document
+from tests.importing import Imported, dynamics, imported
 
 ROOT = Path(__file__).resolve().parents[2]
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", ROOT.parent / "shared" / "corpus"))
@@ -34,12 +35,15 @@ UNREADABLE = {
     "it has no hinge or slide joint with a name: there is nothing to draft": "no robot",
     "the root element is <": "no robot",
 }
-"""Why a file may give no draft."""
+"""Why a file may not be imported."""
+
+ABSORBED = ("command_low", "command_high")
+"""Clamp of a torque motor's command: at its effort limit it is that limit, outside of it nothing."""
 
 NO_GAINS = {
     f"{gain} is unknown, and MuJoCo needs a number: the file has no servo to keep" for gain in ("kp", "kd")
 }
-"""Why a draft of a model without servos does not compile as it is."""
+"""Why the spec of a model without servos does not compile as it is."""
 
 REFUSED = (
     "MuJoCo refuses the model: URDF joint parent or child missing",
@@ -70,11 +74,10 @@ def _label(path: Path) -> str:
     return "/".join(path.parts[-4:])
 
 
-def draft_of(path: Path, folder: Path) -> tuple[RobotView, Draft]:
-    """A file and its draft; skips what gives none for a reason that we know."""
+def import_of(path: Path, folder: Path) -> tuple[RobotView, Imported]:
+    """A file and its spec; skips what gives none for a reason that we know."""
     try:
-        robot = load_robot(str(path))
-        return robot, draft_spec(robot, os.path.relpath(path, folder))
+        return load_robot(str(path)), imported([path], folder)
     except ActspecError as err:
         known = [why for text, why in UNREADABLE.items() if text in str(err)]
         assert known, str(err)
@@ -88,14 +91,16 @@ def compiled(text: str, folder: Path, canonical: bool) -> api.Compilation:
     return api.compile(spec, output=str(folder / "out"), canonical=canonical)
 
 
-def written(compilation: api.Compilation, folder: Path) -> RobotView:
-    """The compiled model, written and read again."""
-    target = folder / "out" / "mujoco"
-    target.mkdir(parents=True, exist_ok=True)
-    (emission,) = compilation.emissions
-    for file in emission.files:
-        (target / file.path).write_bytes(file.data)
-    return load_robot(str(target / emission.files[0].path))
+def written(compilation: api.Compilation, folder: Path) -> dict[str, RobotView]:
+    """The robot file of each target, written and read again."""
+    found = {}
+    for options, emission in zip(compilation.targets, compilation.emissions, strict=True):
+        target = folder / "out" / options.name
+        for file in emission.files:
+            (target / file.path).parent.mkdir(parents=True, exist_ok=True)
+            (target / file.path).write_bytes(file.data)
+        found[options.name] = load_robot(str(target / emission.files[0].path))
+    return found
 
 
 def reasons(err: ActspecError) -> set[str]:
@@ -108,7 +113,7 @@ def reasons(err: ActspecError) -> set[str]:
 
 
 def servos(text: str, robot: RobotView) -> str:
-    """The draft with kp 20 and kd 0.5 for every joint, so that the editor has something to write."""
+    """A spec with kp 20 and kd 0.5 for every joint, so that the editor has something to write."""
     slides = any(joint.kind is JointKind.SLIDE for joint in robot.joints)
     kp, kd = ("20", "0.5") if slides else ("20 N*m/rad", "0.5 N*m*s/rad")
     text = re.sub(r"(?m)^    kp: unknown.*$", f"    kp: {kp}", text)
@@ -183,34 +188,73 @@ def editable(robot: RobotView) -> list[set[int]]:
 pytestmark = pytest.mark.skipif(not FILES, reason="no corpus")
 
 
+def unlike(one: JointDynamics, other: JointDynamics) -> dict[str, tuple[float | None, float | None]]:
+    """Figures in which two joints differ; a figure that one of them lacks is None."""
+    found = {}
+    for name in {**one.figures, **other.figures}:
+        values = [side.figures[name].value if name in side.figures else None for side in (one, other)]
+        if values[0] is None or values[1] is None or values[0] != pytest.approx(values[1], rel=TOLERANCE):
+            found[name] = (values[0], values[1])
+    return {name: pair for name, pair in found.items() if pair != (None, None)}
+
+
+def outside(joint: JointDynamics) -> bool:
+    """Whether the clamp of a torque motor's command never acts before its effort limit."""
+    limit = joint.figures["effort_limit"].value
+    ends = [joint.figures[name].value for name in ABSORBED if name in joint.figures]
+    return limit is not None and all(end is not None and abs(end) >= limit for end in ends)
+
+
 @pytest.mark.parametrize("path", FILES, ids=_label)
-def test_draft_changes_nothing(path: Path, tmp_path: Path) -> None:
-    """Compiled as it is, a draft leaves what acts on every joint as it was; else its gains are unknown."""
-    robot, draft = draft_of(path, tmp_path)
-    for canonical in (False, True):
-        try:
-            compilation = compiled(draft.text, tmp_path, canonical)
-        except ActspecError as err:
-            unknown = reasons(err)
-            assert not robot.actuators
-            assert unknown == NO_GAINS or (len(unknown) == 1 and unknown <= set(REFUSED))
-            continue
-        assert robot.actuators and "kp" not in draft.unknown
-        after = written(compilation, tmp_path)
+def test_compiling_an_import_changes_nothing(path: Path, tmp_path: Path) -> None:
+    """Compiled as it is, a spec leaves what acts on every joint as it was; else its gains are unknown.
+
+    The one thing that goes is the clamp of a torque motor's command that its effort limit holds already.
+    """
+    robot, found = import_of(path, tmp_path)
+    try:
+        compilation = compiled(found.draft.text, tmp_path, False)
+    except ActspecError as err:
+        unknown = reasons(err)
+        assert not robot.actuators
+        assert unknown == NO_GAINS or (len(unknown) == 1 and unknown <= set(REFUSED))
+        return
+    before = dynamics(path)
+    for target, after in written(compilation, tmp_path).items():
         assert [joint.name for joint in after.joints] == [joint.name for joint in robot.joints]
         assert [a.name for a in after.actuators] == [a.name for a in robot.actuators]
-        for joint in robot.joints:
-            assert effective(after, joint.name) == pytest.approx(effective(robot, joint.name), rel=TOLERANCE)
         assert after.timestep == robot.timestep
-        if not canonical:
+        if target == "mujoco":
             check_text(robot, after)
+        now = dynamics(Path(after.path))
+        assert list(now.joints) == list(before.joints)
+        for name, old in before.joints.items():
+            new = now.joints[name]
+            assert new.control == old.control, name
+            apart = unlike(old, new)
+            if old.control == "motor" and outside(old):
+                apart = {field: pair for field, pair in apart.items() if field not in ABSORBED}
+            assert apart == {}, (name, found.combined.notes.get(name))
 
 
 @pytest.mark.parametrize("path", FILES, ids=_label)
-def test_draft_as_servos(path: Path, tmp_path: Path) -> None:
+def test_canonical_form_changes_nothing(path: Path, tmp_path: Path) -> None:
+    """In MuJoCo's own form what acts on every joint is as it was, too."""
+    robot, found = import_of(path, tmp_path)
+    if robot.format is not ModelFormat.MJCF or not robot.actuators:
+        pytest.skip("no MJCF with actuators")
+    (after,) = written(compiled(found.draft.text, tmp_path, True), tmp_path).values()
+    for joint in robot.joints:
+        assert effective(after, joint.name) == pytest.approx(effective(robot, joint.name), rel=TOLERANCE)
+
+
+@pytest.mark.parametrize("path", FILES, ids=_label)
+def test_import_as_servos(path: Path, tmp_path: Path) -> None:
     """With gains, every file compiles to servos with these gains; passive values and limits stay."""
-    robot, draft = draft_of(path, tmp_path)
-    text = servos(draft.text, robot)
+    robot, found = import_of(path, tmp_path)
+    text = servos(found.draft.text, robot)
+    if "  mujoco: {" not in text:
+        text += '  mujoco: {version: "3.12"}\n'
     for canonical in (False, True):
         try:
             compilation = compiled(text, tmp_path, canonical)
@@ -218,9 +262,9 @@ def test_draft_as_servos(path: Path, tmp_path: Path) -> None:
             assert robot.format is ModelFormat.URDF
             assert reasons(err) <= set(REFUSED)
             continue
-        after = written(compilation, tmp_path)
+        after = written(compilation, tmp_path)["mujoco"]
         managed = {actuator.joint for actuator in compilation.actuators.joints}
-        assert len(managed) == sum(draft.groups.values())
+        assert len(managed) == sum(found.draft.groups.values())
         for joint in robot.joints:
             expected = effective(robot, joint.name)
             if joint.name in managed:

@@ -47,7 +47,8 @@ from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
 from actspec.targets.isaaclab.versions import SIMS, FrictionUnit, isaaclab_dialect
 from actspec.targets.mjlab.versions import MJLAB_RELEASES, mjlab_dialect
-from tests.agree.engines import EngineUnavailableError
+from actspec.targets.newton.versions import NEWTON_RELEASES, newton_dialect
+from actspec.verify.releases import EngineUnavailableError
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
@@ -456,7 +457,7 @@ def test_workflows_call_what_there_is(block: Block) -> None:
         assert parser().parse_args(shlex.split(command)[1:]).command
 
 
-CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "OUT", "RND", "RTP", "STB", "URD"]
+CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "NWT", "OUT", "RND", "RTP", "STB", "URD"]
 """Families of docs/checks.md."""
 AUDIT = ["AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
@@ -540,6 +541,18 @@ def test_mjlab_versions_are_the_capability_rows() -> None:
             ]
         )
     assert _rows("mjlab-target.md", r"\d\.\d \|") == rows
+
+
+def test_newton_versions_are_the_capability_rows() -> None:
+    """The table of docs/newton-target.md is what the versions' rows say."""
+    rows = []
+    for release in NEWTON_RELEASES:
+        d = newton_dialect(f"{release[0]}.{release[1]}")
+        joint = "read" if d.joint_damping else "not read: approximations"
+        rows.append([d.text, "read", joint, "ONNX" if d.networks else "none", "yes" if d.run else "no"])
+    page = _rows("newton-target.md", r"\d\.\d \|")
+    # Of a version without networks the first row says why.
+    assert [[*row[:3], row[3].partition(":")[0], row[4]] for row in page] == rows
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda p: str(p.relative_to(ROOT)))

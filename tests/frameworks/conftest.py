@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.agree.engines import EngineUnavailableError
+from actspec.verify.releases import EngineUnavailableError
 from tests.frameworks.prepare import PYTHONS, Frameworks, prepare
 
 HERE = Path(__file__).parent

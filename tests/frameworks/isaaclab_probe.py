@@ -17,77 +17,17 @@ Answers: version; per joint its group, class and numbers; array `torque` (n_step
 
 from __future__ import annotations
 
-import copy
-import importlib.util
 import io
 import json
 import sys
-import types
 from pathlib import Path
 
 import numpy as np
 import torch
 
-NUMBERS = (
-    "effort_limit",
-    "velocity_limit",
-    "effort_limit_sim",
-    "velocity_limit_sim",
-    "stiffness",
-    "damping",
-    "armature",
-    "friction",
-    "dynamic_friction",
-    "viscous_friction",
-)
-USD = (
-    "stiffness",
-    "damping",
-    "armature",
-    "friction",
-    "dynamic_friction",
-    "viscous_friction",
-    "effort_limit",
-    "velocity_limit",
-)
+sys.path.insert(0, str(Path(__file__).parents[2] / "actspec" / "verify" / "probes"))
 
-
-def stand_in(name: str, **content: object) -> types.ModuleType:
-    """A module of the simulator, which is not here: Isaac Lab's actuators import it and use nothing of it."""
-    module = types.ModuleType(name)
-    module.__dict__.update(content)
-    sys.modules[name] = module
-    return module
-
-
-def enable(root: str) -> None:
-    """Make `import isaaclab` find the real package, on a machine without Isaac Sim."""
-    sys.path.insert(0, root)
-    settings = types.SimpleNamespace(get=lambda key: "/nucleus")
-    stand_in("carb", settings=types.SimpleNamespace(get_settings=lambda: settings))
-    omni = stand_in("omni")
-    omni.__path__ = []
-    omni.client = stand_in("omni.client")
-    omni.log = stand_in("omni.log", warn=print, info=print, error=print)
-    if importlib.util.find_spec("toml") is None:
-        import tomllib
-
-        stand_in("toml", load=lambda path: tomllib.loads(Path(path).read_text(encoding="utf-8")))
-    if importlib.util.find_spec("trimesh") is None:
-        stand_in("trimesh", Trimesh=object, creation=None)
-    if importlib.util.find_spec("pxr") is None:
-        stand_in("pxr", Usd=types.SimpleNamespace(Prim=object), UsdGeom=types.SimpleNamespace())
-
-
-def load(text: str, name: str) -> dict:
-    """Import the text from a file, as a user would."""
-    path = Path("emitted_cfg.py").resolve()
-    path.write_text(text, encoding="utf-8")
-    spec = importlib.util.spec_from_file_location("emitted_cfg", path)
-    module = importlib.util.module_from_spec(spec)
-    sys.modules["emitted_cfg"] = module
-    spec.loader.exec_module(module)
-    return getattr(module, name)
+from probe_isaaclab import NUMBERS, PARTS, builder, enable, load, numbers, step
 
 
 def make(description: dict) -> bytes:
@@ -123,41 +63,25 @@ def make(description: dict) -> bytes:
 
 def run(job: dict, arrays: dict) -> tuple[dict, dict]:
     enable(job["root"])
-    from isaaclab.utils.string import resolve_matching_names
-    from isaaclab.utils.types import ArticulationActions
-
     for name in job["networks"]:
         Path(name).write_bytes(arrays.pop(f"file:{name}").tobytes())
+    module = Path("emitted_cfg.py").resolve()
+    module.write_text(job["text"], encoding="utf-8")
     names = job["joints"]
     inputs = {key: torch.tensor(value, dtype=torch.float32) for key, value in arrays.items()}
     n_step, n_env, _ = inputs["q"].shape
     torque = np.full((n_step, n_env, len(names)), np.nan)
     fresh, again = torque.copy(), torque.copy()
     joints: dict[str, dict] = {}
-    for key, cfg in load(job["text"], job["constant"]).items():
-        ids, mine = resolve_matching_names(cfg.joint_names_expr, names)
-        usd = {name: torch.full((n_env, len(mine)), float(job["usd"])) for name in USD}
-
-        def build(cfg=cfg, mine=mine, usd=usd):
-            return cfg.class_type(
-                cfg=copy.deepcopy(cfg),
-                joint_names=mine,
-                joint_ids=slice(None),
-                num_envs=n_env,
-                device="cpu",
-                **{name: value.clone() for name, value in usd.items()},
-            )
+    for key, cfg in load(module)[job["constant"]].items():
+        ids, mine, build = builder(cfg, names, n_env, float(job["usd"]))
 
         def steps(actuator, out, ids=ids):
             for k in range(n_step):
                 part = {name: value[k][:, ids].clone() for name, value in inputs.items()}
-                action = ArticulationActions(
-                    joint_positions=part["positions"],
-                    joint_velocities=part["velocities"],
-                    joint_efforts=part["efforts"],
-                )
-                actuator.compute(action, part["q"], part["qd"])
-                out[k][:, ids] = actuator.applied_effort.numpy()
+                commands = (part["positions"], part["velocities"], part["efforts"])
+                action = dict(zip(PARTS.values(), commands, strict=True))
+                out[k][:, ids] = step(actuator, action, part["q"], part["qd"])
 
         torch.manual_seed(job["seed"])
         actuator = build()
@@ -168,19 +92,12 @@ def run(job: dict, arrays: dict) -> tuple[dict, dict]:
         actuator.reset([0])
         steps(actuator, again)
         steps(build(), fresh)
-        for index, joint in enumerate(mine):
+        for joint, found in numbers(actuator, mine, key).items():
             assert joint not in joints, f"{joint} is in two groups"
             joints[joint] = {
-                "group": key,
-                "class": type(actuator).__name__,
+                **found,
                 "bases": [base.__name__ for base in type(actuator).__mro__],
-                "implicit": bool(actuator.is_implicit_model),
                 "lags": [getattr(cfg, "min_delay", None), getattr(cfg, "max_delay", None)],
-                **{
-                    name: float(getattr(actuator, name)[0, index])
-                    for name in NUMBERS
-                    if hasattr(actuator, name)
-                },
             }
     return {"joints": joints}, {"torque": torque, "fresh": fresh, "again": again}
 
@@ -190,21 +107,14 @@ def live(job: dict) -> dict:
     enable(job["root"])
     # Behind the package itself, for its metadata; and what actspec imports.
     sys.path += job["paths"]
-    from isaaclab.utils.string import callable_to_string, resolve_matching_names, string_to_callable
+    from isaaclab.utils.string import callable_to_string, string_to_callable
 
     from actspec.isaaclab import actuators
 
     found = {}
     for key, cfg in actuators(job["live"]).items():
-        _, mine = resolve_matching_names(cfg.joint_names_expr, job["joints"])
-        actuator = cfg.class_type(
-            cfg=copy.deepcopy(cfg),
-            joint_names=mine,
-            joint_ids=slice(None),
-            num_envs=1,
-            device="cpu",
-            **{name: torch.full((1, len(mine)), float(job["usd"])) for name in USD},
-        )
+        _, mine, build = builder(cfg, job["joints"], 1, float(job["usd"]))
+        actuator = build()
         found[key] = {
             "cfg": type(cfg).__name__,
             "joints": mine,

@@ -21,7 +21,7 @@ from actspec import api, output
 
 ROOT = Path(__file__).resolve().parents[2]
 TREES = Path(__file__).parent
-ROBOTS = ("a1", "a1_stiff", "go1", "g1")
+ROBOTS = ("a1", "a1_stiff", "go1", "g1", "go2", "h1", "anymal_c", "anymal_d", "spot", "so101")
 ON_MJLAB = ("go1", "g1")
 """Robots whose model is in the mjlab distribution."""
 

@@ -19,8 +19,9 @@ LAYERS = (
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},
-    {"resolution", "lift"},
+    {"resolution"},
     {"targets", "audit", "sysid", "learn", "sampling"},
+    {"lift"},
     {"verify", "report", "draft"},
     {"api", "output"},
     {"live"},
@@ -43,7 +44,8 @@ def modules() -> dict[str, ast.Module]:
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
-        if parts[0] != "_data":
+        # Probes are no modules: they run in the simulators' environments.
+        if parts[0] != "_data" and parts[:2] != ("verify", "probes"):
             name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
             found[name] = ast.parse(path.read_text(encoding="utf-8"), str(path))
     return found

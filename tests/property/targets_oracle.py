@@ -17,8 +17,10 @@ import numpy as np
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from actspec.ir import ActuatorSet
 from actspec.resolution import resolve
 from actspec.robot.listed import listed_robot
+from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Approximation, Emission, TargetOptions
@@ -187,8 +189,16 @@ def robots(draw: st.DrawFn) -> list[Drive]:
     return [draw(drives(tuple(next(names) for _ in range(size)))) for size in sizes]
 
 
-def compiled(groups: list[Drive], *, randomize: dict[str, Any] | None = None, **options: Any) -> Emission:
-    """The groups, compiled, all with the same ranges."""
+def resolved(
+    groups: list[Drive],
+    *,
+    randomize: dict[str, Any] | None = None,
+    robot: dict[str, Any] | None = None,
+    timing: dict[str, Any] | None = None,
+    actuators: dict[str, Any] | None = None,
+    view: RobotView | None = None,
+) -> tuple[ActuatorSet, RobotView]:
+    """The groups on a robot that the spec lists or on `view`, all with the same ranges and `actuators` fields."""
     specs = {f"g{i}": drive.spec() for i, drive in enumerate(groups)}
     joints = [
         {"name": name, "kind": "slide" if drive.slide else "hinge"}
@@ -197,19 +207,33 @@ def compiled(groups: list[Drive], *, randomize: dict[str, Any] | None = None, **
     ]
     document = {
         "actspec": 1,
-        "robot": {"name": "bot", "model": "none", "joints": joints},
-        "timing": {"physics_dt": "5 ms"},
+        "robot": {
+            "name": "bot",
+            **({"model": "none", "joints": joints} if view is None else {"model": "bot.urdf"}),
+            **(robot or {}),
+        },
+        "timing": {"physics_dt": "5 ms", **(timing or {})},
         "motors": {f"m{key}": motor for key, (_, motor) in specs.items()},
         "actuators": {
-            key: {**group, "motor": f"m{key}", "randomize": randomize or {}}
+            key: {**group, "motor": f"m{key}", "randomize": randomize or {}, **(actuators or {})}
             for key, (group, _) in specs.items()
         },
     }
     spec = validate(document_from_text(json.dumps(document), "s.yaml"))
-    robot = listed_robot(spec)
+    found = view or listed_robot(spec)
+    return resolve(spec, found), found
+
+
+def emitted(actuators: ActuatorSet, robot: RobotView, **options: Any) -> Emission:
+    """A robot's actuators, compiled for a kind of target at a version."""
     kind = options.pop("kind")
     chosen = TargetOptions(kind, kind, options.pop("version"), None, "out", **options)
-    return emitter(kind)(resolve(spec, robot), robot, chosen)
+    return emitter(kind)(actuators, robot, chosen)
+
+
+def compiled(groups: list[Drive], *, randomize: dict[str, Any] | None = None, **options: Any) -> Emission:
+    """The groups, compiled, all with the same ranges."""
+    return emitted(*resolved(groups, randomize=randomize), **options)
 
 
 # --- the text -----------------------------------------------------------------------------------------------

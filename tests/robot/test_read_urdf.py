@@ -148,9 +148,9 @@ def test_zero_limits_are_stated_and_warned_of() -> None:
     assert found.stated == {"effort", "velocity"}
     # Column: 32 (joint tag) + 19 (axis) + 21 (parent) + 17 (child) + 1
     assert messages(text) == [
-        "r.urdf:6:90: ROBOT123 [warning] j: limit effort is 0 N*m: MuJoCo reads it as no limit, other "
+        "r.urdf:6:90: ROBOT125 [warning] j: limit effort is 0 N*m: MuJoCo reads it as no limit, other "
         "importers as a dead joint",
-        "r.urdf:6:90: ROBOT123 [warning] j: limit velocity is 0 rad/s: importers disagree whether that is no "
+        "r.urdf:6:90: ROBOT125 [warning] j: limit velocity is 0 rad/s: importers disagree whether that is no "
         "limit or a locked joint",
     ]
 

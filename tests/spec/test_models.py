@@ -10,10 +10,12 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import SpecError
+from actspec.spec.base import Strict
 from actspec.spec.derive import DerivedGain
 from actspec.spec.descriptions import descriptions
 from actspec.spec.document import document_from_text
-from actspec.spec.models import CommandFilter, ListedJoint, SpecModel, Strict
+from actspec.spec.gears import Linkage
+from actspec.spec.models import CommandFilter, ListedJoint, SpecModel
 from actspec.spec.validate import validate
 from actspec.spec.values import SpecValue
 from tests.fitting import faults_of, model_of, spec_of
@@ -46,6 +48,27 @@ motors:
     side: joint
     curve: {drive_torque: 20 N*m, brake_torque: 25 N*m, knee_speed: 10 rad/s, no_load_speed: 20 rad/s}
     reflected_inertia: 0.01 kg*m^2
+  screw:
+    side: motor
+    peak_torque: 1 N*m
+    rotor_inertia: 100 g*cm^2
+    gearbox:
+      - {planetary: {sun: 18, ring: 46}, efficiency: 0.95, inertia: 3 g*cm^2}
+      - {teeth: {driving: 20, driven: 60}}
+      - {lead: 5 mm/rev}
+linkages:
+  ankle:
+    joints: [pitch, roll]
+    motors: [screw, screw]
+    jacobian: [[40 mm/rad, 20 mm/rad], [40 mm/rad, -20 mm/rad]]
+    at: [0.1 rad, 0]
+    limits: together
+    source: a1_manual
+  waist:
+    joints: [yaw]
+    motors: [screw]
+    table: [{at: [0], jacobian: [[35 mm/rad]]}, {at: [20 deg], jacobian: [[30 mm/rad]]}]
+  neck: {joints: [nod], motors: [curved], factor: 1}
 actuators:
   legs:
     joints: [".*_hip_joint", ".*_thigh_joint", ".*_calf_joint"]
@@ -74,6 +97,19 @@ actuators:
       kd: {from: identified, sigma: 2}
       friction.stribeck_velocity: {abs: [0.1 rad/s, 0.2 rad/s]}
       delay: {add: [0, 5 ms], when: interval, every: [5 s, 10 s], per: env}
+  feet:
+    joints: [pitch, roll]
+    level: ideal_pd
+  lift:
+    joints: [lift]
+    motor: a1_joint
+    transmission: [{ratio: 2}, {radius: 20 mm}]
+    level: ideal_pd
+  knee:
+    joints: [knee]
+    motor: screw
+    transmission: [{lever_arm: 45 mm}]
+    level: ideal_pd
   arms:
     joints: [".*_arm"]
     level: actuator_net
@@ -116,11 +152,11 @@ def test_every_key_was_in_the_example() -> None:
     left_out = {
         alias
         for model in Strict.__subclasses__()
-        if model.__module__ == SpecModel.__module__
+        if model.__module__ in (SpecModel.__module__, Linkage.__module__)
         for name, field in model.model_fields.items()
         if f"{(alias := field.alias or name)}:" not in text
     }
-    assert left_out == {"note", "include", "kind", "backend", "joint_order", "cutoff"}
+    assert left_out == {"note", "include", "kind", "backend", "joint_order", "joint_paths", "root", "cutoff"}
 
 
 def test_filter_forms() -> None:
@@ -136,6 +172,17 @@ def test_listed_joints() -> None:
     first, second = model_of(spec_of("g: {joints: [x], level: ideal_pd}", robot=robot)).robot.joints
     assert first == "a"
     assert isinstance(second, ListedJoint) and (second.name, second.kind) == ("b", "slide")
+
+
+def test_only_an_sdks_order_may_have_gaps() -> None:
+    """`null` is a number without a joint in `joint_order`, and a forgotten value everywhere else."""
+    spec = spec_of("g: {joints: [x], level: ideal_pd}") + "targets: {deploy: {joint_order: [b, null, a]}}\n"
+    assert model_of(spec).targets["deploy"].joint_order == ("b", None, "a")
+    bad = spec.replace("[b, null, a]", "null").replace("[x]", "[x, null]")
+    assert [fault.rpartition(":")[0] for fault in faults_of(bad)] == [
+        "SPEC103 actuators.g.joints[1]",
+        "SPEC103 targets.deploy.joint_order",
+    ]
 
 
 def test_models_are_frozen_and_strict() -> None:

@@ -23,6 +23,7 @@ from actspec.audit.artifact import (
     RobotConfig,
     Setting,
 )
+from actspec.audit.readers.deploy_keys import NAMES, OWN_FORMAT, OWN_LISTS, PER_JOINT, TIMES
 from actspec.diagnostics import Collector, Span, listed, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFile
@@ -36,62 +37,6 @@ MOST_STEPS = 200_000
 """Chosen: values visited in one file, aliases counted each time."""
 MOST_DEPTH = 40
 """Chosen: deepest nesting that is followed."""
-
-PER_JOINT = {
-    "kp": (
-        "kp",
-        "kps",
-        "stiffness",
-        "p_gains",
-        "kp_gains",
-        "joint_kp",
-        "joint_stiffness",
-        "fixed_kp",
-        "rl_kp",
-    ),
-    "kd": ("kd", "kds", "damping", "d_gains", "kd_gains", "joint_kd", "joint_damping", "fixed_kd", "rl_kd"),
-    "effort_limit": (
-        "effort_limit",
-        "effort_limits",
-        "torque_limit",
-        "torque_limits",
-        "tau_limit",
-        "dof_effort_limit_list",
-    ),
-    "velocity_limit": ("velocity_limit", "velocity_limits", "dof_vel_limit_list"),
-    "armature": ("armature", "dof_armature_list"),
-    "frictionloss": ("friction_coulomb", "frictionloss", "dof_joint_friction_list"),
-    "joint_damping": ("friction_viscous",),
-    "default_position": (
-        "default_position",
-        "default_joint_pos",
-        "default_joint_angles",
-        "default_dof_pos",
-        "default_angles",
-        "default_pos",
-    ),
-    "action_scale": ("action_scale", "action_scales"),
-}
-"""Field to the keys that people use for it. Source: unitree_rl_gym, unitree_rl_lab, rl_sar, ASAP, OpenHomie deploy
-files, and what actspec writes."""
-
-TIMES = {
-    "physics_dt": ("physics_dt", "simulation_dt", "sim_dt"),
-    "control_dt": ("control_dt", "step_dt", "policy_dt"),
-    "decimation": ("decimation", "control_decimation"),
-}
-"""Robot-wide setting to its keys."""
-
-NAMES = (
-    "joint_names",
-    "dof_names",
-    "joint_order",
-    "policy_joint_names",
-    "actuated_joint_names",
-    "joint_controller_names",
-    "joints",
-)
-"""Keys of the list that names the joints."""
 
 
 def read_deploy(path: str) -> FileReading:
@@ -221,6 +166,8 @@ class _Reader:
     def _config(
         self, node: yaml.Node, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...], name: str
     ) -> RobotConfig:
+        import yaml
+
         out = Collector()
         names = self._names(block, above)
         joints = tuple(names) if names is not None else None
@@ -232,6 +179,9 @@ class _Reader:
                 values = self._per_joint(found[0], found[1], joints, out)
                 if values:
                     fields[field] = values
+        ours = self._is_own(block)
+        if ours and joints is not None:
+            fields.update(self._own_lists(block, joints))
         everything = {joint: None for values in fields.values() for joint in values}
         order = [joint for joint in joints or () if joint in everything]
         order += [joint for joint in everything if joint not in order]
@@ -240,6 +190,9 @@ class _Reader:
             own = {field: values[joint] for field, values in fields.items() if joint in values}
             groups.append(ActuatorGroup(joint, "deploy", next(iter(own.values())).span, (joint,), own))
         settings: dict[str, Setting] = {}
+        timing = block.get("timing")
+        if ours and isinstance(timing, yaml.MappingNode):
+            scopes = (self._mapping(timing), *scopes)
         for field, keys in TIMES.items():
             at = next((scope[key] for scope in scopes for key in keys if key in scope), None)
             value = None if at is None else self._number(at)
@@ -247,9 +200,51 @@ class _Reader:
                 settings[field] = Setting(value, self._span(at))
         if joints is not None and names is not None:
             settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
+        if ours:
+            settings["sdk_order"] = self._sdk_order(block)
         return RobotConfig(
             Framework.DEPLOY, name, self._span(node), tuple(groups), settings, notes=tuple(out)
         )
+
+    def _is_own(self, block: dict[str, yaml.Node]) -> bool:
+        """Whether a block is a file that actspec wrote."""
+        return str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
+
+    def _own_lists(
+        self, block: dict[str, yaml.Node], joints: tuple[str, ...]
+    ) -> Iterator[tuple[str, dict[str, Setting]]]:
+        """The lists that only actspec writes: setting, and joint to its value."""
+        import yaml
+
+        for name, (key, part) in OWN_LISTS.items():
+            node = block.get(key)
+            if part:
+                node = self._mapping(node).get(part) if isinstance(node, yaml.MappingNode) else None
+            if not isinstance(node, yaml.SequenceNode) or len(node.value) != len(joints):
+                continue
+            found: dict[str, Setting] = {}
+            for joint, item in zip(joints, node.value, strict=True):
+                self._step()
+                value = item.value if name == "command" else self._number(item)
+                if isinstance(value, (str, float)):
+                    found[joint] = Setting(value, self._span(item))
+            yield name, found
+
+    def _sdk_order(self, block: dict[str, yaml.Node]) -> Setting:
+        """The robot's numbering in a file that actspec wrote: names, None for a gap; empty: none is stated."""
+        import yaml
+
+        order = block.get("order")
+        node = self._mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
+        if not isinstance(node, yaml.SequenceNode):
+            return Setting((), self._span(block["format"]))
+        names: list[str | None] = []
+        for item in node.value:
+            self._step()
+            if not isinstance(item, yaml.ScalarNode):
+                return Setting((), self._span(node))
+            names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
+        return Setting(tuple(names), self._span(node))
 
     def _names(
         self, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...]

@@ -1,4 +1,4 @@
-"""Networks that a configuration names: whether their file is here, and what their manifest says."""
+"""Networks that a configuration or a spec names: whether their file is here, and what their manifest says."""
 
 from __future__ import annotations
 
@@ -6,8 +6,9 @@ import os
 from dataclasses import replace
 
 from actspec.audit.artifact import ActuatorGroup, NetworkConventions, NetworkReading, RobotConfig
-from actspec.diagnostics import Collector, SpecError
+from actspec.diagnostics import Collector, Span, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.ir import ActuatorSet, Network
 
 SETTINGS = ("network_file", "actuator_net_file")
 """Settings that name a network: of Isaac Lab and mjlab, and of legged_gym."""
@@ -40,6 +41,21 @@ def _network(group: ActuatorGroup) -> NetworkReading | None:
     beside = _find(f"{os.path.splitext(file)[0]}.json", folder)
     manifest, problem = (None, None) if beside is None else _manifest(beside)
     return NetworkReading(file, setting.span, True, _find(file, folder), manifest, problem)
+
+
+def networks_of(spec: ActuatorSet) -> tuple[NetworkReading, ...]:
+    """The networks of a spec, each once, with their manifests; network files are never opened."""
+    found: dict[Network, NetworkReading] = {}
+    for actuator in spec.joints:
+        network = actuator.network
+        if network is None or network in found:
+            continue
+        path = network.file if os.path.isfile(network.file) else None
+        manifest = network.manifest or f"{os.path.splitext(network.file)[0]}.json"
+        said, problem = _manifest(manifest) if os.path.isfile(manifest) else (None, None)
+        span = network.span or actuator.span or Span(network.file)
+        found[network] = NetworkReading(network.file, span, True, path, said, problem)
+    return tuple(found.values())
 
 
 def _find(file: str, folder: str) -> str | None:

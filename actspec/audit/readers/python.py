@@ -7,13 +7,21 @@ is in the configuration with its reason, and never guessed.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-from actspec.audit.artifact import Artifact, FileKind, FileReading, RobotConfig
+from actspec.audit.artifact import (
+    ActuatorGroup,
+    Artifact,
+    FileKind,
+    FileReading,
+    RandomizedRange,
+    RobotConfig,
+)
 from actspec.audit.readers import python_isaaclab as isaaclab
 from actspec.audit.readers import python_legged_gym as legged_gym
 from actspec.audit.readers import python_mjlab as mjlab
+from actspec.audit.readers.head import written_for
 from actspec.audit.readers.networks import with_networks
 from actspec.audit.readers.python_run import Interpreter
 from actspec.audit.readers.python_settings import NOTHING, UNFOLDED, fields_of, has_joints, setting
@@ -75,10 +83,19 @@ def read_python(path: str) -> FileReading:
         path,
         FileKind.CFG,
         reason,
-        tuple(Artifact(path, FileKind.CFG, config.name, config=with_networks(config)) for config in configs),
+        tuple(_artifact(path, config, {one.path: one.data for one in sources}) for config in configs),
         tuple(ModelFile(one.path, one.include, one.data) for one in sources),
         tuple(said),
     )
+
+
+def _artifact(path: str, config: RobotConfig, data: Mapping[str, bytes]) -> Artifact:
+    """A configuration with its networks and what it was written for, if that is one thing for all of its groups."""
+    parts: tuple[ActuatorGroup | RandomizedRange, ...] = config.groups or config.randomize
+    heads = [written_for(data.get(part.span.path, b"")) for part in parts]
+    if heads and all(head == heads[0] for head in heads):
+        config = replace(config, written_for=heads[0])
+    return Artifact(path, FileKind.CFG, config.name, config=with_networks(config))
 
 
 class _Reader:

@@ -230,6 +230,7 @@ def _events(draft: Draft, value: Value | None) -> None:
                 operation if isinstance(operation, str) else "abs",
                 joints,
                 distribution if isinstance(distribution, str) else "uniform",
+                term=term,
             )
 
 

@@ -209,4 +209,5 @@ def _events(draft: Draft, value: Value | None) -> None:
                 selected(params.get("asset_cfg")),
                 distribution if isinstance(distribution, str) else "uniform",
                 selected(params.get("asset_cfg"), "actuator_names"),
+                term,
             )

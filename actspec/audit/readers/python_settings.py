@@ -183,23 +183,47 @@ class Draft:
         joints: tuple[str, ...] | None,
         distribution: str = "uniform",
         actuators: tuple[str, ...] | None = None,
+        term: Value | None = None,
     ) -> None:
-        """Take a randomisation range; a dict holds one for each pattern."""
+        """Take a randomisation range; a dict holds one for each pattern.
+
+        Args:
+            field: What it randomises.
+            value: Its ends.
+            operation: `scale`, `add` or `abs`.
+            joints: Patterns; None: all joints.
+            distribution: `uniform`, `log_uniform` or `gaussian`.
+            actuators: Patterns of actuators' names; None: not given.
+            term: The event term, which says when it is drawn; None without one.
+        """
         if value is None or value.data is None:
             return
         if isinstance(value.data, Table) and value.data.open is None:
             for key, one in value.data.items.items():
                 chosen = (key,) if isinstance(key, str) else joints
-                self.range(field, one, operation, chosen, distribution, actuators)
+                self.range(field, one, operation, chosen, distribution, actuators, term)
             return
         ends, reason = plain(value)
         numbers = [float(end) for end in ends if _is_number(end)] if isinstance(ends, tuple) else []
         if isinstance(ends, tuple) and len(ends) == len(numbers) == 2:
             low, high = numbers
-            found = RandomizedRange(field, operation, low, high, joints, value.span, distribution, actuators)
-            self.ranges.append(found)
+            mode, every = known(fields_of(term).get("mode")), _pair(fields_of(term).get("interval_range_s"))
+            when = mode if isinstance(mode, str) else ""
+            self.ranges.append(
+                RandomizedRange(
+                    field, operation, low, high, joints, value.span, distribution, actuators, when, every
+                )
+            )
         else:
             self.note(field, reason or "a range is two numbers", value.span)
+
+
+def _pair(value: Value | None) -> tuple[float, float] | None:
+    """Two numbers; None for anything else."""
+    found = known(value)
+    if not isinstance(found, tuple) or len(found) != 2 or not all(map(_is_number, found)):
+        return None
+    return float(found[0]), float(found[1])
 
 
 def _is_number(value: object) -> bool:

@@ -14,6 +14,9 @@ from actspec.robot.xml import XmlDocument, open_document
 KINDS = {"mujoco": FileKind.MJCF, "robot": FileKind.URDF}
 """Root element to the kind of file."""
 
+_TOLD_BY_RULES = ("ROBOT125",)
+"""Codes of what a rule finds too: limits of 0, LIM103."""
+
 POSES = 64
 """Chosen: sampled poses for the ledger's inertia, a quarter of those of a compile, because an audit of many
 files is to take little longer than MuJoCo takes to compile them.
@@ -57,7 +60,8 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     if view.inertia is not None:
         view = replace(view, joint_inertia=joint_inertias(view))
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
-    return FileReading(path, kind, None, (artifact,), document.files, view.diagnostics)
+    told = tuple(item for item in view.diagnostics if item.code not in _TOLD_BY_RULES)
+    return FileReading(path, kind, None, (artifact,), document.files, told)
 
 
 def _view(document: XmlDocument, kind: FileKind, matrices: bool, refusal: str | None) -> RobotView:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from dataclasses import replace
 
+from actspec.audit.artifact import Artifact, FileKind
+from actspec.audit.readers.networks import networks_of
 from actspec.ir import ActuatorSet
 from actspec.robot.view import RobotView
 
@@ -35,6 +37,16 @@ def resolved(path: str) -> ActuatorSet:
             item if item.span is not None else replace(item, span=place) for item in err.diagnostics
         ) from err
     return resolve(spec, robot)
+
+
+def artifact_of(path: str, actuators: ActuatorSet) -> Artifact:
+    """A resolved spec as the audit has it, with what is known of its networks.
+
+    Args:
+        path: Of the spec.
+        actuators: What it means.
+    """
+    return Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators, networks=networks_of(actuators))
 
 
 def resolved_on(path: str, robot: RobotView) -> ActuatorSet:

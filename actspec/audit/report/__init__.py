@@ -20,12 +20,14 @@ class ReportOptions:
         colour: Colours of a terminal (full, concise).
         ledger: Print the ledger too (full, concise); markdown, html and json always have it.
         statistics: Counts by rule in place of findings (full, concise).
+        chosen: Whether rules were selected: then junit says of those without input what they lack.
         fail_on: Least severity that makes a junit test case fail; None: none does.
     """
 
     colour: bool = False
     ledger: bool = False
     statistics: bool = False
+    chosen: bool = False
     fail_on: Severity | None = Severity.ERROR
 
 

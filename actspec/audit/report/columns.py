@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 from actspec.audit.ledger import LedgerRow
@@ -25,10 +26,26 @@ class Column:
     hinge: str
     slide: str
 
+    @property
+    def part(self) -> bool:
+        """Whether it is a part of the damping, of which the ledger tells how it is clamped and integrated."""
+        return self.field in DAMPING_PARTS
+
     def unit(self, kind: JointKind | None) -> str:
         """Its unit for joints of a kind; unknown kinds are taken for hinges."""
         return self.slide if kind is JointKind.SLIDE else self.hinge
 
+
+DAMPING_PARTS = ("kd", "joint_damping", "actuator_damping")
+"""Origins of damping. Source: the design, §7."""
+
+MARKS = {
+    ("clamped", True): ("c", "clamped by the effort limit"),
+    ("clamped", False): ("u", "not clamped by the effort limit"),
+    ("implicit", True): ("i", "integrated implicitly"),
+    ("implicit", False): ("e", "integrated explicitly"),
+}
+"""What is known of a part of the damping, to its mark and the mark in words. What is unknown has no mark."""
 
 _DAMPING = ("N*m*s/rad", "N*s/m")
 _TORQUE = ("N*m", "N")
@@ -67,11 +84,31 @@ JSON_FIELDS = tuple(
 )
 """Figures of a ledger entry of `actspec-report/1`. Source: the design, §9."""
 
+JSON_FLAGS = tuple(f"{field}_{name}" for field in DAMPING_PARTS for name in ("clamped", "implicit"))
+"""Its properties of the damping. Source: the design, §7."""
+
 
 def number(row: LedgerRow, column: Column) -> float | None:
     """A row's figure; None is unknown."""
     value: float | None = getattr(row, column.field)
     return None if value is None or math.isnan(value) else float(value)
+
+
+def marked(row: LedgerRow, column: Column) -> str:
+    """A row's figure for people; a part of the damping with its marks: `0.5 ui`."""
+    value = number(row, column)
+    if not column.part or not value:
+        return cell(value)
+    known = ((name, getattr(row, f"{column.field}_{name}")) for name in ("clamped", "implicit"))
+    marks = "".join(MARKS[item][0] for item in known if item in MARKS)
+    return f"{cell(value)} {marks}".rstrip()
+
+
+def legend(texts: Iterable[str]) -> str:
+    """The marks that stand in cells, in words; "" without any."""
+    used = {mark for text in texts for mark in text.partition(" ")[2]}
+    told = [f"{mark} {words}" for mark, words in MARKS.values() if mark in used]
+    return f"damping: {', '.join(told)}" if told else ""
 
 
 def cell(value: float | None) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from actspec.audit.outcome import Report
 from actspec.audit.report import ReportOptions
-from actspec.audit.report.groups import grouped
+from actspec.audit.report.groups import told
 from actspec.audit.report.style import Style
 from actspec.audit.report.text import around
 
@@ -17,5 +17,5 @@ def render(report: Report, options: ReportOptions) -> str:
 
 
 def _findings(report: Report, style: Style) -> Iterator[str]:
-    for group in grouped(report.findings, fold=True):
+    for group in told(report.findings):
         yield style.headline(group)

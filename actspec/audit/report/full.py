@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from actspec.audit.outcome import Report
 from actspec.audit.report import ReportOptions
-from actspec.audit.report.groups import Group, grouped
+from actspec.audit.report.groups import Group, told
 from actspec.audit.report.sources import Sources
 from actspec.audit.report.style import Style
 from actspec.audit.report.text import around
@@ -24,7 +24,7 @@ def render(report: Report, options: ReportOptions) -> str:
 
 def _findings(report: Report, style: Style) -> Iterator[str]:
     sources = Sources(report.case.files)
-    for group in grouped(report.findings, fold=True):
+    for group in told(report.findings):
         yield from _group(group, sources, style)
         yield ""
 
@@ -32,12 +32,17 @@ def _findings(report: Report, style: Style) -> Iterator[str]:
 def _group(group: Group, sources: Sources, style: Style) -> Iterator[str]:
     item, finding = group.first, group.first.finding
     yield style.headline(group)
+    if group.copy_of is not None:
+        yield f"  = as in {style.bold(str(group.copy_of))}"
+        return
     yield from _excerpt(sources, finding.span, style)
     if len(group.joints) > 2:
         yield f"  = joints: {one_line(listed(group.joints, _MOST_JOINTS))}"
     also_on = group.also_on(_MOST_PLACES)
     if also_on:
         yield f"  = {also_on}"
+    if len(group.copies) > 2:
+        yield f"  = the same{group.of_others} in {listed([str(span) for span in group.copies], _MOST_PLACES)}"
     if finding.help:
         yield f"  = help: {one_line(finding.help)}"
     fix = finding.fix

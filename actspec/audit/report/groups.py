@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from actspec.audit.outcome import Reported
-from actspec.diagnostics import Span, listed
+from actspec.diagnostics import Severity, Span, listed
 
 MOST_ALIKE = 3
 """Groups that differ in figures only and are still shown one by one. Chosen: more of them say nothing new."""
@@ -24,10 +24,16 @@ class Group:
     Attributes:
         members: In the report's order, at least one.
         alike: Others that say the same of the same file with other figures; these are the worst.
+        copies: Where other files have the same remarks, which are not told there.
+        of_others: Whether some of those are of other joints, in words.
+        copy_of: Where the same of another file is told in full; None: nowhere.
     """
 
     members: tuple[Reported, ...]
     alike: tuple[Reported, ...] = ()
+    copies: tuple[Span, ...] = ()
+    of_others: str = ""
+    copy_of: Span | None = None
 
     @property
     def first(self) -> Reported:
@@ -68,7 +74,7 @@ class Group:
         """
         joints = listed(self.joints, most)
         message = self.first.finding.message
-        return (f"{joints}: {message}" if joints else message) + self.others(most)
+        return (f"{joints}: {message}" if joints else message) + self.others(most) + self.elsewhere(most)
 
     def others(self, most: int) -> str:
         """Whom else it concerns with other figures, in brackets; "" where nobody.
@@ -79,6 +85,49 @@ class Group:
         joints = tuple(dict.fromkeys(item.finding.joint for item in self.alike if item.finding.joint))
         told = listed(joints, most) if joints else f"{len(self.alike)} more"
         return f" (alike: {told})" if self.alike else ""
+
+    def elsewhere(self, most: int) -> str:
+        """Which other files have the same, in brackets; "" where none.
+
+        Args:
+            most: Files that are named.
+        """
+        return (
+            f" (the same{self.of_others} in {listed([span.path for span in self.copies], most)})"
+            if self.copies
+            else ""
+        )
+
+
+def told(found: Iterable[Reported]) -> tuple[Group, ...]:
+    """What people are told, in the order of the findings.
+
+    Of groups that differ in figures only one stands for all. What more than `MOST_ALIKE` files have alike is told in
+    full for the first: a remark there for all of them, whatever their joints; a warning or error of the same joints is
+    still there for each file, which somebody has to mend. Nothing may be looked up in the result.
+
+    Args:
+        found: Findings in the report's order.
+    """
+    groups = grouped(found, fold=True)
+    alike: dict[tuple[object, ...], list[Group]] = {}
+    for group in groups:
+        item, finding = group.first, group.first.finding
+        worse = [(other.finding.joint, other.finding.message) for other in group.alike]
+        whose = () if item.severity is Severity.INFO and not worse else (*group.joints, *worse)
+        key = (finding.code, finding.message, finding.help, item.severity, item.confidence, *whose)
+        alike.setdefault(key, []).append(group)
+    changed: dict[int, Group | None] = {}
+    for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
+        spans = tuple(other.first.finding.span for other in others)
+        if first.first.severity is Severity.INFO:
+            strange = any(other.joints != first.joints for other in others)
+            changed[id(first)] = replace(first, copies=spans, of_others=" of other joints" if strange else "")
+            changed.update((id(other), None) for other in others)
+        else:
+            changed.update((id(other), replace(other, copy_of=first.first.finding.span)) for other in others)
+    each = (changed.get(id(group), group) for group in groups)
+    return tuple(group for group in each if group is not None)
 
 
 def grouped(found: Iterable[Reported], *, by_place: bool = False, fold: bool = False) -> tuple[Group, ...]:

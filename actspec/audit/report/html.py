@@ -244,6 +244,8 @@ def _table(found: LedgerTable) -> Iterator[str]:
         figures = "".join(f'<td class="n">{_text(text)}</td>' for text in cells)
         yield f'<tr><td class="long">{_text(listed(joints, 6))}</td><td>{_text(control)}</td>{figures}</tr>'
     yield "</table></div>"
+    if found.legend:
+        yield f'<p class="faint">{_text(found.legend)}</p>'
     if found.zero:
         yield f'<p class="faint">0 for all: {_text(", ".join(found.zero))}</p>'
 

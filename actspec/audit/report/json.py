@@ -10,7 +10,7 @@ from actspec.audit.artifact import FileReading
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.outcome import Report, Reported
 from actspec.audit.report import ReportOptions
-from actspec.audit.report.columns import JSON_FIELDS
+from actspec.audit.report.columns import JSON_FIELDS, JSON_FLAGS
 from actspec.diagnostics import Diagnostic, one_line
 
 FORMAT = "actspec-report/1"
@@ -70,6 +70,7 @@ def _row(row: LedgerRow) -> dict[str, Any]:
         "actuator": row.actuator,
         "control": row.control,
         **{field: number(getattr(row, field)) for field in JSON_FIELDS},
+        **{field: getattr(row, field) for field in JSON_FLAGS},
     }
 
 

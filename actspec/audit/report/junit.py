@@ -1,7 +1,7 @@
 """JUnit XML: one suite a file, one test case a finding.
 
 A finding below `--fail-on` passes, with its text as output; a file without findings is one case that passes; a file
-that could not be read is an error; a rule without input is skipped.
+that could not be read is an error; a rule that was selected and has no input is skipped.
 """
 
 from __future__ import annotations
@@ -34,11 +34,13 @@ def render(report: Report, options: ReportOptions) -> str:
             tree.SubElement(suite, "testcase", classname=_clean(path), name="no findings")
     named = set(paths)
     rest = [item for item in problems if item.span is None or item.span.path not in named]
-    if report.skipped or rest:
+    # Who did not ask for a rule need not read of it in every run.
+    lacking = report.skipped if options.chosen else ()
+    if lacking or rest:
         suite = tree.SubElement(root, "testsuite", name="rules")
         for item in rest:
             _fault(suite, item)
-        for skipped in report.skipped:
+        for skipped in lacking:
             case = tree.SubElement(suite, "testcase", classname="rules", name=skipped.code)
             tree.SubElement(case, "skipped", message=_clean(skipped.reason))
     for suite in root:

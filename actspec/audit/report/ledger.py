@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.report.columns import COLUMNS, Column, cell, number
+from actspec.audit.report.columns import COLUMNS, Column, cell, legend, marked, number
 from actspec.audit.report.compare import Comparison, comparisons
 from actspec.audit.report.style import Style
 from actspec.diagnostics import listed, one_line
@@ -25,6 +25,7 @@ class LedgerTable:
         zero: Titles of those whose figures are all 0.
         kind: hinge, slide or unknown.
         rows: Joints, control and cells of each line.
+        legend: What the marks in the cells mean; "" without marks.
     """
 
     title: str
@@ -32,6 +33,7 @@ class LedgerTable:
     zero: tuple[str, ...]
     kind: JointKind | None
     rows: tuple[tuple[tuple[str, ...], str, tuple[str, ...]], ...]
+    legend: str
 
 
 def ledger_tables(case: Case) -> Iterator[LedgerTable]:
@@ -56,10 +58,13 @@ def _table(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> Led
     columns = tuple(column for column in COLUMNS if known[column] and column not in zero)
     merged: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for row in rows:
-        key = (row.control, tuple(cell(number(row, column)) for column in columns))
+        key = (row.control, tuple(marked(row, column) for column in columns))
         merged.setdefault(key, []).append(row.joint or row.actuator)
     lines = tuple((tuple(joints), control, cells) for (control, cells), joints in merged.items())
-    return LedgerTable(title, columns, tuple(column.title for column in zero), kind, lines)
+    told = legend(
+        text for _, _, cells in lines for column, text in zip(columns, cells, strict=True) if column.part
+    )
+    return LedgerTable(title, columns, tuple(column.title for column in zero), kind, lines, told)
 
 
 def ledger_lines(case: Case, style: Style) -> Iterator[str]:
@@ -79,13 +84,34 @@ def ledger_lines(case: Case, style: Style) -> Iterator[str]:
         ]
         heads = [head for head in heads if any(head)]
         rows = [(listed(joints, 2), control, *cells) for joints, control, cells in found.rows]
-        yield from table([*heads, *rows], headings=len(heads))
+        yield from table(_aligned([*heads, *rows], len(heads), found.columns), headings=len(heads))
+        if found.legend:
+            yield f"  {found.legend}"
         if found.zero:
             yield f"  0 for all: {', '.join(found.zero)}"
     if first:
         yield "no robot was read: there is no ledger"
     for comparison in comparisons(case):
         yield from _disagreement(comparison, style)
+
+
+def _aligned(
+    lines: Sequence[tuple[str, ...]], heads: int, columns: Sequence[Column]
+) -> list[tuple[str, ...]]:
+    """Lines of a table with the figures of marked columns below each other, the marks behind them."""
+    found = [list(line) for line in lines]
+    for place, column in enumerate(columns, 2):
+        if not column.part:
+            continue
+        marks = max(len(line[place].partition(" ")[2]) for line in lines[heads:])
+        if marks:
+            for line in found[heads:]:
+                figure, _, mark = line[place].partition(" ")
+                line[place] = f"{figure} {mark.ljust(marks)}"
+            width = max(len(line[place]) for line in found)
+            for line in found:
+                line[place] = line[place].rjust(width)
+    return [tuple(line) for line in found]
 
 
 def _disagreement(comparison: Comparison, style: Style) -> Iterator[str]:

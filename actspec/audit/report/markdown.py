@@ -9,7 +9,7 @@ from actspec.audit.outcome import Report
 from actspec.audit.report import ReportOptions
 from actspec.audit.report.columns import cell
 from actspec.audit.report.compare import comparisons
-from actspec.audit.report.groups import grouped
+from actspec.audit.report.groups import told
 from actspec.audit.report.ledger import ledger_tables
 from actspec.audit.report.text import counted, many
 from actspec.diagnostics import Severity, listed, one_line
@@ -65,14 +65,14 @@ def _row(*cells: str) -> str:
 
 
 def _findings(report: Report) -> Iterator[str]:
-    groups = grouped(report.findings, fold=True)
+    groups = told(report.findings)
     if not groups:
         return
     yield _row("", "rule", "place", "joints", "finding")
     yield _row("---", "---", "---", "---", "---")
     for group in groups:
         item, finding = group.first, group.first.finding
-        text = escaped(finding.message + group.others(4)) + (
+        text = escaped(finding.message + group.others(4) + group.elsewhere(4)) + (
             f"<br>*{escaped(finding.help)}*" if finding.help else ""
         )
         rule = f"{finding.code}<br>{escaped(item.name)}"
@@ -124,6 +124,9 @@ def _ledger(report: Report) -> Iterator[str]:
         yield _row("---", "---", *("---:" for _ in found.columns))
         for joints, control, cells in found.rows:
             yield _row(escaped(listed(joints, 4)), escaped(control), *cells)
+        if found.legend:
+            yield ""
+            yield escaped(found.legend)
     yield ""
     yield "</details>"
 

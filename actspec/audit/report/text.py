@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.outcome import SEVERITIES, Means, Report
 from actspec.audit.report import ReportOptions
+from actspec.audit.report.groups import told
 from actspec.audit.report.ledger import ledger_lines
 from actspec.audit.report.style import Style
 from actspec.diagnostics import Severity, listed, one_line
@@ -58,15 +59,18 @@ def summary(report: Report, style: Style) -> Iterator[str]:
     else:
         count = len({item.code for item in report.skipped})
         yield style.faint(
-            f"skipped {many(count, 'rule')} that lack their input; with `--select CODE` one says what it lacks"
+            f"skipped {many(count, 'rule')} for lack of input; what one of them lacks: --select CODE"
         )
     aside = Counter(item.means for item in report.suppressed)
-    told = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]
+    notes = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]
     unread = sum(not file.readable for file in report.case.files)
     if unread:
-        told.insert(0, f"{many(unread, 'file')} could not be read")
+        notes.insert(0, f"{many(unread, 'file')} could not be read")
     read = many(len(report.case.files) - unread, "file")
-    yield f"{counted(report)} in {read}" + "".join(f"; {text}" for text in told)
+    # A finding is of one joint; what is equal is one entry above.
+    entries = len(told(report.findings))
+    joined = f" ({entries} entr{'y' if entries == 1 else 'ies'})" if entries < len(report.findings) else ""
+    yield f"{counted(report)}{joined} in {read}" + "".join(f"; {text}" for text in notes)
 
 
 def counted(report: Report) -> str:

@@ -2,9 +2,6 @@
 
 A configuration speaks in patterns; which joints they mean, and the joints' inertia, come from the
 model that it is paired with. Without one, each pattern is a row of its own.
-
-Source for the rules by framework and version: Isaac Lab 2.2.0 and 2.3.2 classes, mjlab 1.6.0 classes,
-legged_gym's `_compute_torques`; measured.
 """
 
 from __future__ import annotations
@@ -12,67 +9,19 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.audit.case import Versions
-from actspec.audit.isaaclab_friction import Meaning, friction_meaning
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import joint_names, matching
-from actspec.diagnostics import Span
+from actspec.audit.pair import joint_names
+from actspec.audit.rows.figures import Found, control_of_group, figures_of, selected, value_of
 from actspec.ir import InertiaRange, JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
-FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
-    Framework.ISAACLAB: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "armature": ("armature",),
-        "joint_damping": ("viscous_friction",),
-        "stall_torque": ("saturation_effort",),
-    },
-    Framework.MJLAB: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "effort_limit": ("effort_limit",),
-        "armature": ("armature",),
-        "frictionloss": ("frictionloss",),
-        "joint_damping": ("viscous_damping",),
-        "stall_torque": ("saturation_effort",),
-    },
-    Framework.LEGGED_GYM: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "armature": ("armature",),
-        "action_scale": ("action_scale",),
-    },
-    Framework.DEPLOY: {
-        name: (name,)
-        for name in (
-            "kp",
-            "kd",
-            "effort_limit",
-            "velocity_limit",
-            "armature",
-            "frictionloss",
-            "joint_damping",
-            "default_position",
-            "action_scale",
-        )
-    },
-}
-"""Ledger field to the settings that hold it, where no class or version decides."""
+_PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)
+"""Frameworks whose viscous friction is the joint's, outside the drive's limit."""
 
 _CLAMPED = ("implicit", "ideal_pd", "dc_motor", "position", "velocity", "dcmotor")
-
-
-@dataclass(frozen=True, slots=True)
-class _Found:
-    """A setting's value for one joint: None with `stated` is a value that could not be folded."""
-
-    value: float | None
-    span: Span
-    stated: bool = True
 
 
 def rows_of_config(
@@ -89,7 +38,7 @@ def rows_of_config(
     """
     config = artifact.config
     assert config is not None
-    models = sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
+    models = models_of(config, partners)
     named = next((names for names in map(joint_names, (*models, *partners)) if names), None)
     if named is None and config.framework is Framework.DEPLOY:
         named = joint_names(artifact)
@@ -97,12 +46,14 @@ def rows_of_config(
     passive = next((m.robot for m in models if m.robot and m.robot.format is ModelFormat.MJCF), None)
     model = next((m.robot for m in models), None)
     members = [
-        (group, joint, pattern) for group in config.groups for joint, pattern in _joints(config, group, named)
+        (group, joint, pattern)
+        for group in config.groups
+        for joint, pattern in selected(config, group, named)
     ]
     armature: dict[str, float | None] = {}
     for group, joint, pattern in members:
         setting = group.settings.get("armature")
-        found = None if setting is None else _value(config.framework, setting, joint, pattern, named)
+        found = None if setting is None else value_of(config.framework, setting, joint, pattern, named)
         armature[joint] = None if found is None else found.value
     inertia = _inertia(massive, armature)
     rows = [
@@ -127,6 +78,18 @@ def rows_of_config(
     return tuple(rows)
 
 
+def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifact]:
+    """The robot files among partners, the one first that a configuration is for.
+
+    That is the one that it names, else that in which it selects the most, an MJCF and then the first of equals.
+
+    Args:
+        config: The configuration.
+        partners: Artifacts of the same robot.
+    """
+    return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
+
+
 def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
     """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
 
@@ -138,66 +101,11 @@ def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
 
     def key(model: Artifact) -> tuple[bool, int, bool]:
         joints = joint_names(model) or ()
-        selected = sum(len(_joints(config, group, joints)) for group in config.groups)
+        most = sum(len(selected(config, group, joints)) for group in config.groups)
         other = os.path.splitext(os.path.basename(model.path))[0] != stem
-        return other, -selected, model.kind is not FileKind.MJCF
+        return other, -most, model.kind is not FileKind.MJCF
 
     return key
-
-
-def _joints(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | None) -> list[tuple[str, str]]:
-    """The joints of a group, each with the pattern that selects it; the patterns themselves without a model."""
-    found: dict[str, str] = {}
-    for pattern in group.joints or ():
-        if named is None:
-            found.setdefault(pattern, pattern)
-        else:
-            for joint in matching(config.framework, pattern, named):
-                found.setdefault(joint, pattern)
-    return list(found.items())
-
-
-def control_of(framework: Framework, *classes: str) -> str:
-    """What a class of a framework is, in the ledger's words.
-
-    Args:
-        framework: Whose class.
-        classes: Its name, then its bases, nearest first; each is judged by the stock name that it contains.
-    """
-    return next((kind for cls in classes if (kind := _control(framework, cls)) != "other"), "other")
-
-
-def _control(framework: Framework, cls: str) -> str:
-    if framework is Framework.DEPLOY:
-        return "ideal_pd"
-    if framework is Framework.LEGGED_GYM:
-        return {"P": "ideal_pd", "V": "velocity", "T": "motor"}.get(cls, "other")
-    name = cls.lower().removeprefix("delayed").replace("_", "")
-    table: tuple[tuple[str, str], ...]
-    if framework is Framework.MJLAB:
-        table = (
-            ("builtinposition", "position"),
-            ("builtinpd", "pid"),
-            ("builtinvelocity", "velocity"),
-            ("builtinmotor", "motor"),
-            ("builtindcmotor", "dcmotor"),
-            ("dcmotor", "dc_motor"),
-            ("learned", "network"),
-            ("idealpd", "ideal_pd"),
-            ("xmlposition", "position"),
-            ("xmlvelocity", "velocity"),
-            ("xmlmotor", "motor"),
-        )
-    else:
-        table = (
-            ("implicit", "implicit"),
-            ("actuatornet", "network"),
-            ("dcmotor", "dc_motor"),
-            ("idealpd", "ideal_pd"),
-            ("remotized", "ideal_pd"),
-            ("pdactuator", "ideal_pd"),
-        )
-    return next((kind for part, kind in table if part in name), "other")
 
 
 def _row(
@@ -213,29 +121,8 @@ def _row(
     passive: RobotView | None,
     versions: Versions,
 ) -> LedgerRow:
-    control = control_of(config.framework, group.cls, *group.bases)
-    values: dict[str, _Found] = {}
-
-    def take(field: str, *settings: str) -> None:
-        for name in settings:
-            setting = group.settings.get(name, config.settings.get(name))
-            if setting is None or (setting.value is None and setting.unknown is None):
-                continue
-            found = _value(config.framework, setting, joint, pattern, named)
-            if found is not None:
-                values[field] = found
-                return
-
-    for field, settings in FIELDS[config.framework].items():
-        take(field, *settings)
-    take("default_position", "default_position")
-    take("action_scale", "action_scale")
-    if config.framework is Framework.ISAACLAB:
-        _isaaclab_limits(control, take)
-        if friction_meaning(versions) is Meaning.EFFORT:
-            take("frictionloss", "dynamic_friction", "friction")
-    elif config.framework is Framework.MJLAB:
-        take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
+    control = control_of_group(config.framework, group)
+    values = figures_of(config, group, joint, pattern, named, versions)
     delay = _delay(config, group)
     if delay is not None:
         values["delay"] = delay
@@ -278,7 +165,9 @@ def _row(
         kd_clamped=True if control in _CLAMPED else None,
         kd_implicit=implicit,
         joint_damping=joint_damping,
+        joint_damping_clamped=False if config.framework in _PASSIVE else None,
         actuator_damping=0.0 if own is not None else None,
+        actuator_damping_clamped=False if own is not None else None,
         back_emf=0.0 if kd is not None else None,
         total_damping=total,
         frictionloss=numbers.get("frictionloss"),
@@ -302,56 +191,7 @@ def _row(
     )
 
 
-def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
-    """The limits by class, in the names of 2.x and 3.0.
-
-    An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
-    one clamps in the model. `velocity_limit` of a DC motor is the no-load speed.
-    """
-    if control == "implicit":
-        take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
-        take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
-        return
-    take("effort_limit", "effort_limit", "actuator_effort_limit")
-    take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
-    curve = control in ("dc_motor", "network")
-    take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
-
-
-def _value(
-    framework: Framework, setting: Setting, joint: str, pattern: str, named: Sequence[str] | None
-) -> _Found | None:
-    """A setting's value for a joint.
-
-    A mapping that misses a joint gives 0 in Isaac Lab (2.x, measured) and in legged_gym; elsewhere nothing.
-    Without a model only a key that is written like the group's pattern is known to cover it.
-    """
-    if setting.unknown is not None:
-        return _Found(None, setting.span)
-    value = setting.value
-    if isinstance(value, bool):
-        return None
-    if isinstance(value, int | float):
-        return _Found(float(value), setting.span)
-    if not isinstance(value, Mapping):
-        return None
-    keys = [key for key, number in value.items() if isinstance(number, int | float)]
-    if named is None:
-        chosen = next((key for key in keys if key in (pattern, ".*")), None)
-        return _Found(None, setting.span) if chosen is None else _Found(_float(value[chosen]), setting.span)
-    chosen = next((key for key in keys if matching(framework, str(key), (joint,))), None)
-    if chosen is not None:
-        return _Found(_float(value[chosen]), setting.span)
-    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(keys) == len(value):
-        return _Found(0.0, setting.span, stated=False)
-    return None
-
-
-def _float(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None
-
-
-def _delay(config: RobotConfig, group: ActuatorGroup) -> _Found | None:
+def _delay(config: RobotConfig, group: ActuatorGroup) -> Found | None:
     """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
     low, high = (
         group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
@@ -360,7 +200,7 @@ def _delay(config: RobotConfig, group: ActuatorGroup) -> _Found | None:
     if high is None or not isinstance(high.value, int | float) or step is None:
         return None
     least = low.value if low is not None else high.value
-    return _Found(float(high.value) * step if least == high.value else None, high.span)
+    return Found(float(high.value) * step if least == high.value else None, high.span)
 
 
 def _inertia(

@@ -185,6 +185,7 @@ class NoArmature(Rule):
     name = "armature-missing"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"frequency": 30.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

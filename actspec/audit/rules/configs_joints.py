@@ -95,6 +95,7 @@ class DictMissesJoint(Rule):
     name = "dict-misses-a-joint"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find joints without a key."""
@@ -285,6 +286,7 @@ class JointNotCovered(Rule):
     name = "joint-not-covered"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.6}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -84,6 +84,7 @@ class GainBesideModelDamping(Rule):
     name = "cfg-kd-and-model-damping"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -219,6 +220,7 @@ class UrdfDamping(Rule):
     name = "urdf-damping-has-four-meanings"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.1}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

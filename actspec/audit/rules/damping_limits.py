@@ -74,6 +74,7 @@ class DampingOutsideClamp(Rule):
     name = "damping-outside-the-clamp"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.5, "speed": 2.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -219,6 +220,7 @@ class DampingInThreePlaces(Rule):
     name = "damping-counted-thrice"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"near": 0.25}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

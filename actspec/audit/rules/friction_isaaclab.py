@@ -38,8 +38,9 @@ class FrictionUnit(Rule):
     Looks at `friction` above 0 in Isaac Lab configurations. On Isaac Sim 4.5 and OVPhysX it is a dimensionless
     coefficient: reported where an MJCF, URDF or spec of the robot has the same figure in N*m. From Isaac Lab 2.3 on
     Isaac Sim 5 it is a torque in N*m: remarked where those files have `ratio` times as much (default 10), as is usual
-    for a coefficient that was taken over. In Isaac Lab 2.2.0 on Isaac Sim 5 it does nothing. Without a version
-    it is a remark that the meaning is open.
+    for a coefficient that was taken over. In Isaac Lab 2.2.0 on Isaac Sim 5 it does nothing. The versions
+    are the named ones, else those in the head of a file that actspec wrote; without any it is a remark that the meaning
+    is open.
 
     ## Why it matters
     A coefficient multiplies the load of the joint's bearing. 0.2 N*m read as a coefficient is 20 N*m at a knee that
@@ -106,6 +107,7 @@ class FrictionUnit(Rule):
     name = "friction-unit-by-backend"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"ratio": 10.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -122,7 +124,8 @@ class FrictionUnit(Rule):
             yield Skipped(self.code, "no Isaac Lab configuration with friction among the files")
 
     def _judge(self, case: Case, row: LedgerRow, friction: float, span: Span) -> Iterator[Finding]:
-        meaning, place = friction_meaning(case.versions), _place(case.versions)
+        versions = case.versions_of(row.artifact)
+        meaning, place = friction_meaning(versions), _place(versions)
         if meaning is None:
             yield Finding(
                 self.code,
@@ -234,9 +237,9 @@ class DynamicAboveStatic(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare the two."""
         looked = False
-        versions = case.versions
-        silent = friction_meaning(versions) is not None and not has_dynamic(versions)
         for group in groups_of(case, Framework.ISAACLAB):
+            versions = case.versions_of(group.artifact)
+            silent = friction_meaning(versions) is not None and not has_dynamic(versions)
             static, dynamic = group.written("friction"), group.written("dynamic_friction")
             if static is None or dynamic is None or silent:
                 continue
@@ -320,7 +323,7 @@ class StaticFrictionAlone(Rule):
         looked = False
         for group in groups_of(case, Framework.ISAACLAB):
             static = group.written("friction")
-            if static is None or not has_dynamic(case.versions):
+            if static is None or not has_dynamic(case.versions_of(group.artifact)):
                 continue
             looked = True
             if group.complete and group.written("dynamic_friction") is None:
@@ -336,7 +339,7 @@ class StaticFrictionAlone(Rule):
             value = group.number(static, row.joint)
             if static is None or value is None or value <= 0.0:
                 continue
-            dimension = _unit(row, case.versions)
+            dimension = _unit(row, case.versions_of(row.artifact))
             yield Finding(
                 self.code,
                 f"the friction of {value:.3g}{'' if dimension == '1' else ' ' + dimension} is static alone: without "

@@ -71,6 +71,7 @@ class FrictionNotBelowEffort(Rule):
     name = "friction-not-below-effort"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare dry friction with the effort limit."""
@@ -176,9 +177,14 @@ class NoFrictionAnywhere(Rule):
                 case, robot
             ):
                 others = {row.artifact: row.span for row in reversed(models) if row.joint in driven}
+                who = (
+                    f"none of the {len(driven)} driven joints"
+                    if len(driven) > 1
+                    else "not even the one driven joint"
+                )
                 yield Finding(
                     self.code,
-                    f"none of the {len(driven)} driven joints has dry or viscous friction in any file of the robot: "
+                    f"{who} has dry or viscous friction in any file of the robot: "
                     "what is trained on it meets friction first on the real one",
                     first.span,
                     help="measure the torque at several constant speeds: its offset is the dry, its slope the "
@@ -255,6 +261,7 @@ class ViscousTakesTheLimit(Rule):
     name = "viscous-takes-the-limit"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

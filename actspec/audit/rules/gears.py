@@ -105,6 +105,7 @@ class HiddenGear(Rule):
     name = "hidden-gear"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare the files of each robot with the reductions that one of them has."""

@@ -90,6 +90,7 @@ class NotGearSquared(Rule):
     name = "armature-is-not-gear-squared"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"ratio": 1.5}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -81,6 +81,7 @@ class JointSideBehindGear(Rule):
     name = "gear-with-joint-side-figures"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare figures before the gear with figures of the joint."""

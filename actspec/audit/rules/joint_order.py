@@ -194,6 +194,7 @@ class DeployOrder(Rule):
     name = "deploy-order-against-model"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find out which order each is."""

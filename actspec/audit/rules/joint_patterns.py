@@ -92,6 +92,7 @@ class JointInTwoGroups(Rule):
     name = "joint-in-two-groups"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Count the groups of each joint."""
@@ -217,6 +218,7 @@ class PatternMatchesNothing(Rule):
     name = "pattern-matches-nothing"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

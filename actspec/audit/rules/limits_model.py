@@ -291,6 +291,7 @@ class AboveDatasheet(Rule):
     name = "limit-above-datasheet"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"ratio": 1.1}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

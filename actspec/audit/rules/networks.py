@@ -5,44 +5,30 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.audit.artifact import (
+    ActuatorGroup,
+    FileKind,
+    Framework,
+    RandomizedRange,
+)
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rows.config import control_of
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.meant_for import release
+from actspec.audit.rules.networks_found import is_network, networks, of_specs
 from actspec.audit.rules.randomized import rows_in
 from actspec.diagnostics import Severity
 
-SAME = 0.01
-"""Relative difference up to which two periods or scales are one. Chosen: rounding of written figures."""
-
-
-def is_network(config: RobotConfig, group: ActuatorGroup) -> bool:
-    """Whether a network gives the group's torque."""
-    if config.framework is Framework.LEGGED_GYM:
-        return group.cls == "actuator_net"
-    return control_of(config.framework, group.cls, *group.bases) == "network"
-
-
-def networks(case: Case) -> Iterator[tuple[int, RobotConfig, ActuatorGroup]]:
-    """Groups with a network: artifact, configuration, group."""
-    for index, artifact in case.of_kind(FileKind.CFG):
-        if artifact.config is not None:
-            for group in artifact.config.groups:
-                if is_network(artifact.config, group):
-                    yield index, artifact.config, group
-
 
 class NetworkFileMissing(Rule):
-    """The network that a configuration names is not there.
+    """The network that a configuration or spec names is not there.
 
     ## What it does
     Reports actuator networks whose file is a local path and is found neither as it is written, nor from the folder of
-    the configuration or one above it, nor from the working folder. Servers (`omniverse://`, a Nucleus folder) and
-    paths with a part that is not known are not judged.
+    the configuration or one above it, nor from the working folder; of a spec, from the spec's folder. Servers
+    (`omniverse://`, a Nucleus folder) and paths with a part that is not known are not judged.
 
     ## Why it matters
     The task stops when the robot is made; with a path of somebody's home folder, on every machine but theirs.
@@ -118,8 +104,18 @@ class NetworkFileMissing(Rule):
                     else None,
                     confidence=self.confidence if absolute else Confidence.LOW,
                 )
+        for _, network in of_specs(case):
+            looked = True
+            if network.path is None:
+                yield Finding(
+                    self.code,
+                    f"there is no network {network.file!r}",
+                    network.span,
+                    help="name it relative to the spec",
+                    confidence=Confidence.HIGH,
+                )
         if not looked:
-            yield Skipped(self.code, "no configuration names the file of a network")
+            yield Skipped(self.code, "no configuration or spec names the file of a network")
 
 
 class GainsRandomisedOnNetwork(Rule):

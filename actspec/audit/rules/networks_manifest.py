@@ -6,11 +6,11 @@ import math
 from collections.abc import Iterator
 from os.path import basename
 
-from actspec.audit.artifact import ActuatorGroup, Framework, NetworkConventions, RobotConfig
+from actspec.audit.artifact import ActuatorGroup, Framework, NetworkConventions, NetworkReading, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
-from actspec.audit.rules.networks import SAME, networks
+from actspec.audit.rules.networks_found import SAME, conventions, networks, of_specs
 from actspec.diagnostics import Severity, Span
 from actspec.units import format_quantity
 
@@ -24,7 +24,8 @@ class HistoryPeriod(Rule):
     ## What it does
     Compares how far back the network looks by its manifest (taps times `tap_period`) with how far back the
     configuration lets it look (`input_idx` or `history_length` times the physics step). The manifest is the
-    `actspec-network/1` file that lies beside the network: `leg.json` beside `leg.pt`.
+    `actspec-network/1` file that lies beside the network, `leg.json` beside `leg.pt`, or that the robot's spec names
+    for a network of that name. For a network in a spec, reports a period that is no whole number of physics steps.
 
     ## Why it matters
     The classes feed a network once a physics step. One that was trained on samples 20 ms apart and gets samples 5 ms
@@ -107,12 +108,13 @@ class HistoryPeriod(Rule):
     name = "network-history-period"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare how far back the taps reach."""
         looked = False
         for index, config, group in networks(case):
-            manifest = group.network.manifest if group.network is not None else None
+            manifest = conventions(case, index, group)
             step = _step(case, index, config)
             if manifest is None or manifest.tap_period is None or step is None:
                 continue
@@ -136,8 +138,35 @@ class HistoryPeriod(Rule):
                 _help(config, manifest, period / dt),
                 (Span(manifest.path), place),
             )
+        for artifact, network in of_specs(case):
+            own = artifact.spec.physics_dt if artifact.spec is not None else None
+            manifest = network.manifest
+            if own is None or not own.value or manifest is None or manifest.tap_period is None:
+                continue
+            looked = True
+            yield from self._between_steps(network.span, manifest, manifest.tap_period, own.value, own.span)
         if not looked:
             yield Skipped(self.code, "no network with a manifest, a tap period and a physics step")
+
+    def _between_steps(
+        self, span: Span, manifest: NetworkConventions, period: float, dt: float, place: Span | None
+    ) -> Iterator[Finding]:
+        """A network of a spec whose samples do not fall on the spec's steps."""
+        steps = period / dt
+        whole = max(round(steps), 1)
+        if not math.isclose(steps, whole, rel_tol=SAME):
+            yield Finding(
+                self.code,
+                f"the network learned from samples {_ms(period)} apart, which is {steps:.3g} physics steps of "
+                f"{_ms(dt)}: no class of a simulator takes samples between steps",
+                span,
+                "",
+                dt,
+                "s",
+                period / whole,
+                "set timing.physics_dt to a whole part of the period, or train the network on samples of this step",
+                (Span(manifest.path), *((place,) if place is not None else ())),
+            )
 
 
 def _step(case: Case, index: int, config: RobotConfig) -> tuple[float, Span] | None:
@@ -287,33 +316,41 @@ class NetworkInputs(Rule):
     name = "network-inputs-against-manifest"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare inputs."""
         looked = False
-        for _, config, group in networks(case):
-            network = group.network
-            if network is None or (network.manifest is None and network.problem is None):
+        for _, named in of_specs(case):
+            looked = looked or named.manifest is not None or named.problem is not None
+            if named.problem is not None:
+                yield self._unreadable(named)
+        for index, config, group in networks(case):
+            network, manifest = group.network, conventions(case, index, group)
+            if network is None or (manifest is None and network.problem is None):
                 continue
             looked = True
-            if network.manifest is None:
-                yield Finding(
-                    self.code,
-                    f"the manifest beside the network cannot be read: {network.problem}",
-                    network.span,
-                    severity=Severity.WARNING,
-                )
+            if manifest is None:
+                yield self._unreadable(network)
                 continue
-            for told, name in _differences(config, group, network.manifest):
+            for told, name in _differences(config, group, manifest):
                 setting = group.settings.get(name)
                 yield Finding(
                     self.code,
-                    f"{told} ({basename(network.manifest.path)})",
+                    f"{told} ({basename(manifest.path)})",
                     setting.span if setting is not None else network.span,
-                    related=(Span(network.manifest.path),),
+                    related=(Span(manifest.path),),
                 )
         if not looked:
             yield Skipped(self.code, "no network with a manifest beside it")
+
+    def _unreadable(self, network: NetworkReading) -> Finding:
+        return Finding(
+            self.code,
+            f"the network's manifest cannot be read: {network.problem}",
+            network.span,
+            severity=Severity.WARNING,
+        )
 
 
 def _differences(

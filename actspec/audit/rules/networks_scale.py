@@ -11,7 +11,7 @@ from actspec.audit.artifact import NetworkConventions
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
-from actspec.audit.rules.networks import SAME, networks
+from actspec.audit.rules.networks_found import SAME, conventions, networks
 from actspec.diagnostics import Severity, Span
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
@@ -91,6 +91,7 @@ class NetworkScale(Rule):
     name = "network-scale-or-sign"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     _NOTHING: ClassVar[dict[str, str]] = {
         "pos_scale": "the network does not see how far the joint is from its target",
         "vel_scale": "the network does not see the joint's speed",
@@ -100,8 +101,8 @@ class NetworkScale(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare scales."""
         looked = False
-        for _, _, group in networks(case):
-            manifest = group.network.manifest if group.network is not None else None
+        for index, _, group in networks(case):
+            manifest = conventions(case, index, group)
             for name, theirs in SCALES.items():
                 setting = group.settings.get(name)
                 value = setting.number if setting is not None else None

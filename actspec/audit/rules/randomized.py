@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from os.path import basename
 
 from actspec.audit.artifact import FileKind, Framework, RandomizedRange, RobotConfig
 from actspec.audit.case import Case
@@ -37,11 +38,13 @@ def ranges(case: Case) -> Iterator[tuple[int, RobotConfig, RandomizedRange]]:
 def rows_in(case: Case, artifact: int, one: RandomizedRange) -> list[LedgerRow]:
     """Rows of the configuration whose joints a range takes.
 
-    Without a model a row stands for a pattern, which is in the range when the range's pattern matches its text.
+    Where it has no actuators, those of the robot's configuration for the same framework, of its spec, or, for mjlab,
+    whose ranges act on it, of its MJCF. Without a model a row stands for a pattern, which is in the range when the
+    range's pattern matches its text.
     """
     config = case.artifacts[artifact].config
     assert config is not None
-    rows = case.rows_of(artifact)
+    rows = _rows(case, artifact, config)
     if one.joints is None:
         return list(rows)
     names = [row.joint for row in rows]
@@ -49,8 +52,27 @@ def rows_in(case: Case, artifact: int, one: RandomizedRange) -> list[LedgerRow]:
     return [row for row in rows if row.joint in inside or row.joint in one.joints]
 
 
+def _rows(case: Case, artifact: int, config: RobotConfig) -> tuple[LedgerRow, ...]:
+    if config.groups:
+        return case.rows_of(artifact)
+    others = case.robot_of(artifact).artifacts
+    for kind in (FileKind.CFG, FileKind.SPEC, FileKind.MJCF):
+        for other in others:
+            found = case.artifacts[other]
+            same = found.config is None or found.config.framework is config.framework
+            acts = kind is not FileKind.MJCF or config.framework is Framework.MJLAB
+            if found.kind is kind and same and acts and case.rows_of(other):
+                return case.rows_of(other)
+    return ()
+
+
+def whose(row: LedgerRow, artifact: int) -> str:
+    """Whose figure it is, in a sentence: the configuration's own, or another file's."""
+    return "the configuration's" if row.artifact == artifact else f"{basename(row.file)}'s"
+
+
 def nominal(case: Case, config: RobotConfig, row: LedgerRow, one: RandomizedRange) -> float | None:
-    """What the configuration states for the randomised field of a joint, in the range's own unit."""
+    """What is stated for the randomised field of a joint, in the range's own unit."""
     if one.field == "friction" and config.framework is Framework.ISAACLAB:
         # A coefficient or a torque: the range is in the same unit as the setting.
         for group in groups_of(case, Framework.ISAACLAB):

@@ -81,6 +81,7 @@ class RangeWiderThanIdentified(Rule):
     name = "range-wider-than-identified"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"ratio": 5.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

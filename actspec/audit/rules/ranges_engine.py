@@ -89,9 +89,9 @@ class FrictionRangeSetsViscous(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find ranges of friction that are not scales."""
-        meaning = friction_meaning(case.versions)
         looked = False
-        for _, config, one in ranges(case):
+        for index, config, one in ranges(case):
+            meaning = friction_meaning(case.versions_of(index))
             if one.field != "friction" or config.framework is not Framework.ISAACLAB:
                 continue
             looked = True

@@ -9,7 +9,7 @@ from actspec.audit.artifact import RandomizedRange, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
-from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, written
+from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, whose, written
 from actspec.diagnostics import Severity
 from actspec.units import format_quantity
 
@@ -72,8 +72,8 @@ class RangeExcludesNominal(Rule):
     ```
 
     ## Limits
-    An absolute range of a field that the configuration does not state is not judged; nor is friction, damping or
-    armature that is added to a model: many have none.
+    An absolute range of a field that neither the configuration nor, where it has no actuators, another file of its
+    robot states is not judged; nor is friction, damping or armature that is added to a model: many have none.
 
     ## Source
     Chosen. Ranges of published configurations contain the nominal value: walk-these-ways (motor strength 0.9 to 1.1),
@@ -124,8 +124,8 @@ class RangeExcludesNominal(Rule):
             unit = range_unit(config, row, one)
             yield Finding(
                 self.code,
-                f"{one.field} is randomised from {written(low, high, unit)}, which leaves out the configuration's "
-                f"{format_quantity(value, unit, 3)}: no environment has the nominal value",
+                f"{one.field} is randomised from {written(low, high, unit)}, which leaves out "
+                f"{whose(row, index)} {format_quantity(value, unit, 3)}: no environment has the nominal value",
                 one.span,
                 row.joint,
                 value,
@@ -210,6 +210,7 @@ class ScalesZero(Rule):
     name = "range-scales-a-zero"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find scaled zeros."""

@@ -74,8 +74,9 @@ class UnusedIgnore(_RemarkRule):
     """A remark sets nothing aside.
 
     ## What it does
-    Reports the codes of an `actspec: ignore[...]` that no finding belongs to, if their rule has run and had input. A
-    remark speaks about its own line, or, alone on a line, about the next one (in XML: the next start tag);
+    Reports the codes of an `actspec: ignore[...]` that no finding belongs to, if their rule has run and had input, in
+    this run and with fewer of the files: a hook that sees one file and a run over the folder do not contradict each
+    other. A remark speaks about its own line, or, alone on a line, about the next one (in XML: the next start tag);
     `ignore-file` speaks about the whole file and stands in its first ten lines.
 
     ## Why it matters
@@ -114,7 +115,9 @@ class UnusedIgnore(_RemarkRule):
     ```
 
     ## Limits
-    Not judged: remarks on rules that this run does not select, or that had no input.
+    Not judged: remarks on rules that this run does not select, or that had no input. Remarks on rules that compare
+    files, and all of a configuration, are judged where a folder was named, which is taken for all files of its robots;
+    then the file alone, with each other one of its robot, with all, and with all but one are looked at.
 
     ## Source
     Chosen: as other checkers of source text do.

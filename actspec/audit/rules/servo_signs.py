@@ -12,7 +12,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import WrittenActuator, drives_in_mjcf, written_actuators
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
-from actspec.robot.view import JointView
+from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.robot.xml_edit import format_number
 from actspec.units import format_quantity
 
@@ -77,12 +77,11 @@ class SignTakenAsRatio(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find positive third numbers."""
-        for found in written_actuators(case, b"biasprm"):
+        for found in written_actuators(case, b"biasprm", which=_states_no_ratio):
             text = found.text
             ratio = text.bias[2]
             servo = text.gain_type == "fixed" and text.bias_type == "affine" and text.gain[0] == -text.bias[1]
-            written = found.element.tag == "general" and "dampratio" not in found.view.stated
-            if not (written and servo and ratio > 0.0 and text.gain[0] > 0.0):
+            if not (servo and ratio > 0.0 and text.gain[0] > 0.0):
                 continue
             compiled = found.view.gear != 0.0 and _has_inertia(found)
             kd = f" of {found.view.kd / found.view.gear**2:.3g}" if compiled else ""
@@ -183,15 +182,10 @@ class GainIsNotBias(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare gain and stiffness."""
-        for found in written_actuators(case, b"prm"):
+        relative = self.option(case, "relative")
+        for found in written_actuators(case, b"prm", which=lambda _, view: _is_off(view, relative)):
             view = found.view
-            if view.control != "position" or {"kp", "gain", "gear"} & view.unknown or view.offset:
-                continue
-            if view.transmission not in ("joint", "jointinparent") or not view.gear:
-                continue
             kp = view.kp / view.gear**2
-            if kp <= 0.0 or view.gain == 0.0 or abs(view.gain - kp) <= self.option(case, "relative") * kp:
-                continue
             scale = view.gain / kp
             joint = found.artifact.robot.joint(view.target) if found.artifact.robot is not None else None
             if joint is not None and _converts(joint, view.control_range, view.gear, scale):
@@ -288,9 +282,9 @@ class FeedbackIgnored(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find inert feedback."""
-        for found in written_actuators(case, b"biasprm"):
+        for found in written_actuators(case, b"biasprm", which=_states_no_type):
             text = found.text
-            if text.bias_type != "none" or "biastype" in found.view.stated or not any(text.bias[:3]):
+            if text.bias_type != "none" or not any(text.bias[:3]):
                 continue
             servo = text.bias[1] < 0.0 and text.gain[0] == -text.bias[1]
             numbers = " ".join(f"{number:.3g}" for number in text.bias[:3])
@@ -334,6 +328,24 @@ def _place(found: WrittenActuator, *names: str) -> Span:
 
 def _joint_name(found: WrittenActuator) -> str:
     return found.view.target if found.view.transmission in ("joint", "jointinparent") else ""
+
+
+def _states_no_ratio(_: RobotView, view: ActuatorView) -> bool:
+    return view.tag == "general" and "dampratio" not in view.stated
+
+
+def _states_no_type(_: RobotView, view: ActuatorView) -> bool:
+    return "biastype" not in view.stated
+
+
+def _is_off(view: ActuatorView, relative: float) -> bool:
+    """Whether a servo's gain is not its stiffness."""
+    if view.control != "position" or {"kp", "gain", "gear"} & view.unknown or view.offset:
+        return False
+    if view.transmission not in ("joint", "jointinparent") or not view.gear:
+        return False
+    kp = view.kp / view.gear**2
+    return kp > 0.0 and view.gain != 0.0 and abs(view.gain - kp) > relative * kp
 
 
 RULES: tuple[type[Rule], ...] = (SignTakenAsRatio, GainIsNotBias, FeedbackIgnored)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from actspec.audit.case import Case
+from actspec.audit.finding import Finding
 from actspec.audit.rule import Rule
+from actspec.audit.rules.gears import HiddenGear
 from actspec.audit.rules.source_pairs import Disagreement, hidden_gear, stated_figure, unit_slip
 from actspec.audit.rules.source_rule import SourceRule
 
@@ -68,8 +70,9 @@ class EffortLimit(SourceRule):
 
     ## Limits
     Which file is right nobody here knows. Limits of 0 and placeholders are for the LIM rules, effort and speed that
-    differ by one gear for GEA101, degrees and rpm for UNT. Variants of a robot (other joints, or two files of one
-    kind) get a remark. Figures that no file states, an engine's defaults, are not compared.
+    differ by one gear, and efforts that lack a reduction, for GEA101, degrees and rpm for UNT. Variants of a robot
+    (other joints, or two files of one kind) get a remark. Figures that no file states, an engine's defaults, are not
+    compared.
 
     ## Source
     Reports of such files: unitreerobotics/unitree_rl_lab#9 (300 and 139 N*m), amazon-far/holosoma#47 (50 and 35),
@@ -86,6 +89,11 @@ class EffortLimit(SourceRule):
         if _is_no_limit(found):
             return True
         return hidden_gear(found.ratio, _ratio(found, "velocity_limit", "no_load_speed"))
+
+    def without_told(self, case: Case, findings: list[Finding]) -> list[Finding]:
+        """A forgotten reduction says more than that the figures differ."""
+        gears = {(item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)}
+        return [item for item in findings if (item.span, item.joint) not in gears]
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
@@ -77,10 +77,9 @@ def disagreements(
 
     Yields: One a joint and departing file.
     """
-    stated = _stated_joints(case, fields)
     for robot in case.robots:
         if len(robot.artifacts) > 1:
-            yield from _of_robot(case, robot, stated, tolerance, absolute)
+            yield from _of_robot(case, robot, fields, tolerance, absolute)
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
@@ -91,12 +90,11 @@ def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) ->
         fields: Fields of a row.
         kind: What the later of the two is; None: anything but a spec.
     """
-    stated = _stated_joints(case, fields)
     for robot in case.robots:
         seen: dict[str, set[FileKind]] = {}
-        for index in robot.artifacts:
+        for index in robot.artifacts if len(robot.artifacts) > 1 else ():
             own = case.artifacts[index].kind
-            for joint in stated.get(index, ()):
+            for joint in _stated_joints(case, index, fields):
                 kinds = seen.setdefault(joint, set())
                 if kinds and (kind is None or (own is kind) != (kind in kinds)):
                     return True
@@ -159,19 +157,22 @@ class _Held:
 def _of_robot(
     case: Case,
     robot: Robot,
-    stated: Mapping[int, Mapping[str, tuple[str, Figure]]],
+    fields: Sequence[str],
     tolerance: float,
     absolute: float,
 ) -> Iterator[Disagreement]:
+    stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
     everything: dict[tuple[FileKind, str], _Held] = {}
     for index in robot.artifacts:
-        for joint, found in stated.get(index, {}).items():
+        for joint, found in stated[index].items():
             everything.setdefault((case.artifacts[index].kind, joint), _Held()).add(case, index, found)
     earlier: dict[tuple[FileKind, str], _Held] = {}
     real_path = cache(os.path.realpath)
+    # Asked for every joint that departs.
+    distance = cache(lambda one, other: _distance(case, one, other))
     for index in robot.artifacts:
         kind, path = case.artifacts[index].kind, case.artifacts[index].path
-        for joint, mine in stated.get(index, {}).items():
+        for joint, mine in stated[index].items():
             own = earlier.setdefault((kind, joint), _Held())
             for kinds in (*_REFERENCES[kind], None):
                 if kinds is None:
@@ -191,23 +192,21 @@ def _of_robot(
                     or _is_one_place(mine[1], theirs[1], real_path)
                     for _, theirs in held
                 ):
-                    other, theirs = min(held, key=lambda each: _distance(case, index, each[0]))
-                    variant = kinds is None or _are_variants(case, index, other)
+                    other, theirs = min(held, key=lambda each: distance(index, each[0]))
+                    variant = kinds is None or distance(index, other)[0]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
                     yield Disagreement(rows, others, mine[0], mine[1], theirs[1], variant)
                 break
             own.add(case, index, mine)
 
 
-def _stated_joints(case: Case, fields: Sequence[str]) -> dict[int, dict[str, tuple[str, Figure]]]:
-    """What each artifact but a spec states, by joint."""
-    found: dict[int, dict[str, tuple[str, Figure]]] = {}
-    specs = {index for index, _ in case.of_kind(FileKind.SPEC)}
-    for (index, joint), rows in case.joints.items():
-        stated = _stated(rows, fields) if index not in specs else None
-        if stated is not None:
-            found.setdefault(index, {})[joint] = stated
-    return found
+def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, tuple[str, Figure]]:
+    """What an artifact states, by joint; nothing for a spec."""
+    if case.artifacts[index].kind is FileKind.SPEC:
+        return {}
+    joints = dict.fromkeys(row.joint for row in case.rows_of(index) if row.joint)
+    found = {joint: _stated(case.joints[index, joint], fields) for joint in joints}
+    return {joint: stated for joint, stated in found.items() if stated is not None}
 
 
 def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, Figure] | None:

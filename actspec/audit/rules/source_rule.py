@@ -29,6 +29,7 @@ class SourceRule(Rule):
 
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
     groups: ClassVar[tuple[tuple[str, ...], ...]]
     """Fields that are compared; of those in one tuple the first that a file states."""
@@ -38,12 +39,19 @@ class SourceRule(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
-        for fields in self.groups:
-            for found in disagreements(case, fields, tolerance):
-                if not self.is_explained(case, found, tolerance):
-                    yield self.finding(case, found)
+        findings = [
+            self.finding(case, found)
+            for fields in self.groups
+            for found in disagreements(case, fields, tolerance)
+            if not self.is_explained(case, found, tolerance)
+        ]
+        yield from self.without_told(case, findings) if findings else ()
         if not any(compared(case, fields) for fields in self.groups):
             yield Skipped(self.code, f"no two files of one robot state {self.lacks}")
+
+    def without_told(self, case: Case, findings: list[Finding]) -> list[Finding]:
+        """Findings without those that another rule has at the same place and joint, and says more about."""
+        return findings
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """Whether another rule says more about it, or it is none."""

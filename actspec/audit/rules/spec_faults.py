@@ -82,6 +82,7 @@ class DampingCountedTwice(Rule):
     name = "damping-counted-twice-against-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -180,6 +181,7 @@ class FrictionUnit(Rule):
     name = "friction-unit-mismatch-against-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -273,6 +275,7 @@ class SpecControl(Rule):
     name = "control-departs-from-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare the kinds of drive."""

@@ -157,6 +157,7 @@ class SpecRule(Rule):
 
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
     fields: ClassVar[tuple[str, ...]]
     absolute: ClassVar[float] = 0.0

@@ -11,6 +11,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.diagnostics import Severity
+from actspec.robot.view import ActuatorView, RobotView
 from actspec.units import format_quantity
 
 
@@ -76,12 +77,10 @@ class FilterFasterThanStep(Rule):
             robot = artifact.robot
             filtered = robot is not None and any(actuator.time_constant > 0.0 for actuator in robot.actuators)
             looked = looked or filtered
-        for found in written_actuators(case, b"") if looked else ():
-            robot, view = found.artifact.robot, found.view
-            step = robot.timestep if robot is not None else None
-            tau = view.time_constant
-            if step is None or "time_constant" in view.unknown or not 0.0 < tau < step:
-                continue
+        for found in written_actuators(case, which=_is_fast):
+            view, tau = found.view, found.view.time_constant
+            assert found.artifact.robot is not None and found.artifact.robot.timestep is not None
+            step = found.artifact.robot.timestep
             exact = found.text.dynamics_type == "filterexact"
             swings = tau <= step / 2.0
             if exact:
@@ -105,6 +104,12 @@ class FilterFasterThanStep(Rule):
             )
         if not looked:
             yield Skipped(self.code, "no MJCF with a filtered actuator among the files")
+
+
+def _is_fast(robot: RobotView, view: ActuatorView) -> bool:
+    """Whether a filter is faster than the file's step."""
+    step = robot.timestep
+    return step is not None and 0.0 < view.time_constant < step and "time_constant" not in view.unknown
 
 
 RULES: tuple[type[Rule], ...] = (FilterFasterThanStep,)

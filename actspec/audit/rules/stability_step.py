@@ -259,6 +259,7 @@ class ExplicitDrive(Rule):
     name = "explicit-cfg-drive-unstable"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from itertools import combinations
 from typing import ClassVar
 
@@ -112,6 +113,7 @@ class LeftRightDiffer(Rule):
     name = "left-right-asymmetry"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    paired = True
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -205,7 +207,11 @@ def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow
             yield from pairs
         else:
             single.append(artifact)
+    # Most of them have no such names at all.
+    sided = {artifact for artifact in single if any(map(_mirrors, joints[artifact]))}
     for one, other in combinations(single, 2):
+        if one not in sided and other not in sided:
+            continue
         if case.artifacts[one].kind is not case.artifacts[other].kind:
             continue
         for left, right in ((joints[one], joints[other]), (joints[other], joints[one])):
@@ -223,13 +229,16 @@ def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequ
     return found
 
 
-def _mirrors(name: str) -> Iterator[str]:
+@lru_cache(maxsize=4096)
+def _mirrors(name: str) -> tuple[str, ...]:
     """What a left joint's name may be on the right: one of its words changed, or all of them."""
     words = _WORD.findall(name)
     at = [index for index, word in enumerate(words) if word in _RIGHT]
-    for chosen in (*([index] for index in at), at):
-        if chosen:
-            yield "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
+    return tuple(
+        "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
+        for chosen in (*([index] for index in at), at)
+        if chosen
+    )
 
 
 RULES: tuple[type[Rule], ...] = (LeftRightDiffer,)

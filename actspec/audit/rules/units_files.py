@@ -79,6 +79,7 @@ class Factor57(Rule):
     name = "off-by-degrees-per-radian"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"relative": 0.005}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
@@ -241,6 +242,7 @@ class SpeedInRpm(Rule):
     name = "speed-in-rpm"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"relative": 0.005, "least": 150.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

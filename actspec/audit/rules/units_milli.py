@@ -63,6 +63,7 @@ class MilliOrGram(Rule):
     name = "milli-or-gram-taken-for-one"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"least": 5.0}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -254,6 +254,7 @@ class TorqueAsTarget(Rule):
     name = "torque-left-in-command-range"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     options: ClassVar[dict[str, float]] = {"least": 3.2}
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -7,11 +7,12 @@ from collections.abc import Iterator
 
 from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, Setting
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rows.config import control_of
+from actspec.audit.finding import Confidence, Finding, Safety, Skipped
+from actspec.audit.rows.figures import control_of
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.keywords import renaming
 from actspec.audit.rules.meant_for import Release, release
 from actspec.diagnostics import Severity
 
@@ -68,7 +69,8 @@ class NamesByVersion(Rule):
 
     ## Limits
     Classes that are not Isaac Lab's own may have fields of either name; they are judged like the stock class whose name
-    theirs contains, and others not at all.
+    theirs contains, and others not at all. Names are mended where they are keywords of the class and mean the same: an
+    implicit drive's `effort_limit` and `velocity_limit` are left to you, and so are files with names of both.
 
     ## Source
     Isaac Lab 3.0, `actuator_base_cfg.py` and its compatibility module (read, not run); 2.2.0 and 2.3.2, run.
@@ -78,6 +80,7 @@ class NamesByVersion(Rule):
     name = "isaaclab-names-by-version"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    fix = Safety.SAFE
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare names with the version, or with each other."""
@@ -88,7 +91,7 @@ class NamesByVersion(Rule):
             old = [(group, name) for group in groups for name in _NEW if name in group.settings]
             new = [(group, name) for group in groups for name in _OLD if name in group.settings]
             if named is not None:
-                yield from self._against(old, new, release(named), named)
+                yield from self._against(case, old, new, release(named), named)
             elif old and new:
                 yield self._mixed(path, old, new)
         if not looked:
@@ -96,6 +99,7 @@ class NamesByVersion(Rule):
 
     def _against(
         self,
+        case: Case,
         old: list[tuple[ActuatorGroup, str]],
         new: list[tuple[ActuatorGroup, str]],
         version: Release,
@@ -108,6 +112,7 @@ class NamesByVersion(Rule):
                     f"Isaac Lab {text} has no {name}: the cfg raises TypeError when it is made",
                     group.settings[name].span,
                     help=f"2.x calls it {_OLD[name]}",
+                    fix=renaming(case, group, name, _OLD[name]) if _is_plain(group, name) else None,
                 )
             return
         gone = version >= (4,)
@@ -119,6 +124,7 @@ class NamesByVersion(Rule):
                 else f"{name} is a deprecated name in Isaac Lab {text}, and gone in 4.0",
                 group.settings[name].span,
                 help=f"3.0 calls it {_new_name(group, name)}",
+                fix=renaming(case, group, name, _NEW[name]) if _is_plain(group, name) else None,
                 severity=Severity.ERROR if gone else Severity.WARNING,
             )
 
@@ -153,6 +159,12 @@ def _new_name(group: ActuatorGroup, name: str) -> str:
     if control_of(Framework.ISAACLAB, group.cls) == "implicit":
         return _NEW[name].replace("actuator_", "joint_")
     return _NEW[name]
+
+
+def _is_plain(group: ActuatorGroup, name: str) -> bool:
+    """Whether the field is the same one in both versions; what 2.x makes of an implicit drive's own limits is not."""
+    own = name in ("effort_limit", "velocity_limit") or name.startswith("actuator_")
+    return not own or control_of(Framework.ISAACLAB, group.cls) != "implicit"
 
 
 class ImplicitVelocityLimit(Rule):
@@ -237,7 +249,11 @@ class ImplicitVelocityLimit(Rule):
     def _limit(self, group: Group, setting: Setting, joint: str) -> str:
         number = group.number(setting, joint)
         if number is None:
-            return "velocity_limit"
+            return (
+                f"velocity_limit (which could not be read: {setting.unknown})"
+                if setting.unknown
+                else "velocity_limit"
+            )
         row = next((row for row in group.rows if row.joint == joint), None)
         return f"velocity_limit {shown(row, 'velocity_limit', number) if row else f'{number:.3g}'}"
 

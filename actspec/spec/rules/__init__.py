@@ -8,6 +8,7 @@ from actspec.diagnostics import Collector
 from actspec.spec.models import SpecModel
 from actspec.spec.paths import Path
 from actspec.spec.rules.breaches import Breaches
+from actspec.spec.rules.gears import check_linkages
 from actspec.spec.rules.groups import check_group
 from actspec.spec.rules.motors import check_motor
 from actspec.spec.rules.robot import check_robot, check_sources
@@ -38,6 +39,7 @@ def check_spec(
     for name, motor in model.motors.items():
         check_motor(name, motor, breaches)
     for name, group in model.actuators.items():
-        check_group(name, group, model.motors, breaches)
+        check_group(name, group, model, breaches)
+    check_linkages(model.linkages, model.motors, model.sources, breaches)
     check_targets(model.targets, breaches)
     check_accept(model.accept, model.targets, breaches)

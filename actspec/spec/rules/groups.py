@@ -4,23 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from actspec.spec.models import Actuators, Motor
+from actspec.spec.models import Actuators, Motor, SpecModel
 from actspec.spec.paths import Path
 from actspec.spec.rules.breaches import Breaches, check_pattern
+from actspec.spec.rules.gears import may_be_linked
 from actspec.spec.rules.joint_fields import IDENTIFY, check_joint_fields
 from actspec.spec.rules.randomization import check_randomize
 from actspec.spec.values import SpecValue
 
 
-def check_group(name: str, group: Actuators, motors: Mapping[str, Motor], breaches: Breaches) -> None:
+def check_group(name: str, group: Actuators, model: SpecModel, breaches: Breaches) -> None:
     """A group, its overrides and its randomisation."""
     path: Path = ("actuators", name)
+    motors = model.motors
+    # Whether every joint of the group is in a linkage is seen when its joints are known.
+    linked = may_be_linked(group.joints, model.linkages)
     for index, pattern in enumerate(group.joints):
         check_pattern(pattern, (*path, "joints", index), breaches)
-    check_joint_fields(path, group, group, motors, breaches)
+    check_joint_fields(path, group, group, motors, breaches, linked=linked)
     for pattern, override in group.overrides.items():
         check_pattern(pattern, (*path, "overrides", pattern), breaches, key=True)
-        check_joint_fields((*path, "overrides", pattern), override, group, motors, breaches)
+        check_joint_fields((*path, "overrides", pattern), override, group, motors, breaches, linked=linked)
     if group.level == "actuator_net" and group.network is None:
         breaches.error(
             "SPEC140",
@@ -35,7 +39,7 @@ def check_group(name: str, group: Actuators, motors: Mapping[str, Motor], breach
             (*path, "network"),
         )
     if group.level == "dc_motor":
-        _check_dc_motors(path, group, motors, breaches)
+        _check_dc_motors(path, group, motors, breaches, linked=linked)
     for field, entry in group.randomize.items():
         at = (*path, "randomize", field)
         check_randomize(at, field, entry, breaches)
@@ -45,13 +49,17 @@ def check_group(name: str, group: Actuators, motors: Mapping[str, Motor], breach
             )
 
 
-def _check_dc_motors(path: Path, group: Actuators, motors: Mapping[str, Motor], breaches: Breaches) -> None:
+def _check_dc_motors(
+    path: Path, group: Actuators, motors: Mapping[str, Motor], breaches: Breaches, *, linked: bool
+) -> None:
     """Level dc_motor needs the torque-speed line of every motor in the group."""
     used = [(group.motor, path)]
     for pattern, override in group.overrides.items():
         if override.motor is not None:
             used.append((override.motor, (*path, "overrides", pattern)))
     for name, at in used:
+        if name is None and linked:
+            continue
         if name is None:
             breaches.error(
                 "SPEC147",

@@ -10,6 +10,7 @@ from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Friction, Motor, Tunable
 from actspec.spec.paths import Path
 from actspec.spec.rules.breaches import Breaches
+from actspec.spec.rules.gears import check_stages
 from actspec.spec.values import SpecValue
 from actspec.units import Kind
 
@@ -21,7 +22,13 @@ COMMANDED = {"position": Kind.POSITION, "velocity": Kind.SPEED, "effort": Kind.T
 
 
 def check_joint_fields(
-    path: Path, fields: Tunable, group: Actuators, motors: Mapping[str, Motor], breaches: Breaches
+    path: Path,
+    fields: Tunable,
+    group: Actuators,
+    motors: Mapping[str, Motor],
+    breaches: Breaches,
+    *,
+    linked: bool,
 ) -> None:
     """The fields fit the group's command, its motor and each other.
 
@@ -31,6 +38,7 @@ def check_joint_fields(
         group: The group.
         motors: The spec's motors.
         breaches: Takes what is wrong.
+        linked: Whether a linkage names motors of some of the group's joints.
     """
     if fields.motor is not None and fields.motor not in motors:
         guess = nearest(fields.motor, sorted(motors))
@@ -41,7 +49,10 @@ def check_joint_fields(
             f"did you mean '{guess}'?" if guess else "add it to `motors`",
         )
     _check_command(path, fields, group.command, breaches)
-    _check_from_motor(path, fields, motors.get(fields.motor or group.motor or ""), breaches)
+    _check_gears(path, fields, group, breaches)
+    motor = motors.get(fields.motor or group.motor or "")
+    if motor is not None or not linked:
+        _check_from_motor(path, fields, motor, breaches)
     if fields.friction is not None:
         _check_friction((*path, "friction"), fields.friction, breaches)
     if group.identified is None:
@@ -69,6 +80,30 @@ def _check_command(path: Path, fields: Tunable, command: str, breaches: Breaches
             (*path, "command_range"),
             f"a {wanted.noun} is in {wanted.rotary_unit} (hinge) or {wanted.linear_unit} (slide)",
         )
+
+
+def _check_gears(path: Path, fields: Tunable, group: Actuators, breaches: Breaches) -> None:
+    """The way from motor to joint is stated once."""
+    if fields.transmission is not None:
+        check_stages((*path, "transmission"), fields.transmission, breaches)
+        for index, stage in enumerate(fields.transmission):
+            if stage.efficiency is not None and stage.efficiency.value is None:
+                breaches.error(
+                    "SPEC131",
+                    "the torque passes this stage, but its `efficiency` is unknown",
+                    (*path, "transmission", index, "efficiency"),
+                    "state it, or remove it to take 1",
+                )
+    for key, other in (("transmission", "reduction"), ("reduction", "transmission")):
+        stated = getattr(fields, other) is not None or getattr(group, other) is not None
+        if getattr(fields, key) is not None and stated:
+            breaches.error(
+                "SPEC137",
+                f"`{key}` and `{other}` both say what is between the motor's output and the joint",
+                (*path, key),
+                "write the reduction as a stage of the transmission: `{ratio: 2}`",
+            )
+            return
 
 
 def _check_from_motor(path: Path, fields: Tunable, motor: Motor | None, breaches: Breaches) -> None:

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 from actspec.spec.models import Motor
 from actspec.spec.paths import Path
 from actspec.spec.rules.breaches import Breaches
+from actspec.spec.rules.gears import check_gearbox
+from actspec.spec.values import SpecValue
 
 SIDED = ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque", "torque_constant", "curve")
 """Motor figures that differ between rotor and gearbox output."""
@@ -21,24 +25,28 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
             path,
             "write `side: joint` (output) or `side: motor` (rotor, needs gear_ratio)",
         )
+    check_gearbox(path, motor, breaches)
     missing = "missing" if motor.gear_ratio is None else "unknown"
-    geared = motor.gear_ratio is not None and motor.gear_ratio.value is not None
+    geared = motor.gearbox is not None or (
+        motor.gear_ratio is not None and motor.gear_ratio.value is not None
+    )
     if motor.side == "motor" and not geared:
         for field in sided:
             breaches.error(
                 "SPEC131",
                 f"{field} is quoted at the motor, but `gear_ratio` is {missing}",
                 (*path, field),
-                "state gear_ratio, or quote the figure at the joint with `side: joint`",
+                "state gear_ratio or gearbox, or quote the figure at the joint with `side: joint`",
             )
     torques = [field for field in sided if field != "no_load_speed"]
-    if motor.side == "motor" and torques and motor.efficiency and motor.efficiency.value is None:
-        breaches.error(
-            "SPEC131",
-            f"{torques[0]} is quoted at the motor, but `efficiency` is unknown",
-            (*path, "efficiency"),
-            "state it, or remove it to take 1; or quote the torques at the joint with `side: joint`",
-        )
+    for at, efficiency in _efficiencies(path, motor):
+        if motor.side == "motor" and torques and efficiency is not None and efficiency.value is None:
+            breaches.error(
+                "SPEC131",
+                f"{torques[0]} is quoted at the motor, but `efficiency` is unknown",
+                at,
+                "state it, or remove it to take 1; or quote the torques at the joint with `side: joint`",
+            )
     if motor.rotor_inertia is not None and motor.rotor_inertia.value is not None and not geared:
         breaches.error(
             "SPEC131",
@@ -77,3 +85,10 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
             (*path, "continuous_torque"),
             "the thermal limit is the lower one; are the two swapped?",
         )
+
+
+def _efficiencies(path: Path, motor: Motor) -> Iterator[tuple[Path, SpecValue | None]]:
+    """Where an efficiency of the gearbox may be stated, and what is."""
+    yield (*path, "efficiency"), motor.efficiency
+    for index, stage in enumerate(motor.gearbox or ()):
+        yield (*path, "gearbox", index, "efficiency"), stage.efficiency

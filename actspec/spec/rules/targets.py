@@ -18,8 +18,14 @@ OPTIONS = {
     "class": ("isaaclab",),
     "for": ("randomization",),
     "joint_order": ("deploy",),
+    "root": ("newton",),
+    "joint_paths": ("newton",),
 }
 """Key of a target to the kinds of target that have it."""
+
+
+SPEC_ITSELF = "spec"
+"""What stands for a target in keys of `accept` about what the spec itself approximates, for every target."""
 
 
 def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
@@ -37,12 +43,14 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
             )
         else:
             _check_options(name, kind, target, breaches)
-        if not is_folder_name(name):
+        if not is_folder_name(name) or name == SPEC_ITSELF:
             breaches.error(
                 "SPEC161",
-                f"the name '{name}' cannot be a folder's name",
+                f"the name '{name}' cannot be a folder's name"
+                if name != SPEC_ITSELF
+                else f"the name '{name}' stands for the spec itself in `accept`",
                 ("targets", name),
-                "use letters, digits, '-', '_' and '.'",
+                "use letters, digits, '-', '_' and '.'" if name != SPEC_ITSELF else "choose another name",
                 key=True,
             )
 
@@ -69,7 +77,7 @@ def check_accept(accept: Mapping[str, str], targets: Mapping[str, Target], breac
     names = tuple(targets) or ("mujoco",)
     for entry, reason in accept.items():
         target_name, dot, _ = entry.partition(".")
-        if not dot or target_name not in names:
+        if not dot or target_name not in (*names, SPEC_ITSELF):
             breaches.error(
                 "SPEC162",
                 f"'{entry}' names no target of this spec",

@@ -25,6 +25,7 @@ from actspec.targets.python_text import environment, grouped, identifier, proven
 FORMAT = "actspec-deploy/1"
 
 Value = Callable[[JointActuator], Quantity | None]
+Order = tuple[str | None, ...]
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
@@ -45,7 +46,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         check_sdk_order(options, own, collector)
     collector.raise_if_failed(EmitError)
     isaac = isaac_order(robot, own)
-    orders = {"robot": own, "isaac": isaac, "sdk": sdk}
+    orders: dict[str, Order | None] = {"robot": own, "isaac": isaac, "sdk": sdk}
     text = (
         environment("deploy")
         .get_template("deploy.yaml.j2")
@@ -54,6 +55,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             format=FORMAT,
             robot=scalar(actuators.robot),
             spec_sha256=actuators.spec_sha256,
+            gaps=sdk is not None and None in sdk,
             orders=[_known(name, order) for name, order in orders.items()],
             maps=[_map(first, second, orders) for first in orders for second in orders if first != second],
             timing=list(_timing(actuators)),
@@ -86,11 +88,11 @@ def _shown(actuators: ActuatorSet) -> Iterator[Quantity]:
         yield from (end for end in actuator.command_range or () if end.known)
 
 
-def _known(name: str, order: Sequence[str] | None) -> list[str]:
+def _known(name: str, order: Order | None) -> list[str]:
     return [f"  {name}: null"] if order is None else entry(name, order, "  ")
 
 
-def _map(first: str, second: str, orders: dict[str, tuple[str, ...] | None]) -> list[str]:
+def _map(first: str, second: str, orders: dict[str, Order | None]) -> list[str]:
     source, result = orders[first], orders[second]
     if source is None or result is None:
         return [f"  {first}_to_{second}: null"]

@@ -16,10 +16,12 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
         managed: The joints that the spec manages.
         collector: Takes what is wrong.
     """
-    seen = set()
+    seen: set[str] = set()
     for index, name in enumerate(options.joint_order):
         entry = f"joint_order[{index}]"
         where, span = options.where(entry), options.span(entry)
+        if name is None:
+            continue
         if name in seen:
             collector.error(
                 "DEP002",
@@ -49,7 +51,10 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
         )
 
 
-def index_map(source: Sequence[str], result: Sequence[str]) -> tuple[int, ...]:
-    """Where each entry of one order stands in another: `result[i] = source[index_map(source, result)[i]]`."""
-    place = {name: index for index, name in enumerate(source)}
-    return tuple(place[name] for name in result)
+def index_map(source: Sequence[str | None], result: Sequence[str | None]) -> tuple[int | None, ...]:
+    """Where each entry of one order stands in another: `result[i] = source[index_map(source, result)[i]]`.
+
+    A gap of `result` has None, and one of `source` nobody's index.
+    """
+    place = {name: index for index, name in enumerate(source) if name is not None}
+    return tuple(None if name is None else place[name] for name in result)

@@ -16,6 +16,7 @@ from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits,
 from actspec.targets.mujoco.canonical import canonical_files
 from actspec.targets.mujoco.check import differences, outside_plan
 from actspec.targets.mujoco.drive import Form
+from actspec.targets.mujoco.fragment import bench_xml, fragment_files, fragment_of
 from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
@@ -31,14 +32,15 @@ REPORT = "this is an error of the compiler: please report it with the spec and t
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Compile a robot's actuators into its MJCF.
+    """Compile a robot's actuators into its MJCF, or without a model into a fragment that one includes.
 
     The plan is applied twice, to the loaded MjSpec and to the author's text; the two compiled models
-    must be equal in every field, and equal to the original in every field that the plan leaves.
+    must be equal in every field, and equal to the original in every field that the plan leaves. A
+    fragment is held to the plan in a bench, a model with the listed joints alone.
 
     Args:
         actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot, read from an MJCF or a URDF.
+        robot: The robot, read from an MJCF or a URDF, or listed by the spec.
         options: Version, output folder and form.
 
     Raises:
@@ -49,13 +51,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector = Collector()
     dialect = _dialect(options, collector)
     if robot.format is ModelFormat.NONE:
-        collector.error(
-            "MJC009",
-            "the MuJoCo target needs a model to edit, and the spec has `model: none`",
-            where="robot.model",
-            help="name an MJCF or a URDF, or leave the target out",
-        )
-        raise EmitError(collector.sorted())
+        return _emit_fragment(actuators, robot, dialect, options, collector)
     source = os.path.basename(robot.path)
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
@@ -115,11 +111,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         if _same_words(dialect, installed)
         else _write(document, plan, anchors, installed, options.folder, main_name, comment, collector)
     )
-    _check_text(checked, edited, collector)
-    collector.raise_if_failed(EmitError)
-    for fault in check_readback(actuators, _read_back(checked)):
-        collector.add(fault)
-    collector.raise_if_failed(EmitError)
+    _check(checked, edited, actuators, collector)
     emitted = tuple(
         EmittedFile(os.path.basename(file.path), file.data)
         for file in files
@@ -128,6 +120,52 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
     explicit = frozenset(drive.joint for drive in plan.drives) if robot.integrator == "Euler" else frozenset()
     return Emission(emitted, planned.approximations, collector.sorted(), explicit)
+
+
+def _emit_fragment(
+    actuators: ActuatorSet,
+    robot: RobotView,
+    dialect: MujocoDialect,
+    options: TargetOptions,
+    collector: Collector,
+) -> Emission:
+    """The fragment for a robot without a model, after a bench that includes it: the first file loads alone."""
+    if options.canonical:
+        collector.error(
+            "MJC009",
+            "`--canonical` writes MuJoCo's own form of a model, and the spec has `model: none`",
+            where="robot.model",
+            help="leave it out: a fragment to include is written, or name an MJCF or a URDF",
+        )
+        raise EmitError(collector.sorted())
+    planned = plan_model(actuators, robot, dialect, options.name, collector)
+    fragment = fragment_of(planned.plan, planned.approximations, actuators, collector)
+    tool = f"actspec {actspec.__version__}"
+    installed = installed_dialect()
+    try:
+        bare = ModelFile(robot.path, "", bench_xml(robot, {}).encode("utf-8"))
+        files, checked = (
+            fragment_files(fragment, robot, words, options.folder, tool) for words in (dialect, installed)
+        )
+    except ValueError as err:
+        collector.error(
+            "MJC024",
+            f"the fragment cannot be written: {err}",
+            where="robot.joints",
+            help="rename the joint, in the spec and in the model",
+        )
+        raise EmitError(collector.sorted()) from err
+    edited = _edited((bare,), fragment.plan, installed, f"actspec {actuators.robot}", True)
+    _check(checked, edited, actuators, collector)
+    collector.info(
+        "MJC023",
+        f"the spec has `model: none`: {fragment.main_name} is no model but a fragment to include in one; "
+        "its head says how",
+        where="robot.model",
+        span=Span(robot.path),
+    )
+    emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
+    return Emission(emitted, planned.approximations, collector.sorted())
 
 
 def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
@@ -211,6 +249,17 @@ def _write(
         )
         raise EmitError(collector.sorted()) from err
     return written_files(document, edited, where, folder)
+
+
+def _check(
+    files: tuple[ModelFile, ...], edited: mujoco.MjModel, actuators: ActuatorSet, collector: Collector
+) -> None:
+    """Hold what is written to the edited model, and what is read back from it to the spec. Raises EmitError."""
+    _check_text(files, edited, collector)
+    collector.raise_if_failed(EmitError)
+    for fault in check_readback(actuators, _read_back(files)):
+        collector.add(fault)
+    collector.raise_if_failed(EmitError)
 
 
 def _check_text(files: tuple[ModelFile, ...], edited: mujoco.MjModel, collector: Collector) -> None:

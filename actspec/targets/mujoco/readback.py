@@ -78,8 +78,8 @@ def check_readback(actuators: ActuatorSet, written: RobotView) -> Iterator[Diagn
             )
         limit = actuator.effort_limit.value
         bound = effort_bound(joint, own)
-        if limit is not None and actuator.command is Command.EFFORT and actuator.command_range is not None:
-            # A clamped torque command is a limit of its own.
+        if limit is not None and own[0].control == "motor" and actuator.command_range is not None:
+            # A clamped torque command is a limit of its own; `effort_bound` counts that of a plain motor.
             limit = min(limit, max(abs(end.value or 0.0) for end in actuator.command_range))
         if limit is not None and actuator.curve is None and (bound is None or _apart(bound, limit)):
             yield fault(

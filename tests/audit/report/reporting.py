@@ -75,7 +75,7 @@ def _case() -> Case:
     )
     artifacts = tuple(artifact for file in files for artifact in file.artifacts)
     rows = (
-        row("a.xml", "hip", kp=50.0, effort_limit=50.0, armature=0.0, kind=JointKind.HINGE),
+        row("a.xml", "hip", kp=50.0, kd_clamped=True, effort_limit=50.0, armature=0.0, kind=JointKind.HINGE),
         row("a.xml", "knee", kp=50.0, effort_limit=50.0, armature=0.0, kind=JointKind.HINGE),
         row("a.xml", "ankle", kp=20.0, effort_limit=math.inf, armature=0.0, kind=JointKind.HINGE),
         row("a.xml", "rail", kp=1e4, armature=0.0, kind=JointKind.SLIDE),

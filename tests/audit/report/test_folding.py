@@ -10,10 +10,11 @@ from actspec.audit.engine import judge
 from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Report
 from actspec.audit.report import ReportOptions, render
-from actspec.audit.report.groups import MOST_ALIKE, Group, grouped
+from actspec.audit.report.groups import MOST_ALIKE, Group, grouped, told
 from actspec.audit.report.text import MOST_REASONS
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity
 from tests.audit.making import case_of, finding, rule_of
 
 
@@ -54,6 +55,39 @@ def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
         *(_one(i, f"is {a:g}, not {b:g}", f"j{i}", value=a, expected=b) for i, (a, b) in enumerate(figures))
     )
     assert group.joints == ("j1",)
+
+
+def test_remarks_of_many_files_are_told_once() -> None:
+    """What four files have alike stands at the first, with whatever joints; three files are told one by one."""
+    same = [_one(1, "no mass", joint, path=f"{joint}.xml", severity=Severity.INFO) for joint in "abcd"]
+    (group,) = told(_report(*same).findings)
+    assert group.headline() == "a: no mass (the same of other joints in b.xml, c.xml and 1 more)"
+    alike = [_one(1, "no mass", "knee", path=f"{name}.xml", severity=Severity.INFO) for name in "abcd"]
+    (group,) = told(_report(*alike).findings)
+    assert group.headline() == "knee: no mass (the same in b.xml, c.xml and 1 more)"
+    assert len(told(_report(*same[:3]).findings)) == 3
+    full = render(_report(*alike), "full", ReportOptions())
+    assert "  = the same in b.xml:1:1, c.xml:1:1, d.xml:1:1\n" in full
+    assert full.endswith("4 remarks (1 entry) in 0 files\n")
+    # Each file of a pull request gets its own annotation.
+    assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
+
+
+def test_a_fault_of_many_files_is_told_in_full_once() -> None:
+    """Each of the four files has its line, because each has to be mended; excerpt and help stand at the first."""
+    same = [_one(1, "no limit", "knee", path=f"{name}.xml", help="add one") for name in "abcd"]
+    made = _report(*same, _one(1, "no limit", "hip", path="e.xml", help="add one"))
+    assert [group.copy_of and group.copy_of.path for group in told(made.findings)] == [
+        None,
+        "a.xml",
+        "a.xml",
+        "a.xml",
+        None,
+    ]
+    full = render(made, "full", ReportOptions())
+    assert full.count("add one") == 2
+    assert "d.xml:1:1: LIM901 [warning] knee: no limit\n  = as in a.xml:1:1\n" in full
+    assert render(made, "concise", ReportOptions()).count("LIM901 [warning] knee: no limit\n") == 4
 
 
 def test_few_are_shown_one_by_one() -> None:
@@ -99,6 +133,4 @@ def test_many_silent_rules_are_one_line() -> None:
     few = [Skipped(f"NET90{i}", f"no {i}") for i in range(MOST_REASONS)]
     assert "skipped NET900: no 0\nskipped NET901: no 1\n" in render(_report(*few), "full", ReportOptions())
     many = [*few, Skipped("NET909", "no 9"), Skipped("NET909", "no 8")]
-    assert render(_report(*many), "full", ReportOptions()).startswith(
-        "skipped 4 rules that lack their input;"
-    )
+    assert render(_report(*many), "full", ReportOptions()).startswith("skipped 4 rules for lack of input;")

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 
 from actspec.audit.outcome import Report
 from actspec.audit.report import FORMATS, ReportOptions, render
+from actspec.audit.report.ledger import ledger_lines
 from actspec.audit.report.sources import WIDEST, Sources
+from actspec.audit.report.style import Style
 from actspec.cli import audit_options
 from actspec.diagnostics import Span
-from tests.audit.making import reading
+from actspec.ir import JointKind
+from tests.audit.making import case_of, reading, row
 from tests.audit.report.reporting import report
 
 SUMMARY = """skipped NET901: no network among the files
-3 errors, 1 warning, 1 remark in 2 files; 2 files could not be read
+3 errors, 1 warning, 1 remark (3 entries) in 2 files; 2 files could not be read
 """
 BAD = "<script>alert(1)</script>|\"'&\\x07\\n[a](b)@me #1 %41,:\\ud800"
 """The hostile name as text shows it: on one line, without control characters."""
@@ -79,6 +83,16 @@ leg: where the files disagree
 
 """
 
+MARKED = """a.xml (leg)
+  joints  control         kd      joint      total
+                                damping    damping
+                   N*m*s/rad  N*m*s/rad  N*m*s/rad
+  a       motor       0.5 ce       2 ui        2.5
+  b       motor       0.5 ci       0           2.5
+  c       motor       0.5 c    10.25           2.5
+  damping: c clamped by the effort limit, u not clamped by the effort limit, i integrated implicitly, \
+e integrated explicitly"""
+
 STATISTICS = """3  LIM901  first-rule   error
 1  SRC901  second-rule  info
 1  SRC901  second-rule  warning
@@ -105,6 +119,19 @@ def test_full(made: Report) -> None:
 def test_ledger(made: Report) -> None:
     """Columns with figures, units in the heading, equal joints in one line, slides apart; 50 and 50.1 agree."""
     assert render(made, "concise", ReportOptions(ledger=True)) == LEDGER + CONCISE
+
+
+def test_ledger_marks_each_part_of_the_damping() -> None:
+    """Clamped and implicit, each yes, no or unknown; a part that is 0 and a total have no mark."""
+    damped = partial(row, "a.xml", kind=JointKind.HINGE, kd=0.5, kd_clamped=True, total_damping=2.5)
+    passive = partial(damped, joint_damping_clamped=False, joint_damping_implicit=True)
+    rows = (
+        passive("a", kd_implicit=False, joint_damping=2.0),
+        passive("b", kd_implicit=True, joint_damping=0.0),
+        damped("c", joint_damping=10.25),
+    )
+    lines = ledger_lines(case_of({"a.xml": b""}, *rows), Style(colour=False))
+    assert "\n".join(lines) == MARKED
 
 
 def test_statistics(made: Report) -> None:

@@ -62,7 +62,7 @@ REST = 'unmanaged: ["r_roll", "a_waist"], default_pose: {".*_knee": 1.2 rad}'
 
 
 def emission(
-    actuators: str = LEGS, *, robot: str = REST, order: tuple[str, ...] = (), **rest: str
+    actuators: str = LEGS, *, robot: str = REST, order: tuple[str | None, ...] = (), **rest: str
 ) -> Emission:
     """Compile the `actuators` of a spec against BIPED, or against no model where `robot` says so."""
     timing = rest.get("timing", "{physics_dt: 5 ms, decimation: 4}")
@@ -117,6 +117,26 @@ def test_orders_and_maps() -> None:
     for name, index in found["index"].items():
         source, result = name.split("_to_")
         assert [found["order"][source][i] for i in index] == found["order"][result], name
+
+
+def test_an_sdk_that_leaves_a_number_out() -> None:
+    """A gap is an entry of the SDK's order and of the maps to it; in the maps from it, its number is left out."""
+    sdk = (None, "l_hip", "l_knee", None, "r_hip", "r_knee")
+    found = deployed(order=sdk)
+    assert found["order"]["sdk"] == list(sdk)
+    assert found["index"]["robot_to_sdk"] == [None, 2, 3, None, 0, 1]
+    # The robot's order is r_hip, r_knee, l_hip, l_knee.
+    assert found["index"]["sdk_to_robot"] == [4, 5, 1, 2]
+    for name, index in found["index"].items():
+        source, result = name.split("_to_")
+        taken = [None if i is None else found["order"][source][i] for i in index]
+        assert taken == found["order"][result], name
+    (file,) = emission(order=sdk).files
+    text = file.data.decode("utf-8")
+    assert "# a_to_b: values_b = [None if i is None else values_a[i] for i in a_to_b]\n" in text
+    assert "`joint_order` says; null: a number of the SDK that is no joint here.\n" in text
+    (file,) = emission(order=sdk[1:3] + sdk[4:]).files
+    assert "# a_to_b: values_b = [values_a[i] for i in a_to_b]\n" in file.data.decode("utf-8")
 
 
 def test_depth_counts_unmanaged_joints() -> None:
@@ -316,6 +336,10 @@ def test_units_and_origins_are_said() -> None:
             ["DEP002 targets.robot_side.joint_order[4]: 'l_hip' is named twice"],
         ),
         (
+            (None, "l_hip", "l_knee", None, "r_hip"),
+            ["DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee"],
+        ),
+        (
             ("l_hip", "l_knee", "r_hip"),
             ["DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee"],
         ),
@@ -324,9 +348,9 @@ def test_units_and_origins_are_said() -> None:
             ["DEP001 targets.robot_side.joint_order[4]: 'r_roll' is no joint that the spec manages"],
         ),
     ],
-    ids=["misspelt", "twice", "missing", "unmanaged"],
+    ids=["misspelt", "twice", "gaps", "missing", "unmanaged"],
 )
-def test_sdk_order_is_checked(order: tuple[str, ...], expected: list[str]) -> None:
+def test_sdk_order_is_checked(order: tuple[str | None, ...], expected: list[str]) -> None:
     """An SDK order names every managed joint once and no other; the nearest name is offered."""
     with pytest.raises(EmitError) as caught:
         emission(order=order)

@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for MuJoCo Playground, MuJoCo 3.12. Do not edit: change the spec and compile again.
-# spec sha256 4177132e54e354ac44cab6b40720eb07ee9b52aae9008d7cfc5145cd979ded3e
+# spec sha256 75892e9a6a15baa29a34f8cc2f6181124f1fae51e8418449f7a2212ee4716dbc
 # For the model that actspec's mujoco target writes; pass it as `randomization_fn`.
 # The model has <dcmotor> actuators, which MJX runs in its Warp implementation alone.
 #

@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec and compile again.
-# spec sha256 eaecd7ebced893eb9edc6b7addb3481017d1e5612054823d84ed63fd3e2b206e
+# spec sha256 f8b1b64f7f2f4e500a97be917728df5cf23b95e277160acd73f794624f3695f0
 # model g1.xml
 # physics_dt 0.005 s
 #
@@ -37,7 +37,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=32.0,  # rad/s; authored, mjlab_g1
         stiffness=40.1792386367,  # N*m/rad; derived; 0.0101775 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=2.55788977548,  # N*m*s/rad; derived
-        armature=0.0101775200413,  # kg*m^2; derived, mjlab_g1; reflected inertia of the motor
+        armature=0.0101775200413,  # kg*m^2; derived, mjlab_g1
     ),
     "hip_roll_knee": IdealPDActuatorCfg(
         joint_names_expr=[".*_hip_roll_joint", ".*_knee_joint"],
@@ -45,7 +45,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=20.0,  # rad/s; authored, mjlab_g1
         stiffness=99.0984277823,  # N*m/rad; derived; 0.0251019 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=6.30880185368,  # N*m*s/rad; derived
-        armature=0.025101925,  # kg*m^2; derived, mjlab_g1; reflected inertia of the motor
+        armature=0.025101925,  # kg*m^2; derived, mjlab_g1
     ),
     "ankles": IdealPDActuatorCfg(
         joint_names_expr=[".*_ankle_pitch_joint", ".*_ankle_roll_joint"],
@@ -53,7 +53,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=37.0,  # rad/s; authored, mjlab_g1
         stiffness=28.5012461974,  # N*m/rad; derived; 0.00721945 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=1.81444568664,  # N*m*s/rad; derived
-        armature=0.00721945,  # kg*m^2; derived, mjlab_g1; 0.00360972 kg*m^2 x 2 (motors_per_joint)
+        armature=0.00721945,  # kg*m^2; derived, mjlab_g1
     ),
     "waist": IdealPDActuatorCfg(
         joint_names_expr=["waist_roll_joint", "waist_pitch_joint"],
@@ -61,7 +61,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=37.0,  # rad/s; authored, mjlab_g1
         stiffness=28.5012461974,  # N*m/rad; derived; 0.00721945 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=1.81444568664,  # N*m*s/rad; derived
-        armature=0.00721945,  # kg*m^2; derived, mjlab_g1; 0.00360972 kg*m^2 x 2 (motors_per_joint)
+        armature=0.00721945,  # kg*m^2; derived, mjlab_g1
     ),
     "arms": IdealPDActuatorCfg(
         joint_names_expr=[
@@ -75,7 +75,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=37.0,  # rad/s; authored, mjlab_g1
         stiffness=14.2506230987,  # N*m/rad; derived; 0.00360972 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=0.907222843319,  # N*m*s/rad; derived
-        armature=0.003609725,  # kg*m^2; derived, mjlab_g1; reflected inertia of the motor
+        armature=0.003609725,  # kg*m^2; derived, mjlab_g1
     ),
     "wrists": IdealPDActuatorCfg(
         joint_names_expr=[".*_wrist_pitch_joint", ".*_wrist_yaw_joint"],
@@ -83,7 +83,7 @@ UNITREE_G1_ACTUATORS = {
         velocity_limit_sim=22.0,  # rad/s; authored, mjlab_g1
         stiffness=16.7783274819,  # N*m/rad; derived; 0.00425 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=1.06814150222,  # N*m*s/rad; derived
-        armature=0.00425,  # kg*m^2; derived, mjlab_g1; reflected inertia of the motor
+        armature=0.00425,  # kg*m^2; derived, mjlab_g1
     ),
 }
 """Configuration of the actuators of UNITREE_G1_CFG, by group of joints."""

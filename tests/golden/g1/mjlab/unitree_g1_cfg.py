@@ -1,7 +1,7 @@
 """Actuators of unitree_g1 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 eaecd7ebced893eb9edc6b7addb3481017d1e5612054823d84ed63fd3e2b206e
+# spec sha256 f8b1b64f7f2f4e500a97be917728df5cf23b95e277160acd73f794624f3695f0
 # model g1.xml
 #
 # Use:

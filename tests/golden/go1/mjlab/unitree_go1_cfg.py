@@ -1,7 +1,7 @@
 """Actuators of unitree_go1 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 1b43822d4702f7e336a541d3c61901ba66b5cb5205519a6c241485503f9d1e97
+# spec sha256 f0ca96aa902d189bfdff998cdaa04f63f4b5b2e7def595835be535c2b1e4950b
 # model go1.xml
 #
 # Use:
@@ -21,12 +21,12 @@
 #   RL_calf_joint
 #
 # Sources:
-# - mjlab_go1: mjlab 1.6.0, Unitree Go1 constants, https://github.com/mujocolab/mjlab,
-#   mjlab/asset_zoo/robots/unitree_go1/go1_constants.py
 # - go1_urdf: Unitree's URDF of the Go1 (unitree_ros, BSD-3-Clause),
 #   https://github.com/unitreerobotics/unitree_ros,
 #   robots/go1_description/urdf/go1.urdf, commit
 #   d6f13aad60320ce1d60a07b82a76b5a553f2a0a9
+# - mjlab_go1: mjlab 1.6.0, Unitree Go1 constants, https://github.com/mujocolab/mjlab,
+#   mjlab/asset_zoo/robots/unitree_go1/go1_constants.py
 
 from mjlab.actuator import BuiltinPositionActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg

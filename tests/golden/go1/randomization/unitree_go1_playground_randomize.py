@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for MuJoCo Playground, MuJoCo 3.11. Do not edit: change the spec and compile again.
-# spec sha256 1b43822d4702f7e336a541d3c61901ba66b5cb5205519a6c241485503f9d1e97
+# spec sha256 f0ca96aa902d189bfdff998cdaa04f63f4b5b2e7def595835be535c2b1e4950b
 # For the model that actspec's mujoco target writes; pass it as `randomization_fn`.
 #
 # What it cannot do:

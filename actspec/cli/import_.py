@@ -1,0 +1,141 @@
+"""`actspec import`: a spec from what MJCF, URDF, configurations and deploy files say."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from actspec.cli.spec_file import check_free, commands, write_spec
+from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, one_line
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.audit.case import Versions
+    from actspec.draft import Draft
+    from actspec.draft.combine import Combined, Disagreement
+
+_SCHEME = "package://"
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Import the files."""
+    from actspec.cli.versions import configured
+
+    versions = configured(arguments.target)
+    return import_files(arguments.file, arguments.output, arguments.robot, versions, bool(arguments.force))
+
+
+def import_files(
+    files: Sequence[str], output: str | None, robot: str | None, versions: Versions, force: bool
+) -> int:
+    """Read files of one robot, write its spec, and say what became of what.
+
+    Args:
+        files: As the user names them; `package://DIST/path` too.
+        output: The spec to write; None: it goes to stdout, and what there is to say to stderr.
+        robot: Name of the robot where a file has several.
+        versions: What the files are meant for.
+        force: Replace a file that is there.
+    """
+    from actspec.cli.report import print_diagnostics
+    from actspec.draft import draft
+    from actspec.draft.combine import combine
+    from actspec.draft.reading import read_robot_files
+    from actspec.draft.targets import targets_of
+    from actspec.robot.load import find_model
+    from actspec.spec.document import document_from_text
+    from actspec.spec.validate import validate
+
+    if output is not None:
+        check_free(output, files, force)
+    found = {find_model(file, "") if file.startswith(_SCHEME) else file: file for file in files}
+    readings, said = read_robot_files(list(found), robot, versions)
+    print_diagnostics(said)
+    folder = os.path.dirname(os.path.abspath(output or "spec.yaml"))
+    readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
+    combined = _placed(combine(readings), folder)
+    model = combined.model
+    spec = draft(
+        combined, "none" if model is None else model.reference, targets_of(readings, combined, versions)
+    )
+    # Whatever the files were, what is written is a valid spec.
+    validate(document_from_text(spec.text, output or "spec.yaml"))
+    print_diagnostics(_warnings(combined.disagreements))
+    if output is None:
+        sys.stdout.write(spec.text)
+    else:
+        write_spec(output, spec.text)
+    for line in _told(spec, combined, output, files):
+        print(line, file=sys.stderr if output is None else sys.stdout)
+    return EXIT_CLEAN
+
+
+def _reference(file: str, folder: str) -> str:
+    """What a spec in a folder names a file by."""
+    if file.startswith(_SCHEME):
+        return file
+    try:
+        found = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
+    except ValueError:
+        # Another drive of Windows: no relative path leads there.
+        return os.path.abspath(file)
+    return f"./{found}" if found == "none" else found
+
+
+def _placed(combined: Combined, folder: str) -> Combined:
+    """The robot with its networks named from the spec's folder; what is no file here is named as it was."""
+    joints = []
+    for joint in combined.actuators.joints:
+        network = joint.network
+        if network is not None:
+            files = (network.file, network.manifest)
+            file, manifest = (_reference(f, folder) if f and os.path.isfile(f) else f for f in files)
+            joint = replace(joint, network=replace(network, file=file or "", manifest=manifest))
+        joints.append(joint)
+    return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)))
+
+
+def _warnings(disagreements: Sequence[Disagreement]) -> Iterator[Diagnostic]:
+    for item in disagreements:
+        taken, lost = (format_quantity(q.value, q.unit) for q in (item.taken, item.lost))
+        who = f"{listed(map(one_line, item.joints), 4)}: " if item.joints else ""
+        place = item.lost.span or Span(item.lost.source or "another file")
+        yield Diagnostic(
+            "DRF010",
+            Severity.WARNING,
+            f"{who}{item.field} is {taken} here, which is taken, and {lost} in {place}",
+            "",
+            item.taken.span,
+        )
+
+
+def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
+    joints = sum(spec.groups.values())
+    start = f"wrote {output}: " if output is not None else f"{spec.robot}: "
+    yield (
+        f"{start}{joints} joint{'s' * (joints != 1)} in {len(spec.groups)} group{'s' * (len(spec.groups) != 1)} "
+        f"({listed(spec.groups)}), from {', '.join(files)}"
+    )
+    reasons: dict[str, list[str]] = {}
+    for item in combined.left_alone:
+        reasons.setdefault(item.why, []).append(item.joint)
+    for why, names in reasons.items():
+        yield f"  left as they are, {one_line(why)}: {listed(map(one_line, names))}"
+    remarks: dict[str, list[str]] = {}
+    for joint, texts in combined.notes.items():
+        for text in texts:
+            remarks.setdefault(text, []).extend([joint] if joint else [])
+    for text, names in remarks.items():
+        yield f"  {listed(map(one_line, names), 4)}: {one_line(text)}" if names else f"  {one_line(text)}"
+    for text in spec.inferred:
+        yield f"  {one_line(text)}"
+    for field, lacking in spec.unknown.items():
+        yield f"  no file says {field}: {listed(lacking)}"
+    if output is not None:
+        needed = [field for field in ("kp", "kd") if field in spec.unknown]
+        yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
+        yield from commands(output, "show", "compile")

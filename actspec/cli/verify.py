@@ -1,0 +1,82 @@
+"""`actspec verify`: show by numbers that every target makes what the spec says."""
+
+from __future__ import annotations
+
+import argparse
+from typing import Any
+
+from actspec import api
+from actspec.cli.progress import Progress
+from actspec.cli.report import print_diagnostics, print_json, record
+from actspec.cli.verify_report import markdown, text
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
+from actspec.output import loss_record
+from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
+
+Done = list[tuple[api.Compilation, Agreement]]
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Verify each spec, or prepare the engines."""
+    if arguments.setup:
+        from actspec.cli.verify_setup import set_up
+
+        return set_up(arguments)
+    _check(arguments)
+    done = [_verified(path, arguments) for path in arguments.spec]
+    if arguments.output_format == "json":
+        print_json(_record(done))
+    else:
+        lines = markdown if arguments.output_format == "markdown" else text
+        for compilation, agreement in done:
+            print("\n".join(lines(compilation, agreement)))
+            print_diagnostics(_asked_for(agreement, arguments))
+    return max(_code(compilation, agreement, arguments) for compilation, agreement in done)
+
+
+def _check(arguments: argparse.Namespace) -> None:
+    collector = Collector()
+    if not arguments.spec:
+        collector.error("CLI001", "no spec is named", where="verify", help="actspec verify SPEC, or --setup")
+    if arguments.built is not None and len(arguments.spec) > 1:
+        collector.error("CLI001", "one folder of files is of one spec", where="--built", help="name one spec")
+    if arguments.require_engines and arguments.fields_only:
+        collector.error("CLI001", "no engine is run with --fields-only", where="--require-engines")
+    collector.raise_if_failed(SpecError)
+
+
+def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation, Agreement]:
+    with Progress("verifying") as progress:
+        return api.verify(
+            path,
+            targets=arguments.target,
+            built=arguments.built,
+            engines=not arguments.fields_only,
+            progress=progress.step,
+        )
+
+
+def _asked_for(agreement: Agreement, arguments: argparse.Namespace) -> Collector:
+    """What `--require-engines` says of engines that are not here."""
+    said = Collector()
+    for skip in agreement.skipped if arguments.require_engines else ():
+        if skip.setup:
+            said.error("VFY002", skip.reason, where=f"targets.{skip.target}", help=skip.help)
+    return said
+
+
+def _code(compilation: api.Compilation, agreement: Agreement, arguments: argparse.Namespace) -> int:
+    if _asked_for(agreement, arguments).failed:
+        return EXIT_FAILED
+    refused = arguments.strict and compilation.unaccepted
+    return EXIT_FINDINGS if refused or not agreement.ok else EXIT_CLEAN
+
+
+def _record(done: Done) -> dict[str, Any]:
+    return {
+        "format": FORMAT,
+        "rows": [row_record(row) for _, agreement in done for row in agreement.rows],
+        "skipped": [skip_record(skip) for _, agreement in done for skip in agreement.skipped],
+        "approximations": [loss_record(loss) for c, _ in done for loss in c.approximations],
+        "diagnostics": [record(item) for c, _ in done for item in c.diagnostics],
+    }

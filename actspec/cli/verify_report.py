@@ -1,0 +1,191 @@
+"""What `actspec verify` prints: a row for each target and distinct actuator, what is wrong, what was not asked."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator, Sequence
+
+from actspec.api import Compilation
+from actspec.cli.report import colour
+from actspec.diagnostics import listed, one_line
+from actspec.tables import table
+from actspec.targets.base import TargetOptions
+from actspec.verify.agreement import Agreement, At, Row, Skip
+
+_HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp"}
+
+Cells = tuple[str, ...]
+
+
+def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
+    """Lines for a terminal."""
+    actuators = compilation.actuators
+    yield f"{actuators.robot}: {_many(len(actuators.joints), 'joint')}, {compilation.spec.document.path}"
+    heads = ("target", "group", "joints", "engine", "torque error", "allowed", "at", "fields")
+    yield from table([heads, *_cells(compilation, agreement)])
+    for row in agreement.faults:
+        yield _fault(row)
+    marked = list(_marked(agreement))
+    if marked:
+        yield ""
+        yield "  known approximations, which --strict and `accept` are about"
+        yield from table(marked, indent="    ", headings=0)
+    missed = list(_missed(agreement.skipped))
+    if missed:
+        yield ""
+        yield from table([("not asked", "because", ""), *missed])
+    yield ""
+    yield _summary(compilation, agreement)
+
+
+def markdown(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
+    """Lines for a page or a pull request."""
+    yield f"### {one_line(compilation.actuators.robot)}"
+    yield ""
+    heads = (
+        "target",
+        "group",
+        "joints",
+        "engine",
+        "torque error",
+        "allowed",
+        "at",
+        "fields",
+        "approximations",
+    )
+    yield f"| {' | '.join(heads)} |"
+    yield "|" + "---|" * len(heads)
+    losses = dict(_marked(agreement))
+    for cells in _cells(compilation, agreement):
+        line = (*cells, losses.get(cells[0].split(" ")[0], ""))
+        yield f"| {' | '.join(cell.replace('|', '/') for cell in line)} |"
+    for row in agreement.faults:
+        yield f"- {_fault(row)}"
+    for target, reason, help in _missed(agreement.skipped):
+        yield f"- {target}: not asked: {reason}{f' ({help})' if help else ''}"
+    yield ""
+    yield _summary(compilation, agreement)
+
+
+def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
+    """One line for each target and actuator with numbers of its own."""
+    for options in compilation.targets:
+        mine = [row for row in agreement.rows if row.target == options.name]
+        label = _label(options)
+        torques = [row for row in mine if row.quantity in _HISTORIES]
+        fields = [row for row in mine if row.quantity not in _HISTORIES]
+        if not torques:
+            groups = dict.fromkeys(row.group for row in fields if row.group)
+            joints = len(compilation.actuators.joints)
+            yield label, listed(groups, most=3), str(joints), "-", "-", "-", "-", _agreed(fields)
+            continue
+        for index, shared in enumerate(_by_actuator(torques)):
+            worst = max(shared, key=lambda row: (not row.ok, _share(row)))
+            own = [row for row in fields if row.group == worst.group]
+            first = index == 0
+            others = [row for row in fields if not row.group] if first else []
+            told = {row.group for rows in _by_actuator(torques)[:index] for row in rows}
+            yield (
+                label if first else "",
+                worst.group,
+                str(worst.joints),
+                (worst.engine or "-") if first else "",
+                _amount(worst.max_error, worst.unit),
+                _amount(worst.tolerance, worst.unit) + (" ~" if worst.approximations else ""),
+                _where(worst),
+                _agreed([*own, *others]) if worst.group not in told else "",
+            )
+
+
+def _by_actuator(rows: Sequence[Row]) -> list[list[Row]]:
+    """Rows of one engine, those of one actuator together: they follow each other, each history once or twice."""
+    found: list[list[Row]] = []
+    for row in rows:
+        last = found[-1] if found else []
+        if not last or (row.quantity == "torque" and last[-1].quantity != "torque"):
+            found.append([row])
+        else:
+            last.append(row)
+    return found
+
+
+def _label(options: TargetOptions) -> str:
+    version = f"{options.kind} {options.version}".rstrip()
+    return version if options.name == options.kind else f"{options.name} ({version})"
+
+
+def _share(row: Row) -> float:
+    if row.max_error is None:
+        return float("inf")
+    return row.max_error / row.tolerance if row.tolerance else float(row.max_error > 0.0)
+
+
+def _amount(value: float | None, unit: str) -> str:
+    if value is None:
+        return "none"
+    return "any" if value == float("inf") else f"{value:.2g} {unit}".rstrip()
+
+
+def _where(row: Row) -> str:
+    at = row.at
+    if at is None:
+        return row.joint
+    return f"{row.joint}: {_HISTORIES[row.quantity]}, {_state(at, row.unit)}"
+
+
+def _state(at: At, unit: str) -> str:
+    angle = "m" if unit == "N" else "rad"
+    parts = [f"error {at.error:.3g} {angle}"] if at.error is not None else [f"command {at.command:.3g}"]
+    parts.append(f"velocity {at.velocity:.3g} {angle}/s")
+    return ", ".join([*parts, *([f"step {at.step}"] if at.step else [])])
+
+
+def _agreed(fields: Sequence[Row]) -> str:
+    """How many fields agree: `18`, or `17 of 18`."""
+    right = sum(row.ok for row in fields)
+    return str(right) if right == len(fields) else f"{right} of {len(fields)}"
+
+
+def _fault(row: Row) -> str:
+    place = f"{row.place}: " if row.place is not None else ""
+    code = colour(row.code or "", "31", sys.stdout)
+    who = f" {row.joint}" if row.joint else ""
+    more = f" and {row.joints - 1} more" if row.joint and row.joints > 1 else ""
+    where = ""
+    if row.at is not None:
+        where = f" ({_HISTORIES[row.quantity]}, {_state(row.at, row.unit)}; {row.tolerance:.2g} {row.unit} allowed)"
+    return one_line(f"{place}") + f"{code} {row.target}" + one_line(f"{who}{more}: {row.message}{where}")
+
+
+def _marked(agreement: Agreement) -> Iterator[tuple[str, str]]:
+    """Each target with the approximations that concern what was compared."""
+    found: dict[str, dict[str, None]] = {}
+    for row in agreement.rows:
+        for key in row.approximations:
+            found.setdefault(row.target, {})[key.removeprefix(f"{row.target}.")] = None
+    for target, names in found.items():
+        yield target, listed(names, most=12)
+
+
+def _missed(skipped: Sequence[Skip]) -> Iterator[tuple[str, str, str]]:
+    for skip in skipped:
+        group = f" {skip.group}" if skip.group else ""
+        what = "" if skip.what == "torque" else f", {skip.what}"
+        yield f"{skip.target}{group}{what}", skip.reason, skip.help or ""
+
+
+def _summary(compilation: Compilation, agreement: Agreement) -> str:
+    faults = agreement.faults
+    bad = list(dict.fromkeys(row.target for row in faults))
+    count = len({row.target for row in agreement.rows})
+    if not faults:
+        verdict = f"{_many(count, 'target')} agree{'s' * (count == 1)} with the spec"
+    else:
+        verdict = f"{_many(len(faults), 'disagreement')} in {listed(bad)}"
+    asked = len({row.target for row in agreement.rows if row.quantity in _HISTORIES})
+    engines = f"the torque of {asked} of {len(compilation.targets)} was computed by the simulator's own code"
+    return f"{verdict}; {engines}"
+
+
+def _many(count: int, noun: str) -> str:
+    return f"{count} {noun}{'s' * (count != 1)}"

@@ -1,0 +1,119 @@
+"""`actspec verify --setup`: the real simulators' packages, in a folder of their own."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, Collector
+from actspec.targets.base import TargetOptions
+from actspec.verify.frameworks import SIZE, TIME, find, prepare, unusable
+from actspec.verify.releases import EngineUnavailableError, cache_folder, release_folder
+from actspec.verify.releases import prepare as prepare_release
+from actspec.verify.target import VerifyError
+
+FRAMEWORKS = ("isaaclab", "mjlab", "newton")
+"""Kinds of target whose packages are in the one environment."""
+
+NEEDED = 6 << 30
+"""Bytes that must be free: what is installed, and what pip needs on the way. Chosen: twice the size and a bit."""
+
+
+def set_up(arguments: argparse.Namespace) -> int:
+    """Say what would be installed, ask, and install it."""
+    folder = cache_folder()
+    collector = Collector()
+    targets = _targets(arguments)
+    releases = list(_releases(targets, folder))
+    kinds = {options.kind for options in targets}
+    wanted = not arguments.spec or bool(kinds & set(FRAMEWORKS))
+    why = unusable() if wanted else None
+    if why is not None:
+        collector.error(
+            "VFY003", why, where="--setup", help="run actspec with one of these; MuJoCo needs none"
+        )
+        collector.raise_if_failed(VerifyError)
+    there = find(folder) if wanted else None
+    if there is not None:
+        print(f"prepared: {there.folder}")
+    frameworks = wanted and there is None
+    if not frameworks and not releases:
+        print("nothing is missing")
+        return EXIT_CLEAN
+    print("\n".join(_plan(folder, frameworks, releases)))
+    if frameworks:
+        _check_space(folder, collector)
+    if not arguments.yes and not _agreed():
+        return EXIT_FAILED
+    try:
+        for version in releases:
+            print(f"installed: {prepare_release('mujoco', version, folder)}")
+        if frameworks:
+            print(f"installed: {prepare(folder).folder}")
+    except EngineUnavailableError as err:
+        collector.error(
+            "VFY003",
+            f"not installed: {err}",
+            where="--setup",
+            help="nothing is left half made; pip's own settings decide where packages come from",
+        )
+        raise VerifyError(collector.sorted()) from err
+    return EXIT_CLEAN
+
+
+def _targets(arguments: argparse.Namespace) -> list[TargetOptions]:
+    """The targets of the specs that are named."""
+    from actspec.api import load
+    from actspec.targets.choose import choose_targets
+
+    found: list[TargetOptions] = []
+    for path in arguments.spec:
+        found += choose_targets(load(path), arguments.target, None, False, Collector())
+    return found
+
+
+def _releases(targets: Sequence[TargetOptions], folder: Path) -> Iterator[str]:
+    """MuJoCo releases that the targets are for and that are not here."""
+    from actspec.verify.engines.mujoco import release_for
+
+    versions = dict.fromkeys(release_for(o.version) for o in targets if o.kind == "mujoco")
+    for version in versions:
+        if version is not None and not release_folder("mujoco", version, folder).is_dir():
+            yield version
+
+
+def _plan(folder: Path, frameworks: bool, releases: Sequence[str]) -> Iterator[str]:
+    yield f"to be installed below {folder}, with pip; your own environment is not touched:"
+    for version in releases:
+        yield f"  MuJoCo {version}: 30 MB"
+    if frameworks:
+        yield f"  Isaac Lab 2.2 and 2.3, mjlab, Newton, MuJoCo 3.11, torch: {SIZE}, {TIME}"
+    yield "set ACTSPEC_ENGINES for another folder; remove the folder to be rid of it"
+
+
+def _check_space(folder: Path, collector: Collector) -> None:
+    """Raises: VerifyError: the disk is too full."""
+    there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
+    free = shutil.disk_usage(there).free
+    if free < NEEDED:
+        collector.error(
+            "VFY003",
+            f"{folder} has {free / 1e9:.1f} GB left, and {NEEDED / 1e9:.1f} GB are needed on the way",
+            where="--setup",
+            help="set ACTSPEC_ENGINES to a folder on another disk",
+        )
+        collector.raise_if_failed(VerifyError)
+
+
+def _agreed() -> bool:
+    """Whether the user wants it; asked on a terminal alone."""
+    if not sys.stdin.isatty():
+        print("say --yes to install it", file=sys.stderr)
+        return False
+    try:
+        return input("install? [y/N] ").strip().lower() in ("y", "yes")
+    except EOFError:
+        return False

@@ -1,0 +1,319 @@
+"""One robot as several files have it, put together: which file says what, and where they disagree.
+
+Each number is that of the first file that states it, in this order: training configurations, deploy files,
+then the robot file that the training reads (the URDF for Isaac Lab and legged_gym, else the MJCF), then the
+other one. A drive (command, gains, torque-speed line) is taken whole from the first file that has one.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from actspec.audit.artifact import FileKind, Framework
+from actspec.audit.case import Case, Robot
+from actspec.audit.rules.reductions import joints_above
+from actspec.draft.sources import Reading, keyed, robot_name, source_keys, sources_of, stated
+from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
+from actspec.lift.lifted import LeftAlone
+from actspec.robot.view import RobotView
+
+SAME = 1e-3
+"""Relative difference up to which two files give one figure. Chosen: 0.7854 and pi/4 are one number; 23.5 and
+23.7 N*m are two."""
+
+NO_DRIVE = "no file says what drives it"
+"""Why a joint without a drive is left alone where others have one."""
+
+WORDS = {
+    "kp": "kp",
+    "kd": "kd",
+    "effort_limit": "effort_limit",
+    "velocity_limit": "velocity_limit",
+    "stall_torque": "stall_torque",
+    "no_load_speed": "no_load_speed",
+    "armature": "armature",
+    "filter_cutoff": "command_filter",
+    "encoder_bias": "encoder_bias",
+    "action_scale": "action_scale",
+    "friction_coulomb": "friction.coulomb",
+    "friction_viscous": "friction.viscous",
+    "friction_static": "friction.static",
+    "stribeck_velocity": "friction.stribeck_velocity",
+    "default_position": "default_pose",
+    "physics_dt": "physics_dt",
+    "delay": "delay",
+}
+"""Field of the IR to its name in a spec."""
+
+_PASSIVE = (
+    "effort_limit",
+    "velocity_limit",
+    "peak_torque",
+    "continuous_torque",
+    "armature",
+    "reflected_inertia",
+    "friction_coulomb",
+    "friction_viscous",
+    "stribeck_velocity",
+    "filter_cutoff",
+    "encoder_bias",
+    "action_scale",
+    "default_position",
+)
+"""What any file may say, whoever drives the joint."""
+_DRIVE = ("kp", "kd", "stall_torque", "no_load_speed")
+"""What only a file with the same kind of drive says."""
+_DRIVEN = ("no actuator", NO_DRIVE)
+"""Reasons to leave a joint alone that another file's drive takes away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Disagreement:
+    """A field that two files give differently.
+
+    Attributes:
+        field: Its name in a spec.
+        joints: For which joints.
+        taken: What the spec gets.
+        lost: What another file says.
+    """
+
+    field: str
+    joints: tuple[str, ...]
+    taken: Quantity
+    lost: Quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Combined:
+    """A robot out of one or more files.
+
+    Attributes:
+        actuators: One entry a joint that a spec can describe; `source` of each number is a key of `sources`,
+            `lost` what other files say otherwise.
+        left_alone: The other hinges and slides.
+        notes: Joint to remarks; "": on the whole robot.
+        disagreements: Every field that two files give differently.
+        model: The robot file that the spec is to name; None: there is none.
+        kinds: What the files are.
+        names: All hinges and slides, in the robot's order.
+        above: Joint to those between it and the base, where a robot file says so.
+    """
+
+    actuators: ActuatorSet
+    left_alone: tuple[LeftAlone, ...] = ()
+    notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    disagreements: tuple[Disagreement, ...] = ()
+    model: Reading | None = None
+    kinds: tuple[FileKind, ...] = ()
+    names: tuple[str, ...] = ()
+    above: Mapping[str, frozenset[str]] = field(default_factory=dict)
+
+
+def combine(readings: Sequence[Reading]) -> Combined:
+    """Put the files of one robot together.
+
+    Args:
+        readings: At least one; of one robot.
+    """
+    model = next(
+        (r for kind in (FileKind.MJCF, FileKind.URDF) for r in readings if r.kind is kind),
+        None,
+    )
+    keys = source_keys(readings)
+    ranked = [keyed(reading, keys) for reading in in_order(readings)]
+    base = next((r for r in ranked if model is not None and r.path == model.path), None)
+    order = _joint_order(ranked, base)
+    alone = _left_alone(ranked, base, order)
+    driven = any(_drives(j) for r in ranked for j in r.lifted.actuators.joints)
+    joints = []
+    for name in order:
+        said = [j for r in ranked for j in r.lifted.actuators.joints if j.joint == name]
+        if name in alone or not said:
+            continue
+        if driven and not any(map(_drives, said)):
+            alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span)
+            continue
+        joints.append(_joint(said))
+    sets = [reading.lifted.actuators for reading in ranked]
+    step = _first([actuators.physics_dt for actuators in sets])
+    assert step is not None
+    actuators = ActuatorSet(
+        robot=robot_name(base or ranked[0]),
+        joints=tuple(joints),
+        unmanaged=tuple(name for name in order if name in alone),
+        physics_dt=step,
+        decimation=next((s.decimation for s in sets if s.decimation is not None), None),
+        delta_action=next((s.delta_action for s in sets if s.delta_action is not None), None),
+        accept=(),
+        sources=tuple(sources_of(readings, keys, sets)),
+        spec_sha256="",
+    )
+    left = tuple(alone[name] for name in order if name in alone)
+    return Combined(
+        actuators,
+        left,
+        _notes(ranked, actuators),
+        tuple(_disagreements(actuators)),
+        model,
+        tuple(reading.kind for reading in readings),
+        tuple(order),
+        {} if base is None else _above(base),
+    )
+
+
+def in_order(readings: Sequence[Reading]) -> list[Reading]:
+    """The files in the order in which they are believed."""
+    frameworks = {r.framework for r in readings if r.kind is FileKind.CFG}
+    from_urdf = frameworks & {Framework.ISAACLAB, Framework.LEGGED_GYM} and Framework.MJLAB not in frameworks
+    robots = [FileKind.MJCF, FileKind.URDF]
+    rank = [FileKind.CFG, FileKind.DEPLOY, *(reversed(robots) if from_urdf else robots)]
+    return sorted(readings, key=lambda r: rank.index(r.kind) if r.kind in rank else len(rank))
+
+
+def _drives(joint: JointActuator) -> bool:
+    """Whether a file says what drives a joint."""
+    return (
+        joint.command is Command.EFFORT
+        or joint.level is Level.ACTUATOR_NET
+        or any(gain is not None and gain.known for gain in (joint.kp, joint.kd))
+    )
+
+
+def _joint_order(ranked: Sequence[Reading], base: Reading | None) -> list[str]:
+    """Names of the robot file's joints in its order; without one, of all files."""
+    if base is not None:
+        robot = _view(base)
+        if robot is not None:
+            return [j.name for j in robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
+        ranked = [base]
+    names: dict[str, None] = {}
+    for reading in ranked:
+        names.update(dict.fromkeys(joint.joint for joint in reading.lifted.actuators.joints))
+        names.update(dict.fromkeys(item.joint for item in reading.lifted.left_alone))
+    return list(names)
+
+
+def _view(reading: Reading) -> RobotView | None:
+    return reading.lifted.artifact.robot if reading.lifted.artifact is not None else None
+
+
+def _above(reading: Reading) -> dict[str, frozenset[str]]:
+    """Each joint of a robot file with those between it and the base."""
+    artifact = reading.lifted.artifact
+    if artifact is None:
+        return {}
+    return joints_above(Case((), (artifact,), (), ()), Robot(artifact.name, (0,)))
+
+
+def _left_alone(
+    ranked: Sequence[Reading], base: Reading | None, order: Sequence[str]
+) -> dict[str, LeftAlone]:
+    """Joints that a file gives a reason to leave alone, the spec's own robot file first.
+
+    What the robot file cannot say no other file mends; a joint that it merely does not drive, another may.
+    """
+    found: dict[str, LeftAlone] = {}
+    drives = {j.joint for r in ranked for j in r.lifted.actuators.joints if _drives(j)}
+    said = {j.joint for r in ranked for j in r.lifted.actuators.joints}
+    for reading in ([base] if base is not None else []) + [r for r in ranked if r is not base]:
+        for item in reading.lifted.left_alone:
+            if item.joint not in order or item.joint in found:
+                continue
+            mended = item.joint in (drives if item.why in _DRIVEN else said if reading is not base else ())
+            if not mended:
+                found[item.joint] = item
+    return found
+
+
+def _reason(ranked: Sequence[Reading], joint: str) -> LeftAlone | None:
+    """The first reason that a file has to leave a joint alone."""
+    return next((item for r in ranked for item in r.lifted.left_alone if item.joint == joint), None)
+
+
+def _joint(said: Sequence[JointActuator]) -> JointActuator:
+    """One joint out of what the files say of it, the most believed first."""
+    lead = next((joint for joint in said if _drives(joint)), said[0])
+    alike = [joint for joint in said if joint.command is lead.command]
+    numbers: dict[str, Quantity | None] = {}
+    for name in _PASSIVE:
+        numbers[name] = _first([getattr(joint, name) for joint in said])
+    for name in _DRIVE:
+        own = getattr(lead, name)
+        same = [j for j in alike if name in ("kp", "kd") or j.level is lead.level]
+        others = [getattr(joint, name) for joint in same if joint is not lead]
+        numbers[name] = None if own is None else _first([own, *others])
+    coulomb = numbers["friction_coulomb"]
+    holder = next((j for j in said if coulomb is not None and j.friction_coulomb.span == coulomb.span), lead)
+    return replace(
+        lead,
+        **numbers,  # type: ignore[arg-type]
+        friction_static=holder.friction_static,
+        delay=_delay([joint.delay for joint in said]),
+        command_range=lead.command_range,
+        position_range=next((j.position_range for j in said if j.position_range is not None), None),
+        network=lead.network,
+        randomize=_ranges(said),
+        inertia_held=next((j.inertia_held for j in said if j.inertia_held is not None), None),
+        inertia_free=next((j.inertia_free for j in said if j.inertia_free is not None), None),
+    )
+
+
+def _first(candidates: Sequence[Quantity | None]) -> Quantity | None:
+    """The first that a file states, those that differ recorded as lost; else a default; else unknown."""
+    present = [item for item in candidates if item is not None]
+    said = [item for item in present if stated(item)]
+    if not said:
+        return next((item for item in present if item.known), present[0] if present else None)
+    winner, *others = said
+    return winner.losing(*(other for other in others if _differs(winner, other)))
+
+
+def _differs(one: Quantity, other: Quantity) -> bool:
+    return not math.isclose(one.require(), other.require(), rel_tol=SAME, abs_tol=1e-12)
+
+
+def _delay(delays: Sequence[Delay | None]) -> Delay | None:
+    present = [delay for delay in delays if delay is not None]
+    if not present:
+        return None
+    winner, *others = present
+    nominal = _first([winner.nominal, *(other.nominal for other in others)])
+    return winner if nominal is None or not winner.nominal.known else replace(winner, nominal=nominal)
+
+
+def _ranges(said: Sequence[JointActuator]) -> tuple[Randomization, ...]:
+    """One range a field: that of the first file that has one."""
+    found: dict[str, Randomization] = {}
+    for joint in said:
+        for item in joint.randomize:
+            found.setdefault(item.field, item)
+    return tuple(found.values())
+
+
+def _disagreements(actuators: ActuatorSet) -> Iterator[Disagreement]:
+    """Fields that two files give differently, the joints with the same figures together."""
+    found: dict[tuple[object, ...], list[tuple[str, Quantity, Quantity]]] = {}
+    named = [(j.joint, name, q) for j in actuators.joints for name, q in j.quantities()]
+    for joint, name, taken in [*named, ("", "physics_dt", actuators.physics_dt)]:
+        for lost in taken.lost if name in WORDS else ():
+            key = (name, taken.value, taken.source, lost.value, lost.source)
+            found.setdefault(key, []).append((joint, taken, lost))
+    for same, entries in found.items():
+        joints = tuple(joint for joint, _, _ in entries if joint)
+        yield Disagreement(WORDS[str(same[0])], joints, entries[0][1], entries[0][2])
+
+
+def _notes(ranked: Sequence[Reading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
+    """Remarks of all files, each with its file where there are several."""
+    managed = {joint.joint for joint in actuators.joints}
+    found: dict[str, dict[str, None]] = {}
+    for reading in ranked:
+        start = f"{os.path.basename(reading.path)}: " if len(ranked) > 1 else ""
+        for joint, remarks in reading.lifted.notes.items():
+            if joint == "" or joint in managed:
+                found.setdefault(joint, {}).update(dict.fromkeys(start + text for text in remarks))
+    return {joint: tuple(remarks) for joint, remarks in found.items()}

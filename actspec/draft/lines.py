@@ -1,0 +1,251 @@
+"""The parts of a spec as lines for the template: keys, values, and the remarks beside or above them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from actspec.diagnostics import listed
+from actspec.draft.cells import Cell
+from actspec.draft.combine import Combined
+from actspec.draft.groups import Group, Motor, differing
+from actspec.draft.names import joint_patterns
+from actspec.draft.rows import RANGE, Row, lost_of, lost_text
+from actspec.draft.sources import places, stated
+from actspec.draft.text import comment, scalar
+from actspec.draft.values import figure, sourced
+from actspec.ir import ActuatorSet, JointKind, Source
+
+_WIDTH = 100
+"""Chosen: a list of joints that is longer is written one to a line."""
+_COLUMNS = 120
+"""Chosen: a remark that would end beyond is written above its line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """A line of the text, or a key with lines below it.
+
+    Attributes:
+        key: Its key, as YAML.
+        value: What stands behind it, as YAML.
+        comment: Remark; "" without one.
+        above: Whether the remark stands above the line.
+        rows: Lines below the key.
+    """
+
+    key: str
+    value: str = ""
+    comment: str = ""
+    above: bool = False
+    rows: tuple[Line, ...] = ()
+
+
+def line(key: str, value: str, remark: str = "") -> Line:
+    """A line with its remark, which stands above where it would be too far to the right."""
+    remark = comment(remark)
+    return Line(key, value, remark, len(key) + len(value) + len(remark) + 14 > _COLUMNS)
+
+
+def nested(lines: Sequence[Line]) -> tuple[Line, ...]:
+    """Lines with `friction.` and `curve.` keys put below one key, at the place of the first."""
+    found: dict[str, list[Line]] = {}
+    for item in lines:
+        head, dot, part = item.key.partition(".")
+        found.setdefault(head, []).append(Line(part, item.value, item.comment, item.above) if dot else item)
+    return tuple(
+        rows[0] if rows[0].key == head else Line(head, rows=tuple(rows)) for head, rows in found.items()
+    )
+
+
+def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> dict[str, Any]:
+    """One group, ready for the template.
+
+    Args:
+        group: The group.
+        motors: Motor of each cell.
+        combined: What the files say.
+    """
+    base = group.cells[0]
+    first = base.first
+    joints = [scalar(pattern, quoted=True) for pattern in group.patterns]
+    joined = ", ".join(joints)
+    head = [Line("motor", scalar(group.motor))] if group.motor else []
+    if base.base is not None:
+        head.append(line("reduction", figure(base.ratio, "", computed=True), base.inferred))
+    head += [Line("level", first.level.value), Line("command", first.command.value)]
+    if base.network:
+        head.append(Line("network", base.network))
+    rows = [
+        line(key, row.value, _remark(row, [r[key] for r in _alike(group, key)]))
+        for key, row in base.rows.items()
+    ]
+    clamps = {name: row for cell in group.cells for name, row in cell.clamps.items()}
+    values = {row.value if row is not None else None for row in clamps.values()}
+    shared = next(iter(values)) if len(values) == 1 else None
+    if shared is not None:
+        rows.insert(_before_friction(rows), Line(RANGE, shared))
+    overrides = _overrides(group, motors)
+    if len(values) > 1:
+        _add_clamps(overrides, clamps, group, combined)
+    return {
+        "name": group.name,
+        "comments": [comment(text) for text in _comments(group, combined)],
+        "joints": joints,
+        "joints_line": joined if len(joined) <= _WIDTH else "",
+        "rows": nested([*head, *rows]),
+        "overrides": [
+            {"pattern": scalar(pattern, quoted=True), "rows": nested(lines)}
+            for pattern, lines in overrides.items()
+        ],
+        "randomize": base.randomize,
+    }
+
+
+def motor_lines(motor: Motor, groups: Sequence[Group]) -> dict[str, Any]:
+    """One motor, ready for the template."""
+    rows = [line(key, row.value, _remark(row, [row])) for key, row in motor.rows.items()]
+    remark = ""
+    if motor.inferred:
+        users = [g.name for g in groups if any(c.base is not None and c.inferred for c in g.cells)]
+        remark = f"inferred from limits of one power ({listed(users)}): no file names it"
+    return {"name": motor.name, "comment": comment(remark), "rows": nested(rows)}
+
+
+def source_lines(source: Source) -> tuple[Line, ...]:
+    """What is known about a source."""
+    known = (
+        ("title", source.title),
+        ("url", source.url),
+        ("page", source.page),
+        ("commit", source.commit),
+        ("accessed", source.accessed),
+        ("note", source.note),
+    )
+    return tuple(Line(key, scalar(comment(text, 1000))) for key, text in known if text)
+
+
+def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
+    """Lines of `timing`, and a remark where a part of it is not said."""
+    step = actuators.physics_dt
+    rows = []
+    if stated(step):
+        lost = lost_text([Row("", lost=lost_of(step))])
+        rows.append(line("physics_dt", sourced(step), "; ".join(filter(None, (places([step.span]), lost)))))
+    if actuators.decimation is not None:
+        rows.append(Line("decimation", str(actuators.decimation)))
+        return rows, "" if stated(step) else _step(actuators)
+    return rows, "decimation: 4    # physics steps in one control step; no file says it" if rows else _step(
+        actuators
+    )
+
+
+def unmanaged_lines(combined: Combined) -> Iterator[tuple[str, str]]:
+    """(pattern, reason), one reason after the other."""
+    reasons: dict[str, list[str]] = {}
+    for item in combined.left_alone:
+        reasons.setdefault(item.why, []).append(item.joint)
+    for why, joints in reasons.items():
+        for pattern in joint_patterns(joints, combined.names):
+            yield scalar(pattern, quoted=True), comment(why)
+
+
+def pose_lines(combined: Combined) -> list[Line]:
+    """The default pose by pattern; joints at 0 are left out."""
+    joints: dict[str, list[str]] = {}
+    for joint in combined.actuators.joints:
+        if stated(joint.default_position) and joint.default_position.value != 0.0:
+            joints.setdefault(sourced(joint.default_position), []).append(joint.joint)
+    return [
+        Line(scalar(pattern, quoted=True), value)
+        for value, names in joints.items()
+        for pattern in joint_patterns(names, combined.names)
+    ]
+
+
+def listed_joints(actuators: ActuatorSet) -> list[str]:
+    """Joints of a robot without a model file."""
+    found = []
+    for joint in actuators.joints:
+        slide = joint.kind is JointKind.SLIDE
+        parts = [f"name: {scalar(joint.joint)}"] + ["kind: slide"] * slide
+        if joint.position_range is not None:
+            ends = [figure(end, "m" if slide else "rad") for end in joint.position_range]
+            parts.append(f"range: [{', '.join(ends)}]")
+        found.append(scalar(joint.joint) if len(parts) == 1 else f"{{{', '.join(parts)}}}")
+    return found
+
+
+def _step(actuators: ActuatorSet) -> str:
+    step = actuators.physics_dt
+    if not step.known:
+        return "no file has a time step"
+    return f"no file states a time step: MuJoCo takes {step.require() * 1e3:g} ms"
+
+
+def _remark(row: Row, rows: Sequence[Row]) -> str:
+    return "; ".join(filter(None, (lost_text(rows), row.hint)))
+
+
+def _alike(group: Group, key: str) -> list[dict[str, Row]]:
+    """Rows of the joints of a group that have its own value of a key."""
+    value = group.cells[0].rows[key].value
+    return [rows for cell in group.cells if cell.rows[key].value == value for rows in cell.all_rows]
+
+
+def _before_friction(rows: Sequence[Line]) -> int:
+    return next((at for at, row in enumerate(rows) if row.key.startswith("friction.")), len(rows))
+
+
+def _overrides(group: Group, motors: Mapping[int, str]) -> dict[str, list[Line]]:
+    """Pattern to the lines in which its joints differ."""
+    found: dict[str, list[Line]] = {}
+    base = group.cells[0]
+    for cell in group.cells[1:]:
+        rows = []
+        if motors.get(id(cell), "") != group.motor:
+            rows.append(Line("motor", scalar(motors[id(cell)])))
+        if cell.ratio != base.ratio:
+            rows.append(line("reduction", figure(cell.ratio, "", computed=True), cell.inferred))
+        for key in differing(base, cell):
+            row = cell.rows[key]
+            rows.append(line(key, row.value, _remark(row, [r[key] for r in cell.all_rows])))
+        for pattern in joint_patterns(cell.names, group.names):
+            found.setdefault(pattern, []).extend(rows)
+    return found
+
+
+def _add_clamps(
+    overrides: dict[str, list[Line]], clamps: Mapping[str, Row | None], group: Group, combined: Combined
+) -> None:
+    """Clamps that are not those of the whole group, as overrides; a joint without one has none."""
+    order = {name: place for place, name in enumerate(combined.names)}
+    members = sorted(group.names, key=order.__getitem__)
+    for value in dict.fromkeys(row.value for row in clamps.values() if row is not None):
+        names = [name for name in members if (row := clamps[name]) is not None and row.value == value]
+        for pattern in joint_patterns(names, members):
+            overrides.setdefault(pattern, []).append(Line(RANGE, value))
+
+
+def _comments(group: Group, combined: Combined) -> Iterator[str]:
+    """Where the group's numbers stand, then remarks of the files, the joints named that they do not all concern."""
+    spans = [
+        span for cell in group.cells for rows in cell.all_rows for row in rows.values() for span in row.spans
+    ]
+    spans += [span for cell in group.cells for row in cell.motor.values() for span in row.spans]
+    yield places(spans or [joint.span for cell in group.cells for joint in cell.joints])
+    said: dict[str, list[str]] = {}
+    for name in group.names:
+        for text in combined.notes.get(name, ()):
+            said.setdefault(text, []).append(name)
+    for text, names in said.items():
+        yield text if len(names) == len(group.names) else f"{listed(names, 4)}: {text}"
+    for cell in group.cells:
+        if cell.maybe:
+            yield f"{listed(cell.names, 4)}: {cell.maybe}"
+
+
+def cell_label(cell: Cell) -> str:
+    """The joints of a cell, for a message."""
+    return listed(cell.names, 4)

@@ -1,0 +1,270 @@
+"""One joint's actuator as the lines of a spec, each with the remark that belongs beside it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from actspec.audit.artifact import FileKind
+from actspec.diagnostics import Span
+from actspec.draft.sources import stated
+from actspec.draft.text import scalar
+from actspec.draft.values import figure, quantity_text, sourced, time_text
+from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
+from actspec.resolution.quantities import unit_of
+from actspec.spec.rules.randomization import RANDOMIZED_KINDS
+from actspec.units import Kind
+
+LEAST_DAMPING = 1e-3
+"""Damping over kp from which joint damping may be meant as the drive's kd [s]. Chosen: a twentieth of kd/kp
+in the published gains of legged robots (0.02 s to 0.04 s)."""
+
+MUCH_FRICTION = 0.1
+"""Joint damping over kd from which the two are told together, where two files state them. Source: the warning of
+a compile (DESIGN 4, precedence)."""
+
+RANGE = "command_range"
+"""The one row that never decides on a group: every joint has a range of its own."""
+
+_POSITIVE = frozenset(("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"))
+"""What the language takes above 0 only."""
+
+_TOLERANCE = 1e-9
+"""Relative; ends of ranges that went through a gear."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lost:
+    """What another file says in place of a row's value.
+
+    Attributes:
+        span: Where.
+        text: The number with its unit.
+    """
+
+    span: Span | None
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One line of a group.
+
+    Attributes:
+        value: YAML behind the key.
+        hint: Remark beside it.
+        lost: What other files say.
+        spans: Where the value is written.
+    """
+
+    value: str
+    hint: str = ""
+    lost: tuple[Lost, ...] = ()
+    spans: tuple[Span, ...] = ()
+
+
+def rows_of(joint: JointActuator, kinds: Sequence[FileKind]) -> dict[str, Row]:
+    """Key (`friction.viscous` for a part) to line, in the order of a spec.
+
+    Args:
+        joint: With keys of `sources` in its quantities.
+        kinds: What the files are: of their silence depends what is remarked.
+    """
+    rows: dict[str, Row] = {}
+    hints = _hints(joint)
+
+    def add(key: str, quantity: Quantity | None, name: str, *, always: bool = True) -> None:
+        if quantity is None or not (always or stated(quantity)):
+            return
+        hint = hints.get(key, "")
+        silent = _silence(key, name, quantity, kinds)
+        if silent is not None:
+            rows[key] = Row("unknown", hint or silent, lost_of(quantity), _places(quantity))
+        else:
+            rows[key] = Row(sourced(quantity), hint, lost_of(quantity), _places(quantity))
+
+    add("kp", joint.kp, "kp")
+    add("kd", joint.kd, "kd")
+    add("effort_limit", joint.effort_limit, "effort_limit")
+    told = any(kind is not FileKind.MJCF for kind in kinds)
+    add("velocity_limit", joint.velocity_limit, "velocity_limit", always=told)
+    add("armature", joint.armature, "armature")
+    cutoff = joint.filter_cutoff
+    if cutoff is not None and cutoff.known:
+        rows["command_filter"] = Row(f"{{cutoff: {sourced(cutoff)}}}", "", lost_of(cutoff), _places(cutoff))
+    if joint.delay is not None:
+        nominal = joint.delay.nominal
+        hint = "" if nominal.known else nominal.note or "no file says it"
+        rows["delay"] = Row(_delay(joint.delay), hint, lost_of(nominal), _places(nominal))
+    add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
+    if joint.action_scale is not None:
+        add("action_scale", joint.action_scale, "action_scale", always=False)
+    add("friction.coulomb", joint.friction_coulomb, "friction_coulomb")
+    add("friction.viscous", joint.friction_viscous, "friction_viscous")
+    add("friction.static", joint.friction_static, "friction_static", always=False)
+    add("friction.stribeck_velocity", joint.stribeck_velocity, "stribeck_velocity", always=False)
+    return rows
+
+
+def clamp_of(joint: JointActuator) -> Row | None:
+    """The clamp of the command; None without one."""
+    if joint.command_range is None:
+        return None
+    low, high = joint.command_range
+    spans = _places(low)
+    if joint.command is Command.POSITION and joint.position_range is not None:
+        size = max(abs(end) for end in (*joint.position_range, 1e-9))
+        ends = zip((low, high), joint.position_range, strict=True)
+        if all(abs(end.require() - limit) <= _TOLERANCE * size for end, limit in ends):
+            return Row("joint", spans=spans)
+    return Row(f"[{sourced(low)}, {sourced(high)}]", spans=spans)
+
+
+def motor_of(joint: JointActuator) -> dict[str, Row]:
+    """Figures of the joint's motor at the joint, `curve.` before those of a curve; none where nobody has any."""
+    figures: dict[str, Quantity | None] = {
+        "stall_torque": joint.stall_torque,
+        "no_load_speed": joint.no_load_speed,
+    }
+    if joint.curve is not None:
+        for part in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
+            figures[f"curve.{part}"] = getattr(joint.curve, part)
+    for name in ("peak_torque", "continuous_torque", "reflected_inertia"):
+        figures[name] = getattr(joint, name)
+    return {
+        name: Row(sourced(quantity), "", lost_of(quantity), _places(quantity))
+        for name, quantity in figures.items()
+        if quantity is not None and quantity.known
+    }
+
+
+def randomize_of(joint: JointActuator) -> tuple[tuple[str, str], ...]:
+    """(field, flow mapping) of each range, in the joint's order."""
+    return tuple((item.field, _range(item, joint)) for item in joint.randomize)
+
+
+def network_of(joint: JointActuator) -> str:
+    """The network as a flow mapping; "" without one."""
+    if joint.level is not Level.ACTUATOR_NET or joint.network is None:
+        return ""
+    manifest = f", manifest: {scalar(joint.network.manifest)}" if joint.network.manifest else ""
+    return f"{{file: {scalar(joint.network.file)}{manifest}}}"
+
+
+def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind]) -> str | None:
+    """Why a row is `unknown`; None where it has a number that a spec can hold."""
+    if quantity.value is None:
+        return quantity.note or _SILENT.get(key, "no file says it")
+    if not stated(quantity):
+        if key == "armature" and FileKind.MJCF not in kinds and FileKind.URDF in kinds:
+            return _SILENT[key]
+        engine = "MuJoCo takes" if FileKind.MJCF in kinds else "the default is"
+        return f"no file says it: {engine} {figure(quantity.value, quantity.unit)}"
+    value = quantity.value
+    if not math.isfinite(value):
+        return "no limit" if value > 0.0 else f"the file has {value:g}"
+    if value < 0.0 and name not in ("encoder_bias", "action_scale"):
+        return f"the file has {quantity_text(quantity)}"
+    if value == 0.0 and name in _POSITIVE:
+        return f"the file has {quantity_text(quantity)}, which no drive would move with"
+    return None
+
+
+_SILENT = {
+    "kp": "no file has gains: they are the controller's",
+    "kd": "no file has gains: they are the controller's",
+    "effort_limit": "no limit in the file: nothing bounds the drive's torque",
+    "armature": "a URDF cannot say it: rotor inertia times gear ratio squared",
+}
+
+
+def _hints(joint: JointActuator) -> dict[str, str]:
+    """Remarks on kd and joint damping, which files mix up."""
+    viscous = joint.friction_viscous
+    damped = viscous.value is not None and viscous.value > 0.0
+    if joint.command is Command.EFFORT or joint.kd is None or joint.level is Level.ACTUATOR_NET:
+        return {}
+    kp = joint.kp.value if joint.kp is not None else None
+    if not joint.kd.known and kp is None and joint.command is Command.POSITION:
+        if damped:
+            return {
+                "friction.viscous": "the bearing's, or the drive's kd in disguise? Then move it to kd, put 0"
+            }
+        return {}
+    if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
+        hints = {}
+        if not stated(joint.kd):
+            hints["kd"] = "the file's servo has no kv: MuJoCo takes 0"
+        if damped and viscous.require() >= LEAST_DAMPING * (kp or 0.0):
+            if "kd" in hints:
+                hints["kd"] += "; perhaps its joint damping is meant for it"
+            hints["friction.viscous"] = (
+                "joint damping; perhaps the drive's kd: then move it there, put 0 here"
+            )
+        return hints
+    if not damped:
+        return {}
+    together = figure(joint.kd.require() + viscous.require(), viscous.unit, computed=True)
+    if joint.kd.source == viscous.source:
+        return {
+            "friction.viscous": f"joint damping, beside kv, which is kd: together {together}, this part unclamped"
+        }
+    if viscous.require() >= MUCH_FRICTION * joint.kd.require():
+        return {
+            "friction.viscous": f"beside the kd of another file: together {together}; put 0 if kd has it already"
+        }
+    return {}
+
+
+def lost_of(quantity: Quantity) -> tuple[Lost, ...]:
+    """What other files say in place of a quantity."""
+    return tuple(
+        Lost(other.span or (Span(other.source) if other.source else None), quantity_text(other))
+        for other in quantity.lost
+        if other.known and stated(other)
+    )
+
+
+def _places(quantity: Quantity) -> tuple[Span, ...]:
+    return (quantity.span,) if quantity.span is not None and quantity.source is not None else ()
+
+
+def _delay(delay: Delay) -> str:
+    nominal = sourced(delay.nominal) if delay.nominal.known else "unknown"
+    if delay.low == delay.high and delay.sampling == "episode":
+        return nominal
+    ends = f"[{time_text(delay.low)}, {time_text(delay.high)}]"
+    return f"{{nominal: {nominal}, range: {ends}, sampling: {delay.sampling}}}"
+
+
+def _range(item: Randomization, joint: JointActuator) -> str:
+    kind = Kind.RATIO if item.operation == "scale" else RANDOMIZED_KINDS[item.field]
+    unit = "" if kind is Kind.RATIO else unit_of(kind, joint.kind)
+    ends = [time_text(end) if unit == "s" else figure(end, unit) for end in (item.low, item.high)]
+    parts = [f"{item.operation}: [{', '.join(ends)}]"]
+    if item.distribution != "uniform":
+        parts.append(f"distribution: {item.distribution}")
+    parts.append(f"when: {item.when}")
+    if item.every is not None:
+        parts.append(f"every: [{time_text(item.every[0])}, {time_text(item.every[1])}]")
+    parts.append(f"per: {item.per}")
+    return f"{{{', '.join(parts)}}}"
+
+
+def lost_text(rows: Sequence[Row]) -> str:
+    """What other files have in place of rows of one value: `go2.xml:41, 55: 23.7 N*m`."""
+    from actspec.draft.sources import places
+
+    found: dict[str, list[Span]] = {}
+    for row in rows:
+        for lost in row.lost:
+            found.setdefault(lost.text, []).extend([lost.span] if lost.span is not None else [])
+    return "; ".join(f"{places(spans) or 'another file'} has {text}" for text, spans in found.items())
+
+
+def same(one: Mapping[str, Row], other: Mapping[str, Row]) -> Iterator[str]:
+    """Keys whose values are not the same in two joints."""
+    for key in dict.fromkeys((*one, *other)):
+        if key not in one or key not in other or one[key].value != other[key].value:
+            yield key

@@ -1,0 +1,176 @@
+"""The files that a spec is imported from, as its `sources` name them."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+
+from actspec.audit.artifact import FileKind, Framework
+from actspec.diagnostics import Span, one_line
+from actspec.ir import ActuatorSet, AsymmetricCurve, JointActuator, Origin, Quantity, Source
+from actspec.lift.lifted import Lifted
+
+_MOST_RUNS = 4
+"""Chosen: more runs of lines than these are told as the first and the last line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One robot as one file has it.
+
+    Attributes:
+        lifted: What it says.
+        kind: What the file is.
+        path: The file, as the user named it.
+        name: What it calls the robot.
+        framework: Whose conventions a configuration follows; None for a robot file.
+        includes: Other files that its numbers may stand in.
+        reference: The file as the spec is to name it; "": as `path` does.
+    """
+
+    lifted: Lifted
+    kind: FileKind
+    path: str
+    name: str
+    framework: Framework | None = None
+    includes: tuple[str, ...] = ()
+    reference: str = ""
+
+
+def robot_name(reading: Reading) -> str:
+    """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1."""
+    stem = os.path.splitext(os.path.basename(reading.path))[0]
+    for text in (reading.name, stem):
+        if reading.framework is not None:
+            text = re.sub(r"(?<=.)_?(?:ARTICULATION|ROBOT)?_?CFG$", "", text)
+            text = text.lower() if text.isupper() else text
+        name = re.sub(r"[^A-Za-z0-9_.-]+", "_", text).strip("_.-")[:60]
+        if name:
+            return name
+    return "robot"
+
+
+_ENDINGS = {FileKind.MJCF: "mjcf", FileKind.URDF: "urdf", FileKind.CFG: "cfg", FileKind.DEPLOY: "deploy"}
+_TITLES = {FileKind.MJCF: "MJCF", FileKind.URDF: "URDF", FileKind.DEPLOY: "deploy file"}
+_FRAMEWORKS = {
+    Framework.ISAACLAB: "Isaac Lab",
+    Framework.MJLAB: "mjlab",
+    Framework.LEGGED_GYM: "legged_gym",
+}
+
+
+def source_keys(readings: Sequence[Reading]) -> dict[str, str]:
+    """File to its key in the spec's `sources`: `a1_mjcf`."""
+    keys: dict[str, str] = {}
+    for reading in readings:
+        if reading.path in keys or reading.kind not in _ENDINGS:
+            continue
+        ending = _ENDINGS[reading.kind]
+        stem = os.path.splitext(os.path.basename(reading.path))[0]
+        stem = re.sub(r"[^a-z0-9]+", "_", stem.lower()).strip("_")[:40]
+        key = stem if stem.endswith(ending) else f"{stem}_{ending}".strip("_")
+        while key in keys.values():
+            key += "_2"
+        keys[reading.path] = key
+    return keys
+
+
+def keyed(reading: Reading, keys: Mapping[str, str]) -> Reading:
+    """The reading with keys of `sources` in place of files."""
+    own = keys.get(reading.path)
+    if own is None:
+        return reading
+    files = dict.fromkeys((reading.path, *reading.includes), own)
+    lifted = reading.lifted
+
+    def rekey(quantity: Quantity) -> Quantity:
+        if not quantity.known:
+            return quantity
+        place = quantity.span.path if quantity.span is not None else quantity.source
+        # A number that another file of the same robot gave it keeps that file's key.
+        key = files.get(place or "") or keys.get(place or "") or (own if stated(quantity) else None)
+        return replace(quantity, source=key)
+
+    actuators = lifted.actuators
+    return replace(
+        reading,
+        lifted=replace(
+            lifted,
+            actuators=replace(
+                actuators,
+                joints=tuple(_mapped(joint, rekey) for joint in actuators.joints),
+                physics_dt=rekey(actuators.physics_dt),
+            ),
+        ),
+    )
+
+
+def stated(quantity: Quantity) -> bool:
+    """Whether somebody wrote the number, be it a file or its author."""
+    return quantity.known and quantity.origin is not Origin.DEFAULT
+
+
+def _mapped(joint: JointActuator, change: Callable[[Quantity], Quantity]) -> JointActuator:
+    """A joint with every quantity changed."""
+    changed: dict[str, object] = {
+        item.name: change(value)
+        for item in fields(joint)
+        if isinstance(value := getattr(joint, item.name), Quantity)
+    }
+    if joint.curve is not None:
+        parts = {part.name: change(getattr(joint.curve, part.name)) for part in fields(joint.curve)}
+        changed["curve"] = AsymmetricCurve(**parts)
+    if joint.delay is not None:
+        changed["delay"] = replace(joint.delay, nominal=change(joint.delay.nominal))
+    if joint.command_range is not None:
+        changed["command_range"] = tuple(change(end) for end in joint.command_range)
+    return replace(joint, **changed)  # type: ignore[arg-type]
+
+
+def sources_of(
+    readings: Sequence[Reading], keys: Mapping[str, str], sets: Sequence[ActuatorSet]
+) -> Iterator[Source]:
+    """What the keys stand for."""
+    told = set()
+    for reading in readings:
+        key = keys.get(reading.path)
+        if key is None or key in told:
+            continue
+        told.add(key)
+        yield Source(key, _title(reading), page=reading.reference or reading.path)
+    for item in (source for actuators in sets for source in actuators.sources):
+        if item.key not in told:
+            told.add(item.key)
+            yield item
+
+
+def _title(reading: Reading) -> str:
+    """`UNITREE_A1_CFG in unitree.py, Isaac Lab`; `a1.xml, MJCF`."""
+    file = os.path.basename(reading.path)
+    if reading.framework in _FRAMEWORKS:
+        return f"{one_line(reading.name)} in {file}, {_FRAMEWORKS[reading.framework]}"
+    return f"{file}, {_TITLES[reading.kind]}"
+
+
+def places(spans: Sequence[Span | None]) -> str:
+    """Where something stands, file by file: `go2.xml:82, 90 to 96; unitree.py:41`."""
+    files: dict[str, set[int]] = {}
+    for span in spans:
+        if span is not None:
+            files.setdefault(os.path.basename(span.path), set()).update([span.line] if span.line else [])
+    return "; ".join(f"{file}:{_lines(sorted(lines))}" if lines else file for file, lines in files.items())
+
+
+def _lines(lines: Sequence[int]) -> str:
+    """`82, 90 to 92, 96`; of many runs only the first and the last line."""
+    runs: list[tuple[int, int]] = []
+    for line in lines:
+        if runs and line == runs[-1][1] + 1:
+            runs[-1] = (runs[-1][0], line)
+        else:
+            runs.append((line, line))
+    if len(runs) > _MOST_RUNS:
+        runs = [(lines[0], lines[-1])]
+    return ", ".join(str(a) if a == b else f"{a} to {b}" if b > a + 1 else f"{a}, {b}" for a, b in runs)

@@ -1,0 +1,169 @@
+"""A training or deploy configuration as an ActuatorSet.
+
+A configuration speaks in patterns; the joints that they mean come from a robot file, or from the patterns
+themselves where each is a name.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+
+from actspec.audit.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
+from actspec.audit.case import Versions, meant_for
+from actspec.audit.isaaclab_friction import friction_meaning
+from actspec.audit.pair import joint_names
+from actspec.audit.rows.figures import selected
+from actspec.diagnostics import one_line
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
+from actspec.lift.config_joint import ConfigJoint
+from actspec.lift.config_randomized import randomizations
+from actspec.lift.config_unsaid import unsaid
+from actspec.lift.lifted import LeftAlone, Lifted
+from actspec.lift.quantities import stated, unknown
+from actspec.robot.view import JointView
+
+_NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
+"""A pattern that means one name: characters without a meaning of their own, or escaped ones."""
+
+
+def lift_config(
+    artifact: Artifact,
+    joints: Sequence[JointView | str] | None = None,
+    *,
+    versions: Versions | None = None,
+    physics_dt: float | None = None,
+) -> Lifted:
+    """What a configuration says of a robot's actuators.
+
+    Args:
+        artifact: With a `config`.
+        joints: The robot's joints, in its order, names alone where no robot file has them; None: those that the
+            configuration names itself.
+        versions: What it is written for; what a field means may depend on it. None: what its head says, where
+            actspec wrote it.
+        physics_dt: The simulation's step [s], for delays in steps, where the configuration does not say; None:
+            nobody does.
+    """
+    config = artifact.config
+    assert config is not None
+    versions = meant_for(versions or Versions(), artifact)
+    views: dict[str, JointView | None] = {}
+    for one in joints or ():
+        if isinstance(one, str):
+            views[one] = None
+        elif one.kind in (JointKind.HINGE, JointKind.SLIDE):
+            views[one.name] = one
+    named = tuple(views) or joint_names(artifact) or _plain_names(config)
+    members: dict[str, list[tuple[ActuatorGroup, str]]] = {}
+    for group in config.groups:
+        for joint, pattern in selected(config, group, named):
+            members.setdefault(joint, []).append((group, pattern))
+    found: list[JointActuator] = []
+    alone: list[LeftAlone] = []
+    notes: dict[str, list[str]] = {}
+    for name in named:
+        chosen = members.get(name, [])
+        view = views.get(name)
+        why = unsaid(config, chosen, view)
+        if why is not None:
+            alone.append(LeftAlone(name, why, chosen[-1][0].span if chosen else config.span))
+            continue
+        # Isaac Lab 2.x: the group that comes last has the joint.
+        group, pattern = chosen[-1]
+        step = physics_dt if config.physics_dt is None else config.physics_dt
+        drive = ConfigJoint(config, group, name, pattern, named, view, versions, step)
+        found.append(drive.actuator(randomizations(config, name, named)))
+        said = [*_overlapping(chosen), *drive.notes]
+        if said:
+            notes[name] = said
+    if not views:
+        alone += _unnamed(config, named)
+    whole = [*_whole(config, versions)]
+    if found and not any(views.values()):
+        whole.append("no robot file says what kind of joints they are: all are taken for hinges")
+    if whole:
+        notes[""] = whole
+    return Lifted(
+        ActuatorSet(
+            robot=config.name,
+            joints=tuple(found),
+            unmanaged=tuple(item.joint for item in alone),
+            physics_dt=_physics_dt(config),
+            decimation=_decimation(config),
+            delta_action=None,
+            accept=(),
+            sources=(),
+            spec_sha256="",
+            diagnostics=config.notes,
+        ),
+        tuple(alone),
+        {name: tuple(said) for name, said in notes.items()},
+        artifact,
+    )
+
+
+def _plain_names(config: RobotConfig) -> tuple[str, ...]:
+    """Joints that the configuration names one by one, in the author's order."""
+    found: dict[str, None] = {}
+    for group in config.groups:
+        for pattern in group.joints or ():
+            name = _plain_name(config.framework, pattern)
+            if name is not None:
+                found[name] = None
+    return tuple(found)
+
+
+def _plain_name(framework: Framework, pattern: str) -> str | None:
+    """The one name that a pattern means; None where it means more, or a part of names."""
+    if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
+        return None
+    if framework is Framework.DEPLOY:
+        return pattern
+    return re.sub(r"\\(.)", r"\1", pattern, flags=re.DOTALL) if _NAME.fullmatch(pattern) else None
+
+
+def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
+    """Patterns of joints that nobody names."""
+    why = "a pattern, and no file names the joints: name the robot's MJCF or URDF too"
+    for group in config.groups:
+        for pattern in group.joints or ():
+            if _plain_name(config.framework, pattern) is None and not (
+                named and selected(config, group, named)
+            ):
+                yield LeftAlone(pattern, why, group.span)
+
+
+def _overlapping(chosen: Sequence[tuple[ActuatorGroup, str]]) -> Iterator[str]:
+    if len(chosen) > 1:
+        names = ", ".join(one_line(group.name) for group, _ in chosen)
+        yield f"several groups have the joint ({names}): the last one counts, as in Isaac Lab 2.x"
+
+
+def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
+    """Remarks on the whole configuration."""
+    for group in config.groups:
+        if group.joints is None:
+            yield f"group {one_line(group.name)}: which joints it is for could not be read"
+    if config.framework is not Framework.ISAACLAB:
+        return
+    fields = ("friction", "dynamic_friction", "viscous_friction")
+    frictions = [s for g in config.groups for name in fields if (s := g.settings.get(name)) is not None]
+    if friction_meaning(versions) is None and any(s.value for s in frictions):
+        yield (
+            "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), "
+            "which nobody says: it is left unknown"
+        )
+
+
+def _physics_dt(config: RobotConfig) -> Quantity:
+    setting = config.settings.get("physics_dt")
+    if setting is None or setting.number is None:
+        return unknown("s") if setting is None else unknown("s", setting.unknown, setting.span)
+    return stated(setting.number, "s", setting.span)
+
+
+def _decimation(config: RobotConfig) -> int | None:
+    setting = config.settings.get("decimation")
+    number = None if setting is None else setting.number
+    return int(number) if number is not None and number >= 1 and number == int(number) else None

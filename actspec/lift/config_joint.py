@@ -1,0 +1,344 @@
+"""One joint of a configuration: what its class makes of what is written."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.audit.case import Versions
+from actspec.audit.isaaclab_friction import Meaning, friction_meaning, has_dynamic
+from actspec.audit.rows.figures import Found, figures_of, value_of
+from actspec.ir import (
+    AsymmetricCurve,
+    Command,
+    Delay,
+    JointActuator,
+    JointKind,
+    Level,
+    Network,
+    Quantity,
+    Randomization,
+)
+from actspec.lift.config_delay import delay_of
+from actspec.lift.config_unsaid import control_of
+from actspec.lift.quantities import Units, assumed, stated, unknown
+from actspec.robot.view import JointView
+
+NONE_FROM = 1e9
+"""A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
+
+OWN_CLASS = frozenset(
+    {
+        "stall_torque", "no_load_speed", "drive_torque", "brake_torque", "knee_speed", "encoder_bias",
+        "command", "command_low", "command_high", "filter_cutoff",
+    }
+)  # fmt: skip
+"""Fields of the class that actspec writes for Isaac Lab (`class: custom`), beside those of the stock classes."""
+
+_STOCK = frozenset(
+    {
+        "class_type", "effort_limit", "velocity_limit", "effort_limit_sim", "velocity_limit_sim", "stiffness",
+        "damping", "armature", "friction", "dynamic_friction", "viscous_friction", "min_delay", "max_delay",
+        "physics_dt",
+    }
+)  # fmt: skip
+
+_COMMANDS = {command.value: command for command in Command}
+
+
+class ConfigJoint:
+    """One joint of one group.
+
+    Attributes:
+        notes: What a spec cannot hold, or says otherwise; complete once the actuator is made.
+    """
+
+    def __init__(
+        self,
+        config: RobotConfig,
+        group: ActuatorGroup,
+        joint: str,
+        pattern: str,
+        named: tuple[str, ...],
+        view: JointView | None,
+        versions: Versions,
+        physics_dt: float | None,
+    ) -> None:
+        self.notes: list[str] = []
+        self._config = config
+        self._group = group
+        self._joint = joint
+        self._pattern = pattern
+        self._named = named
+        self._view = view
+        self._versions = versions
+        self._physics_dt = physics_dt
+        self._control = control_of(config.framework, group)
+        self._figures = figures_of(config, group, joint, pattern, named, versions)
+        self._units = Units(JointKind.HINGE if view is None else view.kind)
+        self._own = is_own_class(group)
+
+    def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:
+        """The joint's actuator.
+
+        Args:
+            randomize: Its ranges.
+        """
+        units, view = self._units, self._view
+        network = self._network()
+        kp, kd, command = self._gains()
+        if network is not None:
+            kp = kd = None
+        curve = self._curve()
+        stall = None if curve is not None else self._line("stall_torque", units.torque)
+        speed = None if curve is not None else self._line("no_load_speed", units.speed)
+        if stall is None or speed is None:
+            stall = speed = None
+        level = Level.IDEAL_PD
+        if network is not None:
+            level = Level.ACTUATOR_NET
+        elif curve is not None or stall is not None:
+            level = Level.DC_MOTOR
+        coulomb, static = self._dry_friction()
+        self._note_class()
+        return JointActuator(
+            joint=self._joint,
+            kind=JointKind.HINGE if view is None else view.kind,
+            group=self._group.name,
+            pattern=self._pattern,
+            motor=None,
+            level=level,
+            command=command,
+            kp=kp,
+            kd=kd,
+            effort_limit=self._effort_limit(),
+            velocity_limit=self._figure("velocity_limit", units.speed),
+            stall_torque=stall,
+            no_load_speed=speed,
+            curve=curve,
+            peak_torque=unknown(units.torque),
+            continuous_torque=unknown(units.torque),
+            armature=self._figure("armature", units.inertia, self._kept("armature")),
+            reflected_inertia=unknown(units.inertia),
+            friction_coulomb=coulomb,
+            friction_static=static,
+            friction_viscous=self._viscous(),
+            stribeck_velocity=None,
+            filter_cutoff=self._setting("filter_cutoff", "Hz") if self._own else None,
+            command_range=self._command_range(command),
+            delay=self._delay(),
+            encoder_bias=(self._setting("encoder_bias", units.position) if self._own else None)
+            or assumed(0.0, units.position, "no bias is stated"),
+            action_scale=self._optional("action_scale", ""),
+            default_position=self._figure("default_position", units.position),
+            position_range=self._position_range(),
+            network=network,
+            randomize=randomize,
+            inertia_held=None,
+            inertia_free=None,
+            span=self._group.span,
+        )
+
+    def _quantity(self, found: Found, unit: str) -> Quantity:
+        if found.value is None:
+            return unknown(unit, found.why, found.span)
+        if not found.stated:
+            return assumed(found.value, unit, "no key of the dict covers the joint: it gets 0")
+        return stated(found.value, unit, found.span)
+
+    def _figure(self, name: str, unit: str, silent: str | None = None) -> Quantity:
+        """A figure of the ledger; unknown where nothing is written, `silent` says what that means."""
+        found = self._figures.get(name)
+        if found is None:
+            return unknown(unit, silent)
+        return self._quantity(found, unit)
+
+    def _optional(self, name: str, unit: str) -> Quantity | None:
+        found = self._figures.get(name)
+        return None if found is None else self._quantity(found, unit)
+
+    def _setting(self, name: str, unit: str) -> Quantity | None:
+        """A setting by its own name; None where it is not written, or None is."""
+        setting = self._group.settings.get(name)
+        if setting is None or (setting.value is None and setting.unknown is None):
+            return None
+        found = value_of(self._config.framework, setting, self._joint, self._pattern, self._named)
+        return None if found is None else self._quantity(found, unit)
+
+    def _kept(self, name: str) -> str | None:
+        """What stands where a configuration does not state a number of the joint itself."""
+        if self._config.framework is Framework.ISAACLAB:
+            return "the USD's own"
+        if self._config.framework is Framework.MJLAB and name in ("armature", "frictionloss"):
+            return f"the model's own {name} from mjlab 1.3 on, 0 before"
+        if self._config.framework is Framework.MJLAB:
+            return f"the model's own {name}"
+        return None
+
+    def _gains(self) -> tuple[Quantity | None, Quantity | None, Command]:
+        """kp, kd and what the command means: a drive without stiffness follows a speed, one without gains a torque."""
+        units = self._units
+        kp = self._figure("kp", units.stiffness, self._kept("stiffness"))
+        kd = self._figure("kd", units.velocity_gain, self._kept("damping"))
+        command = self._named_command()
+        if command is None:
+            command = Command.POSITION
+            if self._control in ("velocity", "motor"):
+                command = Command.VELOCITY if self._control == "velocity" else Command.EFFORT
+            elif kp.value == 0.0 and self._control != "network":
+                command = Command.EFFORT if kd.value == 0.0 else Command.VELOCITY
+                self.notes.append(f"stiffness 0: the command is {_ARTICLE[command]}")
+        return (
+            kp if command is Command.POSITION else None,
+            None if command is Command.EFFORT else kd,
+            command,
+        )
+
+    def _named_command(self) -> Command | None:
+        """What the command is in so many words; our own class only reads them for its filter and its clamp."""
+        written = self._group.settings.get("command")
+        if written is None or not (self._own or self._config.framework is Framework.DEPLOY):
+            return None
+        readers = ("filter_cutoff", "command_low", "command_high")
+        if self._own and all(self._setting(name, "") is None for name in readers):
+            return None
+        return _COMMANDS.get(str(written.value))
+
+    def _effort_limit(self) -> Quantity:
+        unit = self._units.torque
+        found = self._figure("effort_limit", unit, self._no_limit())
+        if found.value is not None and found.value >= NONE_FROM:
+            return unknown(unit, f"{found.value:g} {unit} is no limit", found.span)
+        if self._control != "implicit":
+            for name in ("effort_limit_sim", "joint_effort_limit"):
+                solver = self._setting(name, unit)
+                if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
+                    self.notes.append(
+                        f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit"
+                    )
+        return found
+
+    def _no_limit(self) -> str | None:
+        if self._config.framework is Framework.ISAACLAB and self._control != "implicit":
+            return "Isaac Lab before 2.3.1 does not clip then, later it clips at the USD's"
+        return self._kept("limit") if self._config.framework is Framework.ISAACLAB else None
+
+    def _line(self, name: str, unit: str) -> Quantity | None:
+        """A point of the torque-speed line; None without one, or where it is put out of the way."""
+        found = self._setting(name, unit) if self._own else self._optional(name, unit)
+        if found is None or not (self._own or self._control in ("dc_motor", "network")):
+            return None
+        return None if found.value is not None and found.value >= NONE_FROM else found
+
+    def _curve(self) -> AsymmetricCurve | None:
+        if not self._own or self._setting("drive_torque", "") is None:
+            return None
+        torque, speed = self._units.torque, self._units.speed
+        parts = [
+            self._setting(name, unit) or unknown(unit)
+            for name, unit in (
+                ("drive_torque", torque),
+                ("brake_torque", torque),
+                ("knee_speed", speed),
+                ("no_load_speed", speed),
+            )
+        ]
+        return AsymmetricCurve(*parts)
+
+    def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
+        """Sliding friction, and the static one where it is another number."""
+        unit = self._units.torque
+        if self._config.framework is not Framework.ISAACLAB:
+            return self._figure("frictionloss", unit, self._kept("frictionloss")), None
+        first, second = self._setting("friction", unit), self._setting("dynamic_friction", unit)
+        meaning = friction_meaning(self._versions)
+        if first is None and second is None:
+            return unknown(unit, self._kept("friction")), None
+        written = first or second
+        assert written is not None
+        if meaning is Meaning.DEAD:
+            return unknown(unit, "this Isaac Lab never writes friction to the solver", written.span), None
+        if written.value == 0.0 and (second is None or second.value == 0.0):
+            return written, None
+        if meaning is not Meaning.EFFORT:
+            why = (
+                "a factor on the joint's load" if meaning is Meaning.COEFFICIENT else "its unit is not known"
+            )
+            return unknown(unit, f"friction {written.value} is no torque: {why}", written.span), None
+        if not has_dynamic(self._versions):
+            return first or unknown(unit, self._kept("friction")), None
+        if second is None:
+            return unknown(unit, "the USD's own sliding friction"), first
+        return second, None if first is None or first.value == second.value else first
+
+    def _viscous(self) -> Quantity:
+        unit = self._units.velocity_gain
+        found = self._figure("joint_damping", unit, self._kept("viscous friction"))
+        if self._config.framework is not Framework.ISAACLAB or not found.known:
+            return found
+        if self._versions.backend == "ovphysx":
+            return found
+        meaning = friction_meaning(self._versions)
+        if meaning in (Meaning.COEFFICIENT, Meaning.DEAD):
+            return unknown(unit, "this Isaac Lab never writes viscous_friction to the solver", found.span)
+        return found
+
+    def _command_range(self, command: Command) -> tuple[Quantity, Quantity] | None:
+        if not self._own and self._config.framework is not Framework.DEPLOY:
+            return None
+        units = self._units
+        unit = {Command.POSITION: units.position, Command.VELOCITY: units.speed, Command.EFFORT: units.torque}
+        low, high = (self._setting(f"command_{end}", unit[command]) for end in ("low", "high"))
+        if low is None and high is None:
+            return None
+        return low or unknown(unit[command]), high or unknown(unit[command])
+
+    def _delay(self) -> Delay | None:
+        made = delay_of(self._config, self._group, self._versions, self._physics_dt, self._setting)
+        self.notes += made.notes
+        return made.delay
+
+    def _position_range(self) -> tuple[float, float] | None:
+        if self._view is not None:
+            return self._view.range
+        if self._config.framework is not Framework.DEPLOY:
+            return None
+        ends = [self._group.settings.get(f"position_{end}") for end in ("low", "high")]
+        numbers = [None if end is None else end.number for end in ends]
+        low, high = numbers
+        return None if low is None or high is None else (low, high)
+
+    def _network(self) -> Network | None:
+        reading = self._group.network
+        if self._control != "network":
+            if reading is not None:
+                self.notes.append(f"the network {reading.file} beside the gains is left out")
+            return None
+        if reading is None:
+            return Network("", None, self._group.span)
+        manifest = None if reading.manifest is None else reading.manifest.path
+        return Network(reading.path or reading.file, manifest, reading.span)
+
+    def _note_class(self) -> None:
+        group = self._group
+        if self._own:
+            self.notes.append(f"{group.cls} is read as the class that actspec writes")
+        elif "joint_parameter_lookup" in group.settings:
+            self.notes.append("its torque limit depends on the angle (a table): a spec has one number")
+        elif group.bases:
+            self.notes.append(f"{group.cls} is read as {group.bases[0]}: what else it does is not known here")
+
+
+_ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
+
+
+def is_own_class(group: ActuatorGroup) -> bool:
+    """Whether a class is the one that actspec writes: a PD drive with fields of `OWN_CLASS` and no others."""
+    fields = set(group.settings) - _STOCK
+    made = group.settings.get("class_type")
+    return (
+        group.bases[:1] == ("IdealPDActuatorCfg",)
+        and made is not None
+        and f"{made.value}Cfg" == group.cls
+        and fields <= OWN_CLASS
+    )

@@ -1,0 +1,119 @@
+"""The Newton target: a `.usda` overlay of a robot's stage with its actuators and the numbers of its joints."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Sequence
+
+from actspec.diagnostics import Collector, EmitError, listed
+from actspec.ir import ActuatorSet, JointKind
+from actspec.resolution.reports import Reports
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.newton.actuator import Driven, driven
+from actspec.targets.newton.paths import lay_out
+from actspec.targets.newton.text import overlay_name, overlay_text
+from actspec.targets.newton.versions import NewtonDialect, newton_dialect
+from actspec.targets.versions import UnknownVersion
+
+
+def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
+    """Write a robot's actuators as an overlay of its USD stage.
+
+    Args:
+        actuators: What the spec asks for, resolved against `robot`.
+        robot: The robot.
+        options: Version, and where the joints are in the stage.
+
+    Raises:
+        EmitError: the target cannot be written, with every reason.
+    """
+    collector = Collector()
+    dialect = _dialect(options, collector)
+    step = actuators.physics_dt.require()
+    joints: list[Driven] = []
+    reports = Reports()
+    for actuator in actuators.joints:
+        # A collector of its own: an error of one joint does not hide the next one's.
+        own = Collector()
+        found = driven(actuator, dialect, step, options.name, own)
+        for item in own:
+            if item.code == "NWT001":
+                message = item.message.removeprefix(f"{actuator.joint}: ")
+                reports.error(item.code, actuator.joint, message, item.where, item.span, item.help)
+            else:
+                collector.add(item)
+        if found is not None:
+            joints.append(found)
+    reports.tell(collector)
+    _check_bodies(actuators, robot, collector)
+    files = _networks(joints, collector)
+    # The joints' paths are an affair of their own: told beside the rest.
+    own = Collector()
+    layout = lay_out(actuators, robot, options, own)
+    for item in own:
+        collector.add(item)
+    collector.raise_if_failed(EmitError)
+
+    lost = [loss for joint in joints for loss in joint.lost]
+    if actuators.delta_action is not None:
+        network = os.path.basename(actuators.delta_action.network)
+        why = "an actuator holds no residual policy: wrap the environment with the runtime"
+        lost.append(Approximation(options.name, "", "delta_action", network, "none", why, None))
+    model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
+    text = overlay_text(actuators, robot, joints, layout, lost, dialect, model)
+    overlay = EmittedFile(overlay_name(actuators.robot), text.encode("utf-8"))
+    explicit = frozenset(actuator.joint for actuator in actuators.joints)
+    return Emission((overlay, *files), tuple(lost), collector.sorted(), explicit)
+
+
+def _dialect(options: TargetOptions, collector: Collector) -> NewtonDialect:
+    try:
+        return newton_dialect(options.version)
+    except UnknownVersion as err:
+        collector.error(
+            "NWT007",
+            err.message,
+            where=options.where("version"),
+            span=options.span("version"),
+            help=err.help,
+        )
+        raise EmitError(collector.sorted()) from None
+
+
+def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector) -> None:
+    """Refuse joints that share a body: Newton makes one joint of them, which takes no actuator."""
+    if robot.format is not ModelFormat.MJCF:
+        return
+    moving = [joint for joint in robot.joints if joint.kind is not JointKind.FREE]
+    counts = Counter(joint.body for joint in moving)
+    managed = {actuator.joint for actuator in actuators.joints}
+    shared = [joint for joint in moving if counts[joint.body] > 1 and joint.name in managed]
+    if shared:
+        collector.error(
+            "NWT012",
+            f"{listed(joint.name for joint in shared)}: not alone on the body, and Newton makes one joint of all "
+            "joints between two bodies, which takes no actuator",
+            where=shared[0].name,
+            span=shared[0].span,
+            help="give each joint a body of its own in the model, or leave this target out",
+        )
+
+
+def _networks(joints: Sequence[Driven], collector: Collector) -> list[EmittedFile]:
+    """The networks' files, each once."""
+    found: dict[str, bytes] = {}
+    for joint in joints:
+        if joint.network is None:
+            continue
+        name, data = joint.network
+        if found.setdefault(name, data) != data:
+            collector.error(
+                "NWT005",
+                f"two networks are called '{name}' and differ, in themselves or in their manifests",
+                where=f"actuators.{joint.actuator.group}.network",
+                span=joint.actuator.span,
+                help="rename one: both are written into one folder",
+            )
+    return [EmittedFile(name, data) for name, data in found.items()]

@@ -1,0 +1,208 @@
+"""Where the joints' prims are in the stage that the overlay is laid on.
+
+Two converters of Newton's project decide what a path is where the spec does not say (`root`, `joint_paths`):
+mujoco-usd-converter nests each joint in its body, `/MODEL/Geometry/BODY/.../BODY/JOINT`, with the actuators in
+`/MODEL/Physics`; urdf-usd-converter has all joints in `/ROBOT/Physics`. A name that cannot be a prim's as it is gets
+another one there, which is not guessed here.
+Source: mujoco-usd-converter 0.8.0 and urdf-usd-converter 0.3.4, run on robots/ and read.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, RobotError, listed, shortened
+from actspec.ir import ActuatorSet
+from actspec.patterns import resolve_patterns
+from actspec.robot.view import ModelFormat, RobotView
+from actspec.targets.base import TargetOptions
+from actspec.targets.newton.usda import is_identifier, path_text, prim_path
+
+if TYPE_CHECKING:
+    import mujoco
+
+Path = tuple[str, ...]
+
+JOINT = "{joint}"
+"""What stands for the joint's name in a path of the spec."""
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """Where things are in the stage.
+
+    Attributes:
+        root: The robot's prim.
+        joints: Each managed joint's prim.
+        converted: Joints whose path is a converter's, the spec stating none.
+    """
+
+    root: Path
+    joints: dict[str, Path]
+    converted: frozenset[str]
+
+
+_STATE = 'state `joint_paths`, e.g. {".*": "joints/{joint}"}'
+
+
+def lay_out(actuators: ActuatorSet, robot: RobotView, options: TargetOptions, collector: Collector) -> Layout:
+    """Path of the robot's prim and of each managed joint's; not all after an error."""
+    names = [actuator.joint for actuator in actuators.joints]
+    root = _root(robot, options, collector)
+    if not root:
+        return Layout(root, {}, frozenset())
+    found = _stated(names, root, options, collector)
+    left = [name for name in names if name not in found]
+    if left and not collector.failed:
+        found |= _converted(left, robot, root, options, collector)
+    owners: dict[Path, list[str]] = {}
+    for name in (name for name in names if name in found):
+        owners.setdefault(found[name], []).append(name)
+    for path, shared in owners.items():
+        if len(shared) > 1:
+            collector.error(
+                "NWT010",
+                f"{listed(shared)} have one path, {shortened(path_text(path))}",
+                where=options.where("joint_paths"),
+                span=options.span("joint_paths"),
+                help=f"write {JOINT} where the joint's name belongs",
+            )
+    return Layout(root, found, frozenset(left))
+
+
+def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Path:
+    """The robot's prim; empty after an error."""
+    if options.root is not None:
+        found = prim_path(options.root)
+        if found is None:
+            collector.error(
+                "NWT008",
+                f"'{shortened(options.root)}' is no path of a prim",
+                where=options.where("root"),
+                span=options.span("root"),
+                help="write names behind slashes, e.g. /World/Robot",
+            )
+        return found or ()
+    if is_identifier(robot.name):
+        return (robot.name,)
+    collector.error(
+        "NWT009",
+        f"the robot's name '{shortened(robot.name)}' cannot be a prim's, so it is unknown what its prim is called",
+        where=options.where("root"),
+        help="state `root`, the path of the robot's prim, e.g. /World/Robot",
+    )
+    return ()
+
+
+def _stated(names: list[str], root: Path, options: TargetOptions, collector: Collector) -> dict[str, Path]:
+    """The paths that the spec states."""
+    patterns = [pattern for pattern, _ in options.joint_paths]
+    matches = resolve_patterns(patterns, names)
+    for problem in matches.problems:
+        collector.error(
+            "NWT011",
+            problem.message,
+            where=options.where(f"joint_paths.{problem.pattern}"),
+            span=options.span(f"joint_paths[{problem.pattern}]"),
+            help=problem.help,
+        )
+    by_joint: dict[str, str] = {}
+    found: dict[str, Path] = {}
+    for (pattern, template), matched in zip(options.joint_paths, matches.by_pattern, strict=True):
+        where, span = options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]")
+        twice = [name for name in matched if by_joint.setdefault(name, pattern) != pattern]
+        if twice:
+            collector.error(
+                "NWT011",
+                f"{listed(twice)}: matched by '{shortened(by_joint[twice[0]])}' too",
+                where=where,
+                span=span,
+                help="let one pattern match each joint",
+            )
+        for name in matched:
+            text = template.replace(JOINT, name)
+            path = prim_path(text if text.startswith("/") else f"{path_text(root)}/{text}")
+            if path is None:
+                collector.error(
+                    "NWT008",
+                    f"'{shortened(text)}' is no path of a prim (joint {shortened(name)})",
+                    where=where,
+                    span=span,
+                    help="write names of letters, digits and _ between slashes, as the stage has them",
+                )
+                break
+            found[name] = path
+    return found
+
+
+def _converted(
+    names: list[str], robot: RobotView, root: Path, options: TargetOptions, collector: Collector
+) -> dict[str, Path]:
+    """The paths that a converter gives to the joints."""
+    where = options.where("joint_paths")
+    if robot.format is ModelFormat.NONE:
+        collector.error(
+            "NWT009",
+            "the spec names no model, so it is unknown where the joints are in the stage",
+            where=where,
+            help=_STATE,
+        )
+        return {}
+    candidates: dict[str, Path] = {}
+    if robot.format is ModelFormat.MJCF:
+        candidates = _in_bodies(robot, root)
+    else:
+        counts = Counter(joint.name for joint in robot.joints)
+        candidates = {name: (*root, "Physics", name) for name in names if counts[name] == 1}
+    unsure = [name for name in names if not all(map(is_identifier, candidates.get(name, ("",))))]
+    if unsure:
+        collector.error(
+            "NWT009",
+            f"{listed(unsure)}: of a name on the way to it, or of two of one body, it is unknown what the converter "
+            "makes of it",
+            where=where,
+            help=_STATE,
+        )
+    return {name: path for name, path in candidates.items() if name in names and name not in unsure}
+
+
+def _in_bodies(robot: RobotView, root: Path) -> dict[str, Path]:
+    """Joints nested in their bodies; a name that is not unique among the prims of a body is left out."""
+    from actspec.robot.mjspec import open_spec, quiet
+
+    try:
+        with quiet():
+            spec = open_spec(robot.files, format=robot.format)
+            return dict(_below(spec.worldbody, (*root, "Geometry")))
+    except RobotError:
+        return {}
+
+
+def _below(body: mujoco.MjsBody, path: Path) -> Iterator[tuple[str, Path]]:
+    names = Counter(item.name for kind in (body.geoms, body.sites, body.joints, body.bodies) for item in kind)
+    for joint in body.joints:
+        if names[joint.name] == 1:
+            yield joint.name, (*path, joint.name)
+    for child in body.bodies:
+        unique = child.name and names[child.name] == 1
+        # An empty name is none that a prim could have: nothing below it is taken.
+        yield from _below(child, (*path, child.name if unique else ""))
+
+
+def converted_actuators(robot: RobotView, layout: Layout) -> list[Path]:
+    """Prims that mujoco-usd-converter makes of a model's own actuators on driven joints.
+
+    Newton's MuJoCo solver would have them act beside the NewtonActuators.
+    """
+    counts = Counter(actuator.name for actuator in robot.actuators)
+    return [
+        (*layout.root, "Physics", actuator.name)
+        for actuator in robot.actuators
+        if actuator.target in layout.converted
+        and actuator.transmission in ("joint", "jointinparent")
+        and is_identifier(actuator.name)
+        and counts[actuator.name] == 1
+    ]

@@ -1,0 +1,166 @@
+"""The overlay's text: a header that says what it is made of, the joints' prims, the actuators."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+
+import actspec
+from actspec.diagnostics import one_line
+from actspec.ir import ActuatorSet
+from actspec.robot.view import RobotView
+from actspec.targets.base import Approximation
+from actspec.targets.newton.actuator import Driven
+from actspec.targets.newton.paths import Layout, converted_actuators
+from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
+from actspec.targets.newton.versions import NewtonDialect
+from actspec.targets.provenance import known_quantities, loss_lines, source_lines
+from actspec.targets.python_text import identifier
+
+WIDTH = 110
+"""Columns of the header."""
+
+SCOPE = "NewtonActuators"
+"""Prim below the robot's that holds the actuators."""
+
+
+def overlay_name(robot: str) -> str:
+    """Name of the file: `unitree_a1_newton.usda`."""
+    return f"{identifier(robot).lower()}_newton.usda"
+
+
+def overlay_text(
+    actuators: ActuatorSet,
+    robot: RobotView,
+    joints: Sequence[Driven],
+    layout: Layout,
+    approximations: Sequence[Approximation],
+    dialect: NewtonDialect,
+    model: str,
+) -> str:
+    """The whole file.
+
+    Args:
+        actuators: What was compiled.
+        robot: The robot.
+        joints: What each joint becomes, in the robot's order.
+        layout: Where the prims are.
+        approximations: What was lost.
+        dialect: Version that is written.
+        model: File name of the robot's model; "" without one.
+    """
+    lines = ["#usda 1.0"]
+    lines += _header(actuators, layout, approximations, dialect, model)
+    lines += [
+        "(",
+        "    customLayerData = {",
+        f"        string creator = {string(f'actspec {actspec.__version__}')}",
+        f"        string specSha256 = {string(actuators.spec_sha256)}",
+        "    }",
+        ")",
+        *prim_lines(_prims(robot, joints, layout)),
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _prims(robot: RobotView, joints: Sequence[Driven], layout: Layout) -> Iterator[Prim]:
+    own = converted_actuators(robot, layout)
+    for joint in joints:
+        apis, attributes = joint.joint
+        yield Prim(layout.joints[joint.actuator.joint], apis=apis, attributes=attributes)
+    for index, path in enumerate(own):
+        said = (
+            ("The model's own actuators on these joints would act beside those below.",) if index == 0 else ()
+        )
+        yield Prim(path, active=False, comments=said)
+    yield Prim((*layout.root, SCOPE), specifier="def Scope")
+    taken: dict[str, int] = {}
+    said_group = ""
+    for joint in joints:
+        actuator, (apis, attributes) = joint.actuator, joint.drive
+        target = Attribute("rel", "newton:targets", f"<{path_text(layout.joints[actuator.joint])}>")
+        about = f"{actuator.group}: {actuator.level.value}, {actuator.command.value} command."
+        yield Prim(
+            (*layout.root, SCOPE, _unique(identifier(actuator.joint, fallback="joint"), taken)),
+            specifier="def NewtonActuator",
+            apis=apis,
+            attributes=(target, *attributes),
+            # Once for the joints of a group that follow each other.
+            comments=() if about == said_group else (about,),
+        )
+        said_group = about
+
+
+def _unique(name: str, taken: dict[str, int]) -> str:
+    """The name, numbered where it is taken."""
+    found = name
+    while found in taken:
+        taken[name] += 1
+        found = f"{name}_{taken[name]}"
+    taken[found] = 1
+    return found
+
+
+def _header(
+    actuators: ActuatorSet,
+    layout: Layout,
+    approximations: Sequence[Approximation],
+    dialect: NewtonDialect,
+    model: str,
+) -> Iterator[str]:
+    step = actuators.physics_dt.require()
+    yield from _said(
+        f"Written by actspec {actspec.__version__} for Newton {dialect.text}. Do not edit: change the spec and "
+        "compile again."
+    )
+    yield from _said(f"spec sha256 {actuators.spec_sha256}")
+    if model:
+        yield from _said(f"model {model}")
+    if not dialect.run:
+        yield from _said(
+            f"Text-checked against the schemas that Newton {dialect.text} reads, not run with it."
+        )
+    yield "#"
+    yield from _said(
+        "An overlay of the robot's stage: its strongest layer, which leaves units and axes to the stage."
+    )
+    yield "#   stage = Usd.Stage.Open(...)"
+    yield f"#   stage.GetSessionLayer().subLayerPaths.append({string(overlay_name(actuators.robot))})"
+    yield "#   newton.ModelBuilder().add_usd(stage)"
+    yield from _said(
+        f"Every physics step of {step * 1e3:g} ms: control.joint_f.zero_(), then actuator.step(...) for each of "
+        "model.actuators" + (", which a delay counts." if _delayed(actuators) else ".")
+    )
+    yield from _said("Isaac Sim 6 and Isaac Lab 3 read the same prims: not run there.")
+    yield from _said(
+        "The stage has metersPerUnit 1 and kilogramsPerUnit 1. Actuators count in radians, the joints' prims in "
+        "degrees."
+    )
+    if layout.converted:
+        yield from _said(
+            "Paths are those of mujoco-usd-converter or urdf-usd-converter: `root` and `joint_paths` of the spec's "
+            "target state others."
+        )
+    if approximations:
+        yield "#"
+        yield from _said("Approximations (what the overlay cannot hold):")
+        for line in loss_lines(approximations):
+            yield from _said(f"- {line}", hang="  ")
+    sources = list(source_lines(actuators, known_quantities(actuators)))
+    if sources:
+        yield "#"
+        yield from _said("Sources:")
+        for line in sources:
+            yield from _said(f"- {line}", hang="  ")
+
+
+def _delayed(actuators: ActuatorSet) -> bool:
+    return any(actuator.delay is not None for actuator in actuators.joints)
+
+
+def _said(text: str, hang: str = "") -> list[str]:
+    """Text of any origin as comment lines, wrapped; it cannot end its comment."""
+    wrapped = textwrap.wrap(
+        one_line(text), WIDTH - 2, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False
+    )
+    return [f"# {line}".rstrip() for line in wrapped]

@@ -1,0 +1,171 @@
+"""What a verification says: rows that agree or not, and what could not be asked."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from typing import Any
+
+from actspec.diagnostics import Span
+from actspec.targets.base import Approximation
+
+FORMAT = "actspec-verify/1"
+
+
+@dataclass(frozen=True, slots=True)
+class At:
+    """Where on the grid of a torque the largest error is.
+
+    Attributes:
+        error: Command less measured position, as the engine gets them [rad or m]; None unless the command is
+            a position.
+        velocity: Of the joint [rad/s or m/s].
+        command: [rad or m], [rad/s or m/s] or [N*m or N].
+        step: Physics step, from 0.
+    """
+
+    error: float | None
+    velocity: float
+    command: float
+    step: int
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """One quantity of one target and of the joints of a group that have the same numbers.
+
+    Attributes:
+        target: Name of the target in the spec.
+        group: Group of the spec; "" for what concerns the whole target.
+        joint: The joint with the largest error; "" for what concerns the whole target.
+        joints: How many joints of the group share the row.
+        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.verify.motion`), a field such as
+            `kp`, or `file`.
+        unit: Of `max_error`, `tolerance`, `expected` and `got`.
+        max_error: Largest difference; None where there is no number to compare.
+        tolerance: Largest difference that agrees; infinity where an approximation has no size.
+        ok: Whether it agrees.
+        expected: Of a field at `joint`: the spec's, or of an approximated field what actspec writes.
+        got: Of a field at `joint`: the file's; None: the file does not say.
+        at: Of a torque: where the error is.
+        approximations: Keys of the known approximations that concern the quantity.
+        engine: What was asked, with its version; None: the file was read back.
+        code: What is wrong, of `actspec.verify.codes`; None where it agrees.
+        message: The same in words; "" where it agrees.
+        place: Where a field is written that is another one; None elsewhere.
+    """
+
+    target: str
+    group: str
+    joint: str
+    joints: int
+    quantity: str
+    unit: str
+    max_error: float | None
+    tolerance: float
+    ok: bool
+    expected: float | None = None
+    got: float | None = None
+    at: At | None = None
+    approximations: tuple[str, ...] = ()
+    engine: str | None = None
+    code: str | None = None
+    message: str = ""
+    place: Span | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Skip:
+    """What was not asked, and why.
+
+    Attributes:
+        target: Name of the target.
+        group: Group of the spec; "" for the whole target.
+        what: `torque`, or `fields`.
+        reason: Why.
+        help: What would change that; None: nothing would.
+        setup: Whether `actspec verify --setup` would.
+    """
+
+    target: str
+    group: str
+    what: str
+    reason: str
+    help: str | None = None
+    setup: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """Everything that one verification found.
+
+    Attributes:
+        rows: By target in the spec's order, then torques, then fields.
+        skipped: What was not asked.
+        approximations: What the targets are known to lose.
+    """
+
+    rows: tuple[Row, ...]
+    skipped: tuple[Skip, ...]
+    approximations: tuple[Approximation, ...] = field(default=(), repr=False)
+
+    @property
+    def ok(self) -> bool:
+        """Whether all rows agree."""
+        return all(row.ok for row in self.rows)
+
+    @property
+    def faults(self) -> tuple[Row, ...]:
+        """The rows that do not."""
+        return tuple(row for row in self.rows if not row.ok)
+
+
+def row_record(row: Row) -> dict[str, Any]:
+    """A row as machine output has it; no limit is the text `Infinity`, null is unknown."""
+    at = row.at
+    return {
+        "target": row.target,
+        "group": row.group or None,
+        "joint": row.joint or None,
+        "joints": row.joints,
+        "quantity": row.quantity,
+        "unit": row.unit,
+        "max_error": _number(row.max_error),
+        "at": None
+        if at is None
+        else {"error": at.error, "velocity": at.velocity, "command": at.command, "step": at.step},
+        "tolerance": _number(row.tolerance),
+        "ok": row.ok,
+        "expected": _number(row.expected),
+        "got": _number(row.got),
+        "approximation": ", ".join(row.approximations) or None,
+        "engine": row.engine,
+        "code": row.code,
+        "message": row.message or None,
+        "file": None if row.place is None else row.place.path,
+        "line": None if row.place is None else row.place.line or None,
+    }
+
+
+def skip_record(skip: Skip) -> dict[str, Any]:
+    """A skip as machine output has it."""
+    return {
+        "target": skip.target,
+        "group": skip.group or None,
+        "what": skip.what,
+        "reason": skip.reason,
+        "help": skip.help,
+        "setup": skip.setup,
+    }
+
+
+def _number(value: float | None) -> float | str | None:
+    if value is None or math.isfinite(value):
+        return value
+    return "NaN" if math.isnan(value) else "Infinity" if value > 0 else "-Infinity"
+
+
+def keys(losses: Iterable[Approximation]) -> tuple[str, ...]:
+    """The keys of losses, each once, in order."""
+    return tuple(dict.fromkeys(loss.key for loss in losses))

@@ -1,0 +1,1 @@
+"""Engines: the simulators' own code, each in a process of its own, asked for torques."""

@@ -1,0 +1,75 @@
+"""Isaac Lab: the written module's cfgs, built and stepped by the real classes of a release."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from actspec.diagnostics import shortened
+from actspec.ir import JointKind
+from actspec.targets.isaaclab.versions import isaaclab_dialect
+from actspec.verify.engines.question import (
+    EngineAnswer,
+    EngineMissing,
+    EngineRefused,
+    Motions,
+    Question,
+    not_prepared,
+)
+from actspec.verify.frameworks import ISAACLAB, find, unusable
+from actspec.verify.motion import as_arrays
+from actspec.verify.probing import PROBES
+from actspec.verify.releases import EngineError
+
+PROBE = PROBES / "probe_isaaclab.py"
+
+WHEELS = {(2, 2): ISAACLAB[0], (2, 3): ISAACLAB[1]}
+"""Version of a target to the release that runs its text."""
+
+_FIGURES = {"armature": "armature"}
+"""Field of a ledger row to the number of the class; the others depend on class and version, and are read back."""
+
+
+def ask(question: Question, motions: Motions) -> EngineAnswer:
+    """Torques of the written cfgs.
+
+    Raises:
+        EngineMissing: no release of this version can be had, or it is not prepared, or its drive is the solver's.
+        EngineRefused: the package does not take the file.
+    """
+    options = question.options
+    dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+    release = WHEELS.get(dialect.version)
+    if release is None:
+        raise EngineMissing(f"the registry has no package of Isaac Lab {dialect.text}")
+    if options.actuator_class == "implicit":
+        raise EngineMissing("the drive of an implicit actuator is in PhysX, which is in no package")
+    why = unusable()
+    if why is not None:
+        raise EngineMissing(why)
+    frameworks = find()
+    if frameworks is None:
+        raise not_prepared(f"Isaac Lab {release}")
+    # A floating base is no joint of an articulation.
+    joints = [joint.name for joint in question.robot.joints if joint.kind is not JointKind.FREE]
+    try:
+        said, torques = frameworks.run_probe(
+            PROBE,
+            {
+                "root": str(frameworks.isaaclab(release)),
+                "module": str(Path(question.main).resolve()),
+                "joints": joints,
+                "columns": question.joints,
+                "commands": [a.command.value for a in question.actuators.joints],
+                "motions": list(motions),
+            },
+            as_arrays(motions),
+        )
+    except EngineError as err:
+        raise EngineRefused(shortened(str(err), 300)) from err
+    if "error" in said:
+        raise EngineRefused(shortened(said["error"], 300))
+    figures = {
+        joint: {field: found[name] for field, name in _FIGURES.items()}
+        for joint, found in said["joints"].items()
+    }
+    return EngineAnswer(f"isaaclab {release}", True, torques, figures)

@@ -1,0 +1,141 @@
+"""Newton: the written overlay on a stage with the joints' prims, read and stepped by the real package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from actspec.diagnostics import Collector, shortened
+from actspec.ir import JointKind
+from actspec.targets.newton.paths import lay_out
+from actspec.targets.newton.usda import path_text
+from actspec.targets.newton.versions import newton_dialect
+from actspec.verify.engines.question import (
+    EngineAnswer,
+    EngineMissing,
+    EngineRefused,
+    Motions,
+    Question,
+    not_prepared,
+)
+from actspec.verify.frameworks import NEWTON, find, unusable
+from actspec.verify.motion import as_arrays
+from actspec.verify.probing import PROBES
+from actspec.verify.releases import EngineError
+
+PROBE = PROBES / "probe_newton.py"
+
+INSTALLED = (1, 8)
+"""The release in the environment; others lie beside it."""
+BESIDE = {tuple(int(part) for part in version.split(".")[:2]): version for version in NEWTON}
+
+_HEAD = """#usda 1.0
+(
+    kilogramsPerUnit = 1
+    metersPerUnit = 1
+    upAxis = "Z"
+)
+def PhysicsScene "PhysicsScene" {
+}
+"""
+
+_BODY = """def Xform "{name}" (
+    prepend apiSchemas = ["PhysicsRigidBodyAPI", "PhysicsMassAPI", "PhysicsArticulationRootAPI"]
+) {{
+    float physics:mass = 1
+    float3 physics:diagonalInertia = (1, 1, 1)
+}}
+"""
+
+_JOINT = """def {kind} "{name}" (prepend apiSchemas = ["PhysicsDriveAPI:{axis}", "NewtonJointAPI"]) {{
+    rel physics:body1 = <{body}>
+    uniform token physics:axis = "Y"
+}}
+"""
+
+
+def ask(question: Question, motions: Motions) -> EngineAnswer:
+    """Torques of the written actuators.
+
+    Raises:
+        EngineMissing: no release of this version is in the environment, or there is none.
+        EngineRefused: the package does not take the file.
+    """
+    dialect = newton_dialect(question.options.version)
+    if dialect.version != INSTALLED and dialect.version not in BESIDE:
+        raise EngineMissing(
+            f"Newton {dialect.text} is not run here: the environment has 1.3, 1.4, 1.6 and 1.8"
+        )
+    why = unusable()
+    if why is not None:
+        raise EngineMissing(why)
+    frameworks = find()
+    if frameworks is None:
+        raise not_prepared(f"Newton {dialect.text}")
+    beside = BESIDE.get(dialect.version)
+    paths = _paths(question)
+    try:
+        said, torques = frameworks.run_probe(
+            PROBE,
+            {
+                "path": [] if beside is None else [str(frameworks.newton(beside))],
+                "overlay": str(Path(question.main).resolve()),
+                "stage": stage(question, paths),
+                "joints": ["/" + "/".join(paths[joint]) for joint in question.joints],
+                "commands": [a.command.value for a in question.actuators.joints],
+                "step": question.step,
+                "motions": list(motions),
+            },
+            as_arrays(motions),
+        )
+    except EngineError as err:
+        raise EngineRefused(shortened(str(err), 300)) from err
+    if "error" in said:
+        raise EngineRefused(shortened(said["error"], 300))
+    figures = dict(zip(question.joints, said["figures"], strict=True))
+    if not dialect.joint_damping:
+        # Such a release leaves them where they were.
+        kept = ("armature", "frictionloss")
+        figures = {joint: {name: found[name] for name in kept} for joint, found in figures.items()}
+    return EngineAnswer(f"newton {said['version']}", True, torques, figures)
+
+
+def _paths(question: Question) -> dict[str, tuple[str, ...]]:
+    """Where the overlay looks for each joint."""
+    said = Collector()
+    found = lay_out(question.actuators, question.robot, question.options, said)
+    if said.failed:
+        raise EngineRefused(shortened(said.sorted()[0].message, 300))
+    return found.joints
+
+
+def stage(question: Question, paths: dict[str, tuple[str, ...]]) -> str:
+    """A stage with the joints where the overlay looks for them, each between the world and a body of its own.
+
+    It has no numbers: those that the overlay does not set show as Newton's defaults.
+    """
+    tree: dict[str, object] = {}
+    bodies = []
+    for index, actuator in enumerate(question.actuators.joints):
+        *above, name = paths[actuator.joint]
+        node = tree
+        for part in above:
+            inner = node.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise EngineRefused(f"the prim of {actuator.joint} is below another joint's")
+            node = inner
+        hinge = actuator.kind is JointKind.HINGE
+        node[name] = _JOINT.format(
+            kind="PhysicsRevoluteJoint" if hinge else "PhysicsPrismaticJoint",
+            axis="angular" if hinge else "linear",
+            name=name,
+            body=path_text(("ActspecBodies", f"body{index}")),
+        )
+        bodies.append(_BODY.format(name=f"body{index}"))
+    return _HEAD + 'def Scope "ActspecBodies" {\n' + "".join(bodies) + "}\n" + _text(tree)
+
+
+def _text(tree: dict[str, object]) -> str:
+    parts = []
+    for name, node in tree.items():
+        parts.append(f'def Xform "{name}" {{\n{_text(node)}}}\n' if isinstance(node, dict) else str(node))
+    return "".join(parts)

@@ -1,0 +1,118 @@
+"""Static agreement of what is no figure of a joint: which joints there are, in which order, steps, classes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from actspec.audit.dynamics import SETTING_NOUNS
+from actspec.diagnostics import one_line
+from actspec.ir import ActuatorSet
+from actspec.units import format_quantity
+from actspec.verify.agreement import Row
+from actspec.verify.readback import Reading
+from actspec.verify.target import Target, alike
+
+TOLERANCE = 1e-6
+"""Relative difference of equal figures. Source: MuJoCo's own form has six digits; the others have all."""
+
+
+def layout_rows(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+    """Rows of a file's joints, steps, order and settings; see `fields.field_rows`."""
+    yield from _missing(target, actuators, fresh, built)
+    yield from _settings(target, actuators, fresh, built)
+    yield from _order(target, fresh, built)
+    yield from _raw(target, actuators, fresh, built)
+
+
+def driven(joint: str, fresh: Reading, built: Reading) -> bool:
+    """Whether a file has a joint, with a drive where actspec writes one."""
+    if joint not in built.figures:
+        return joint not in fresh.figures
+    return built.controls.get(joint) != "none" or fresh.controls.get(joint) == "none"
+
+
+def figure_text(value: float | None, unit: str) -> str:
+    """A figure with its unit; `none` where there is no limit."""
+    if value is None:
+        return "unknown"
+    if math.isinf(value):
+        return "none"
+    return format_quantity(value, unit) if unit else f"{value:.6g}"
+
+
+def _missing(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+    """Joints that the file does not have, or does not drive, though actspec writes them so."""
+    for members in alike(actuators):
+        gone = [a for a in members if not driven(a.joint, fresh, built)]
+        if gone:
+            had = gone[0].joint in built.figures
+            yield Row(
+                *(target.name, gone[0].group, gone[0].joint, len(gone), "joint", ""),
+                *(None, 0.0, False),
+                code="VFY109",
+                message=f"the file does not {'drive' if had else 'have'} the joint",
+            )
+
+
+def _settings(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+    """What concerns the whole file: its steps."""
+    step, decimation = actuators.physics_dt.value, actuators.decimation
+    spec = {"physics_dt": step, "decimation": None if decimation is None else float(decimation)}
+    spec["control_dt"] = None if step is None or decimation is None else step * decimation
+    for name in dict.fromkeys((*fresh.settings, *built.settings)):
+        expected = spec.get(name)
+        if expected is None:
+            expected = fresh.settings.get(name)
+        got = built.settings.get(name)
+        error = None if expected is None or got is None else abs(got - expected)
+        tolerance = TOLERANCE * abs(expected or 0.0)
+        ok = error is not None and error <= tolerance
+        unit = "" if name == "decimation" else "s"
+        asked, said = figure_text(expected, unit), figure_text(got, unit)
+        message = f"the {SETTING_NOUNS.get(name, name)} is {said}, and should be {asked}"
+        yield Row(
+            *(target.name, "", "", 0, name, unit, error, tolerance, ok, expected, got),
+            code=None if ok else "VFY110",
+            message="" if ok else message,
+        )
+
+
+def _order(target: Target, fresh: Reading, built: Reading) -> Iterator[Row]:
+    """The order of the joints, on which policies and deploy code depend."""
+    if not fresh.order or set(fresh.order) - set(built.order):
+        return
+    kept = tuple(name for name in built.order if name in set(fresh.order))
+    if kept == fresh.order:
+        return
+    wrong = next((a, b) for a, b in zip(fresh.order, kept, strict=False) if a != b)
+    yield Row(
+        *(target.name, "", wrong[0], len(kept), "order", "", None, 0.0, False),
+        code="VFY109",
+        message=f"the order of the joints is another one: {wrong[1]} stands where {wrong[0]} belongs",
+    )
+
+
+def _raw(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+    """Drives and settings that are no number with a unit: class, network, scales."""
+    for members in alike(actuators):
+        wrong: dict[str, list[str]] = {}
+        for actuator in members:
+            joint = actuator.joint
+            if joint not in built.figures or not driven(joint, fresh, built):
+                continue
+            ours, theirs = _written(fresh, joint), _written(built, joint)
+            for name in dict.fromkeys((*ours, *theirs)):
+                if ours.get(name) != theirs.get(name):
+                    wrong.setdefault(name, []).append(joint)
+        for name, joints in wrong.items():
+            asked, got = (_written(reading, joints[0]).get(name) for reading in (fresh, built))
+            yield Row(
+                *(target.name, members[0].group, joints[0], len(joints), name, "", None, 0.0, False),
+                code="VFY110",
+                message=one_line(f"{name} is {got!r}, and should be {asked!r}"),
+            )
+
+
+def _written(reading: Reading, joint: str) -> dict[str, object]:
+    return {"drive": reading.controls.get(joint), **reading.raw.get(joint, {})}

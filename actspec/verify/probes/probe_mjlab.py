@@ -1,0 +1,182 @@
+"""Ask a real mjlab: `probe_mjlab.py JOB.json IN.npz OUT.json OUT.npz`.
+
+Standalone: it runs in the frameworks' environment and imports nothing of actspec.
+
+Job:
+    module: the file with an articulation; it is executed.
+    model: MJCF text of a robot.
+    step: physics step [s].
+    columns: the managed joints, the columns of every array.
+    commands: what each of them is commanded by: position, velocity or effort.
+    motions: names of motions.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column).
+
+Answers: `error` where the file is refused; `figures`: per joint what the compiled model has; arrays `NAME`, what all
+actuators do at each joint in each step, the joints put back before every one.
+"""
+
+from __future__ import annotations
+
+import json
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import numpy as np
+import torch
+
+Array = np.ndarray[Any, Any]
+
+
+class Robot:
+    """An emitted module on a robot.
+
+    Attributes:
+        model: Compiled.
+        joints: The joints that are asked about.
+    """
+
+    def __init__(self, names: dict[str, Any], text: str, joints: list[str], *, sort: bool = False) -> None:
+        self.joints = joints
+        self._articulation = next(v for k, v in names.items() if k.endswith("_ARTICULATION"))
+        self._prepare = names.get("prepare_spec", lambda spec: spec)
+        self._text = text
+        # mjlab 1.0 has no such field.
+        self._more = {"sort_actuators": True} if sort else {}
+        self.model = self.entity().compile()
+
+    def entity(self) -> Any:
+        """A new entity of it."""
+        from mjlab.entity import Entity, EntityCfg
+
+        return Entity(
+            EntityCfg(
+                spec_fn=lambda: self._prepare(mujoco.MjSpec.from_string(self._text)),
+                articulation=self._articulation,
+                **self._more,
+            )
+        )
+
+    @property
+    def actuators(self) -> list[str]:
+        """Names of its actuators, in the model's order."""
+        return [self.model.actuator(i).name for i in range(self.model.nu)]
+
+    def figures(self) -> dict[str, Array]:
+        """What the compiled model has of each joint."""
+        joints = [self.model.joint(name).id for name in self.joints]
+        drives = [self.model.actuator(name).id for name in self.joints]
+        dofs = self.model.jnt_dofadr[joints]
+        return {
+            "armature": self.model.dof_armature[dofs],
+            "frictionloss": self.model.dof_frictionloss[dofs],
+            "damping": self.model.dof_damping[dofs],
+            "forcerange": self.model.actuator_forcerange[drives],
+            "forcelimited": self.model.actuator_forcelimited[drives],
+            "actfrcrange": self.model.jnt_actfrcrange[joints],
+        }
+
+
+class Simulated:
+    """A robot in a simulation on the CPU.
+
+    Args:
+        robot: The robot.
+        commands: What each of its joints is commanded by.
+        step: Physics step [s].
+        count: Environments.
+    """
+
+    def __init__(self, robot: Robot, commands: dict[str, str], step: float, count: int) -> None:
+        from mjlab.sim.sim import MujocoCfg, Simulation, SimulationCfg
+
+        self.robot, self.commands, self.dt, self.count = robot, commands, step, count
+        self.entity = robot.entity()
+        self.model = self.entity.compile()
+        cfg = SimulationCfg(mujoco=MujocoCfg(timestep=step))
+        self.sim = Simulation(num_envs=count, cfg=cfg, model=self.model, device="cpu")
+        self.entity.initialize(self.model, self.sim.model, self.sim.data, "cpu")
+
+    def reset(self) -> None:
+        """Begin an episode."""
+        self.entity.reset()
+
+    def step(self, command: Array, q: Array, qd: Array) -> Array:
+        """Put the joints somewhere, command them, and make one real step; (n_env, n_joint) each.
+
+        Returns: What all actuators together did at each joint, after every clamp [N*m or N].
+        """
+        self._place(torch.tensor(q, dtype=torch.float32), torch.tensor(qd, dtype=torch.float32))
+        self._command(torch.tensor(command, dtype=torch.float32))
+        self.entity.write_data_to_sim()
+        self.sim.step()
+        dofs = [int(self.model.joint(name).dofadr[0]) for name in self.robot.joints]
+        found: Array = self.sim.data.qfrc_actuator[:].cpu().numpy()[:, dofs]
+        self.entity.update(self.dt)
+        return found
+
+    def _place(self, q: torch.Tensor, qd: torch.Tensor) -> None:
+        for column, name in enumerate(self.robot.joints):
+            joint = self.model.joint(name)
+            self.sim.data.qpos[:, int(joint.qposadr[0])] = q[:, column]
+            self.sim.data.qvel[:, int(joint.dofadr[0])] = qd[:, column]
+        self.sim.forward()
+
+    def _command(self, values: torch.Tensor) -> None:
+        ids = {name: i for i, name in enumerate(self.entity.joint_names)}
+        targets = {kind: torch.zeros((self.count, len(ids))) for kind in ("position", "velocity", "effort")}
+        for column, name in enumerate(self.robot.joints):
+            targets[self.commands[name]][:, ids[name]] = values[:, column]
+        self.entity.set_joint_position_target(targets["position"])
+        self.entity.set_joint_velocity_target(targets["velocity"])
+        self.entity.set_joint_effort_target(targets["effort"])
+
+
+def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Every motion."""
+    columns = job["columns"]
+    robot = Robot(runpy.run_path(job["module"]), job["model"], columns)
+    missing = [name for name in columns if name not in robot.actuators]
+    if missing:
+        raise ValueError(f"{missing[0]} has no actuator")
+    commands = dict(zip(columns, job["commands"], strict=True))
+    held = robot.figures()
+    figures = {
+        name: {
+            key: float(held[of][i])
+            for key, of in (
+                ("armature", "armature"),
+                ("frictionloss", "frictionloss"),
+                ("joint_damping", "damping"),
+            )
+        }
+        for i, name in enumerate(columns)
+    }
+    out = {}
+    for name in job["motions"]:
+        command, q, qd = (arrays[f"{name}/{part}"] for part in ("command", "q", "qd"))
+        simulated = Simulated(robot, commands, job["step"], q.shape[1])
+        # Lags that are drawn are the same each time.
+        torch.manual_seed(0)
+        simulated.reset()
+        out[name] = np.stack([simulated.step(*now) for now in zip(command, q, qd, strict=True)])
+    return {"figures": figures}, out
+
+
+def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
+    """Answer a job; what mjlab refuses is told."""
+    job = json.loads(Path(job_path).read_text(encoding="utf-8"))
+    with np.load(arrays_path) as found:
+        arrays = {key: found[key] for key in found.files}
+    try:
+        said, out = run(job, arrays)
+    except Exception as err:  # whatever the package or the file says is the answer
+        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
+    Path(said_path).write_text(json.dumps(said), encoding="utf-8")
+    np.savez(out_path, **out)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

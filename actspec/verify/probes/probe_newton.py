@@ -1,0 +1,156 @@
+"""Ask a real Newton: `probe_newton.py JOB.json IN.npz OUT.json OUT.npz`.
+
+Standalone: it runs in the frameworks' environment and imports nothing of actspec.
+
+Job:
+    path: folders for sys.path, before all others: an older release.
+    overlay: the `.usda` that is laid on the stage.
+    stage: text of the stage.
+    joints: prims of the managed joints, the columns of every array.
+    commands: what each of them is commanded by: position, velocity or effort.
+    step: physics step [s].
+    motions: names of motions.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column).
+
+Answers: `error` where the overlay is refused; `version`; `figures`: per column what the model has of the joint; arrays
+`NAME`, what all actuators do at each joint in each step.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import warnings
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+
+FIGURES = {
+    "joint_armature": "armature",
+    "joint_friction": "frictionloss",
+    "joint_damping": "joint_damping",
+    "joint_velocity_limit": "velocity_limit",
+}
+"""Array of a model to what it is."""
+
+
+class Rig:
+    """A model whose joints are put where they are wanted.
+
+    Args:
+        model: With its actuators.
+        joints: Prims of the joints.
+        commands: What each is commanded by.
+        step: Physics step [s].
+    """
+
+    def __init__(self, model: Any, joints: list[str], commands: list[str], step: float) -> None:
+        self.model, self.commands, self.step = model, np.array(commands), step
+        labels = list(getattr(model, "joint_label", None) or model.joint_key)
+        at = [labels.index(path) for path in joints]
+        self.dofs = np.array([int(model.joint_qd_start.numpy()[i]) for i in at])
+        self.coords = np.array([int(model.joint_q_start.numpy()[i]) for i in at])
+        self.state, self.control = model.state(), model.control()
+        first = model.actuators[0]
+        self.names = {
+            "position": first.control_target_pos_attr or "joint_target_pos",
+            "velocity": first.control_target_vel_attr or "joint_target_vel",
+            "effort": first.control_feedforward_attr,
+        }
+
+    def figures(self) -> list[dict[str, float]]:
+        """What the model has of each joint."""
+        found = {key: getattr(self.model, name).numpy()[self.dofs] for name, key in FIGURES.items()}
+        return [{key: float(values[i]) for key, values in found.items()} for i in range(len(self.dofs))]
+
+    def states(self) -> list[tuple[Any, Any]]:
+        """What each actuator remembers, before the first step."""
+        return [(actuator.state(), actuator.state()) for actuator in self.model.actuators]
+
+    def torque(
+        self, states: list[tuple[Any, Any]], command: Array, q: Array, qd: Array
+    ) -> tuple[Array, list[tuple[Any, Any]]]:
+        """One step of every actuator at a state; torques of the joints, and what they remember then."""
+        self._put(command, q, qd)
+        self.control.joint_f.zero_()
+        after = []
+        for actuator, (now, then) in zip(self.model.actuators, states, strict=True):
+            actuator.step(self.state, self.control, now, then, dt=self.step)
+            after.append((then, now))
+        return self.control.joint_f.numpy()[self.dofs].astype(np.float64), after
+
+    def _put(self, command: Array, q: Array, qd: Array) -> None:
+        _write(self.state.joint_q, self.coords, q)
+        _write(self.state.joint_qd, self.dofs, qd)
+        for kind, attribute in self.names.items():
+            mine = self.commands == kind
+            if not mine.any():
+                continue
+            target = getattr(self.control, attribute)
+            # A position target has a place for each coordinate, or in older releases for each degree of freedom.
+            whole = len(target) == self.model.joint_coord_count and kind == "position"
+            _write(target, (self.coords if whole else self.dofs)[mine], command[mine])
+
+
+def _write(array: Any, places: Array, values: Array) -> None:
+    """Set some elements of a warp array."""
+    whole = array.numpy().copy()
+    whole[places] = values
+    array.assign(whole)
+
+
+def composed(stage: str, overlay: str) -> Any:
+    """A stage with the overlay as its session's layer, as the overlay's head says."""
+    from pxr import Usd
+
+    with open("stage.usda", "w", encoding="utf-8") as file:
+        file.write(stage)
+    opened = Usd.Stage.Open("stage.usda")
+    opened.GetSessionLayer().subLayerPaths.append(os.path.abspath(overlay))
+    return opened
+
+
+def run(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Every motion."""
+    import newton
+    import warp
+
+    warp.config.quiet = True
+    builder = newton.ModelBuilder()
+    builder.add_usd(composed(job["stage"], job["overlay"]))
+    rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], job["step"])
+    out = {}
+    for name in job["motions"]:
+        command, q, qd = (arrays[f"{name}/{part}"] for part in ("command", "q", "qd"))
+        out[name] = np.empty(q.shape)
+        for env in range(q.shape[1]):
+            states = rig.states()
+            for k in range(len(q)):
+                torque, states = rig.torque(states, command[k, env], q[k, env], qd[k, env])
+                out[name][k, env] = torque
+    return {"version": newton.__version__, "figures": rig.figures()}, out
+
+
+def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
+    """Answer a job; what Newton refuses is told."""
+    with open(job_path, encoding="utf-8") as file:
+        job = json.load(file)
+    with np.load(arrays_path) as found:
+        arrays = {key: found[key] for key in found.files}
+    # Before `newton`: an older release stands beside the installed one.
+    sys.path[:0] = job["path"]
+    warnings.simplefilter("ignore")
+    try:
+        said, out = run(job, arrays)
+    except Exception as err:  # whatever Newton says of the overlay is the answer
+        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
+    with open(said_path, "w", encoding="utf-8") as file:
+        json.dump(said, file)
+    np.savez(out_path, **out)  # type: ignore[arg-type]  # numpy's stub takes them for allow_pickle
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,379 @@
+"""What written files say of each joint, read back without running them: by the audit's readers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, FileReading, Framework, RandomizedRange
+from actspec.audit.case import Case, Robot, Versions
+from actspec.audit.dynamics import Figure, JointDynamics, dynamics_of
+from actspec.audit.isaaclab_friction import Meaning, friction_meaning
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.pair import matching
+from actspec.audit.read import read_files
+from actspec.audit.rows.config import rows_of_config
+from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
+from actspec.diagnostics import Span
+from actspec.ir import ActuatorSet, JointActuator
+from actspec.robot.view import ActuatorView, ModelFormat, RobotView
+from actspec.targets.base import TargetOptions
+
+NO_LIMIT = 1e9
+"""A limit from which on a cfg means that there is none. Source: Isaac Lab's and actspec's own stand-ins."""
+
+ABSENT = {
+    "delay_low": 0.0,
+    "delay_high": 0.0,
+    "encoder_bias": 0.0,
+    "default_position": 0.0,
+    "filter_cutoff": math.inf,
+    "command_low": -math.inf,
+    "command_high": math.inf,
+    "stall_torque": math.inf,
+    "no_load_speed": math.inf,
+    "curve.drive_torque": math.inf,
+    "curve.brake_torque": math.inf,
+    "curve.knee_speed": math.inf,
+}
+"""What a field is where there is no such thing: no delay, no filter, no clamp, no line; a joint that no pose names."""
+
+_UNITS = {"delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
+
+Figures = Mapping[str, Mapping[str, Figure]]
+"""Joint to field to what is said of it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One file, read back.
+
+    Attributes:
+        path: The file.
+        reason: Why it cannot be read; None: it was.
+        refusal: Why MuJoCo does not take it, whose numbers are then the text's; None: it does, or was not asked.
+        figures: Of each joint that has any.
+        order: Joints in the file's order: of its actuators where it has some.
+        controls: Joint to what drives it.
+        settings: Of the whole file: `physics_dt` [s] and others.
+        raw: Joint to settings of its cfg that are no figure: texts, lists, networks' scales.
+        gears: Joint to the gear of its actuator (MJCF).
+        ranges: Its randomisation.
+    """
+
+    path: str
+    reason: str | None = None
+    refusal: str | None = None
+    figures: Figures = field(default_factory=dict)
+    order: tuple[str, ...] = ()
+    controls: Mapping[str, str] = field(default_factory=dict)
+    settings: Mapping[str, float] = field(default_factory=dict)
+    raw: Mapping[str, Mapping[str, object]] = field(default_factory=dict)
+    gears: Mapping[str, float] = field(default_factory=dict)
+    ranges: tuple[RandomizedRange, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Asked:
+    """A file to read back, and which target's it is."""
+
+    path: str
+    options: TargetOptions
+
+
+def read_back(asked: Sequence[Asked], actuators: ActuatorSet, robot: RobotView) -> tuple[Reading, ...]:
+    """Read files of targets, all in a few processes of their own.
+
+    Args:
+        asked: The files.
+        actuators: What the spec asks for; its joints and step are those of a cfg.
+        robot: The robot, likewise.
+
+    Returns: One reading for each, in their order.
+    """
+    paths = list(dict.fromkeys(one.path for one in asked))
+    found = {reading.path: reading for reading in read_files(paths)} if paths else {}
+    return tuple(_reading(found[one.path], one.options, actuators, robot) for one in asked)
+
+
+def spec_figures(actuators: ActuatorSet, path: str) -> Figures:
+    """What the spec says, in the words of `read_back`.
+
+    Args:
+        actuators: The spec, resolved.
+        path: Of the spec, for places.
+    """
+    artifact = Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators)
+    case = _case((artifact,), rows_of_spec(artifact, 0), Versions())
+    dynamics = dynamics_of(case, 0)
+    found = {}
+    for actuator in actuators.joints:
+        figures = dict(dynamics.joints[actuator.joint].figures)
+        figures.update(_of_spec(actuator, path))
+        found[actuator.joint] = figures
+    return found
+
+
+def _of_spec(actuator: JointActuator, path: str) -> Iterator[tuple[str, Figure]]:
+    """What a spec says beyond the audit's figures; what is not there as what it amounts to."""
+
+    def figure(name: str, value: float | None, unit: str = "") -> tuple[str, Figure]:
+        place = actuator.span or Span(path)
+        return name, Figure(value, _UNITS.get(name, unit), place, True)
+
+    delay = actuator.delay
+    yield figure("delay_low", 0.0 if delay is None else delay.low)
+    yield figure("delay_high", 0.0 if delay is None else delay.high)
+    bias = actuator.encoder_bias
+    yield figure("encoder_bias", bias.value, bias.unit)
+    cutoff = actuator.filter_cutoff
+    yield figure("filter_cutoff", math.inf if cutoff is None else cutoff.value)
+    ends = actuator.command_range
+    for name, index, nothing in (("command_low", 0, -math.inf), ("command_high", 1, math.inf)):
+        known = ends is not None and ends[index].value is not None
+        yield figure(name, ends[index].value if ends is not None and known else nothing)
+    torque, speed = actuator.effort_limit.unit, actuator.velocity_limit.unit
+    curve = actuator.curve
+    if curve is not None:
+        yield figure("curve.drive_torque", curve.drive_torque.value, torque)
+        yield figure("curve.brake_torque", curve.brake_torque.value, torque)
+        yield figure("curve.knee_speed", curve.knee_speed.value, speed)
+        yield figure("no_load_speed", curve.no_load_speed.value, speed)
+        yield figure("stall_torque", math.inf, torque)
+        return
+    for name in ("curve.drive_torque", "curve.brake_torque"):
+        yield figure(name, math.inf, torque)
+    yield figure("curve.knee_speed", math.inf, speed)
+    line = actuator.stall_torque, actuator.no_load_speed
+    for name, quantity, unit in zip(("stall_torque", "no_load_speed"), line, (torque, speed), strict=True):
+        yield figure(name, math.inf if quantity is None else quantity.value, unit)
+
+
+def _reading(
+    reading: FileReading, options: TargetOptions, actuators: ActuatorSet, robot: RobotView
+) -> Reading:
+    if reading.reason is not None:
+        return Reading(reading.path, reading.reason)
+    kind = {ModelFormat.MJCF: FileKind.MJCF, ModelFormat.URDF: FileKind.URDF}.get(robot.format)
+    spec = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
+    partners = [spec] if kind is None else [Artifact(robot.path, kind, robot.name, robot=robot), spec]
+    versions = versions_of(options)
+    best = Reading(reading.path, "it has no robot")
+    for artifact in reading.artifacts:
+        rows = (
+            rows_of_robot(artifact, 0)
+            if artifact.robot is not None
+            else rows_of_config(artifact, 0, partners, versions)
+        )
+        dynamics = dynamics_of(_case((artifact,), rows, versions), 0)
+        figures, raw = {}, {}
+        for name, joint in dynamics.joints.items():
+            own = [row for row in rows if row.joint == name]
+            figures[name] = _complete(artifact, own, joint, options, actuators)
+            raw[name] = dict(_raw(artifact, own))
+        found = Reading(
+            path=reading.path,
+            refusal=artifact.text_only,
+            figures=figures,
+            order=_order(artifact, tuple(figures)),
+            controls={name: joint.control for name, joint in dynamics.joints.items()},
+            settings={name: value for name, value in dynamics.settings.items() if isinstance(value, float)},
+            raw=raw,
+            gears=_gears(artifact),
+            ranges=artifact.config.randomize if artifact.config is not None else (),
+        )
+        if best.reason is not None or len(found.figures) > len(best.figures):
+            best = found
+    return best
+
+
+def versions_of(options: TargetOptions) -> Versions:
+    """What a target's files are meant for, in the audit's words."""
+    from actspec.targets.isaaclab.versions import isaaclab_dialect
+
+    if options.kind == "mujoco":
+        return Versions(mujoco=options.version)
+    if options.kind == "mjlab":
+        return Versions(mjlab=options.version)
+    if options.kind == "isaaclab":
+        dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+        return Versions(isaaclab=options.version, isaac_sim=dialect.sim_text, backend=dialect.backend)
+    return Versions()
+
+
+def _case(artifacts: tuple[Artifact, ...], rows: tuple[LedgerRow, ...], versions: Versions) -> Case:
+    return Case((), artifacts, rows, (Robot("", tuple(range(len(artifacts)))),), versions)
+
+
+def _complete(
+    artifact: Artifact,
+    rows: Sequence[LedgerRow],
+    joint: JointDynamics,
+    options: TargetOptions,
+    actuators: ActuatorSet,
+) -> dict[str, Figure]:
+    """A joint's figures with those that the audit does not compare, and one for all that is passive."""
+    found = dict(joint.figures)
+    damping, more = found.get("joint_damping"), found.get("actuator_damping")
+    if damping is not None and damping.value is not None and more is not None and more.value:
+        found["joint_damping"] = replace(damping, value=damping.value + more.value)
+    if artifact.robot is not None:
+        found.update(_of_model(artifact.robot, joint))
+    elif artifact.config is not None and rows:
+        found.update(_of_config(artifact, rows[0], options, actuators, found))
+    return found
+
+
+def _of_model(robot: RobotView, joint: JointDynamics) -> Iterator[tuple[str, Figure]]:
+    if robot.format is not ModelFormat.MJCF:
+        return
+    drives = [drive for drive in robot.actuators if drive.target == joint.joint]
+    delay = joint.figures.get("delay")
+    value = 0.0 if delay is None or delay.value is None else delay.value
+    place = joint.place if delay is None else delay.place
+    yield "delay_low", Figure(value, "s", place, True)
+    yield "delay_high", Figure(value, "s", place, True)
+    for drive in drives[:1]:
+        yield "encoder_bias", Figure(_bias(drive), "", drive.span, True)
+
+
+def _bias(drive: ActuatorView) -> float:
+    """What a constant force of a position drive amounts to at its encoder [rad or m]."""
+    if drive.control != "position" or not drive.kp:
+        return 0.0
+    return -drive.offset * drive.gear / drive.kp
+
+
+_SETTINGS: dict[Framework, dict[str, str]] = {
+    Framework.ISAACLAB: {
+        "stall_torque": "stall_torque",
+        "no_load_speed": "no_load_speed",
+        "drive_torque": "curve.drive_torque",
+        "brake_torque": "curve.brake_torque",
+        "knee_speed": "curve.knee_speed",
+        "encoder_bias": "encoder_bias",
+        "command_low": "command_low",
+        "command_high": "command_high",
+        "filter_cutoff": "filter_cutoff",
+        "joint_effort_limit": "solver_effort_limit",
+    },
+    Framework.MJLAB: {},
+    Framework.DEPLOY: {
+        name: name
+        for name in (
+            "position_low",
+            "position_high",
+            "command_low",
+            "command_high",
+            "delay",
+            "delay_low",
+            "delay_high",
+        )
+    },
+}
+"""Settings of a cfg, where no ledger row has them, to fields."""
+
+_STEPS = {
+    "min_delay": "delay_low",
+    "max_delay": "delay_high",
+    "delay_min_lag": "delay_low",
+    "delay_max_lag": "delay_high",
+}
+"""Settings in physics steps to fields in seconds."""
+
+_READ = {
+    "stiffness",
+    "damping",
+    "armature",
+    "friction",
+    "dynamic_friction",
+    "viscous_friction",
+    "frictionloss",
+    "viscous_damping",
+    "saturation_effort",
+    "effort_limit",
+    "velocity_limit",
+    "effort_limit_sim",
+    "velocity_limit_sim",
+    "actuator_effort_limit",
+    "actuator_velocity_limit",
+    "joint_velocity_limit",
+    "kp",
+    "kd",
+    "joint_damping",
+    "default_position",
+    "action_scale",
+    *_STEPS,
+    *(name for settings in _SETTINGS.values() for name in settings),
+}
+"""Settings that are in a figure."""
+
+
+def _of_config(
+    artifact: Artifact,
+    row: LedgerRow,
+    options: TargetOptions,
+    actuators: ActuatorSet,
+    found: Mapping[str, Figure],
+) -> Iterator[tuple[str, Figure]]:
+    config, group = artifact.config, _group(artifact, row)
+    if config is None or group is None:
+        return
+    step = actuators.physics_dt.require()
+    for name, field_ in _SETTINGS.get(config.framework, {}).items():
+        value = _number(config.framework, group, name, row.joint)
+        if value is not None:
+            yield field_, Figure(value, _UNITS.get(field_, ""), group.settings[name].span, True)
+    for name, field_ in _STEPS.items():
+        value = _number(config.framework, group, name, row.joint)
+        if value is not None:
+            yield field_, Figure(value * step, "s", group.settings[name].span, True)
+    for name in ("stall_torque", "no_load_speed"):
+        figure = found.get(name)
+        if figure is not None and figure.value is not None and figure.value >= NO_LIMIT:
+            yield name, replace(figure, value=math.inf)
+    if config.framework is Framework.ISAACLAB and friction_meaning(versions_of(options)) is Meaning.EFFORT:
+        value = _number(config.framework, group, "friction", row.joint)
+        if value is not None:
+            yield "friction_static", Figure(value, "", group.settings["friction"].span, True)
+
+
+def _group(artifact: Artifact, row: LedgerRow) -> ActuatorGroup | None:
+    groups = artifact.config.groups if artifact.config is not None else ()
+    return next((g for g in groups if (g.name, g.span) == (row.actuator, row.span)), None)
+
+
+def _number(framework: Framework, group: ActuatorGroup, name: str, joint: str) -> float | None:
+    """A setting's number for a joint; None where there is none."""
+    setting = group.settings.get(name)
+    if setting is None or setting.unknown is not None:
+        return None
+    value: object = setting.value
+    if isinstance(value, Mapping):
+        value = next((n for key, n in value.items() if matching(framework, str(key), (joint,))), None)
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+def _raw(artifact: Artifact, rows: Sequence[LedgerRow]) -> Iterator[tuple[str, object]]:
+    """Settings of a joint's cfg that are in no figure, and its class."""
+    for row in rows:
+        group = _group(artifact, row)
+        if group is None:
+            continue
+        yield "class", group.cls
+        for name, setting in group.settings.items():
+            if name not in _READ and setting.unknown is None:
+                yield name, setting.value
+
+
+def _order(artifact: Artifact, joints: tuple[str, ...]) -> tuple[str, ...]:
+    if artifact.robot is not None and artifact.robot.actuators:
+        return tuple(actuator.target for actuator in artifact.robot.actuators)
+    return joints
+
+
+def _gears(artifact: Artifact) -> dict[str, float]:
+    if artifact.robot is None:
+        return {}
+    return {actuator.target: actuator.gear for actuator in artifact.robot.actuators}

@@ -1,0 +1,167 @@
+"""Single releases, fetched by pip and unpacked: MuJoCo of a version beside the installed one.
+
+    folder = prepare("mujoco", "3.11.0")      # to put on PYTHONPATH
+
+What is unpacked is kept in one folder, and appears there whole or not at all.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import tempfile
+import zipfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from functools import cache
+from pathlib import Path
+
+TIMEOUT = 300
+"""Seconds for one download."""
+
+MUJOCO = {
+    (3, 2): "3.2.7",
+    (3, 3): "3.3.7",
+    (3, 4): "3.4.0",
+    (3, 5): "3.5.0",
+    (3, 6): "3.6.0",
+    (3, 7): "3.7.0",
+    (3, 8): "3.8.1",
+    (3, 9): "3.9.0",
+    (3, 10): "3.10.0",
+    (3, 11): "3.11.0",
+    (3, 12): "3.12.0",
+    (3, 13): "3.13.0",
+    (3, 14): "3.14.0",
+    (3, 15): "3.15.0",
+    (3, 16): "3.16.0",
+    (3, 17): "3.17.0",
+    (4, 0): "4.0.0",
+}
+"""Version of a target to the release that stands for it, the last of its number."""
+
+
+class EngineUnavailableError(Exception):
+    """A release cannot be had here; the message says why."""
+
+
+class EngineError(Exception):
+    """A release refused the model or the job; the message is its own."""
+
+
+def cache_folder() -> Path:
+    """Where engines are kept: ACTSPEC_ENGINES, else `~/.cache/actspec/engines`."""
+    return Path(os.environ.get("ACTSPEC_ENGINES") or Path.home() / ".cache" / "actspec" / "engines")
+
+
+def release_folder(project: str, version: str, folder: Path | None = None) -> Path:
+    """Where a release lies once it is prepared, for this Python and platform.
+
+    Args:
+        project: Name of the distribution.
+        version: Its version.
+        folder: Where releases are kept; default `cache_folder()`.
+    """
+    name = f"{project}-{version}-{sysconfig.get_platform()}-{sys.implementation.cache_tag}"
+    return (folder or cache_folder()) / name
+
+
+def prepare(project: str, version: str, folder: Path | None = None) -> Path:
+    """Fetch and unpack a release, without what it depends on, unless it is there already.
+
+    Args:
+        project: Name of the distribution.
+        version: Its version.
+        folder: Where to keep it; default `cache_folder()`.
+
+    Returns: The folder to put on PYTHONPATH.
+    Raises: EngineUnavailableError: no wheel for this Python and platform, or no registry.
+    """
+    got = _attempt(project, version, folder or cache_folder())
+    if isinstance(got, str):
+        raise EngineUnavailableError(got)
+    return got
+
+
+@cache
+def _attempt(project: str, version: str, folder: Path) -> Path | str:
+    """The unpacked release, or why there is none: a registry that said no is not asked again."""
+    made = release_folder(project, version, folder)
+    if made.is_dir():
+        return made
+    folder.mkdir(parents=True, exist_ok=True)
+    with locked(folder / f"{made.name}.lock"):
+        if not made.is_dir():
+            work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=folder))
+            try:
+                _unpack(project, version, work)
+                # The rename is the sign that it is whole: a killed run leaves only the work folder.
+                (work / "unpacked").rename(made)
+            except EngineUnavailableError as err:
+                return str(err)
+            finally:
+                shutil.rmtree(work, ignore_errors=True)
+    return made
+
+
+@contextmanager
+def locked(path: Path) -> Iterator[None]:
+    """Hold a file's lock; the system lets go of it when the process dies."""
+    with open(path, "w", encoding="utf-8") as file:
+        if os.name == "posix":
+            import fcntl
+
+            fcntl.flock(file, fcntl.LOCK_EX)
+        yield
+
+
+def pip(python: str | Path) -> list[str]:
+    """The command of an interpreter's pip, which asks nothing and says only what went wrong."""
+    return [str(python), "-m", "pip", "--quiet", "--disable-pip-version-check", "--no-input"]
+
+
+def run(command: Sequence[str], what: str, timeout: float) -> None:
+    """Run a command of an installation.
+
+    Args:
+        command: Program and arguments.
+        what: What is installed, for messages.
+        timeout: [s].
+
+    Raises: EngineUnavailableError: it failed, with the last error that it told.
+    """
+    try:
+        done = subprocess.run(
+            command,
+            check=False,
+            capture_output=True,
+            text=True,
+            timeout=timeout,
+            stdin=subprocess.DEVNULL,
+            env={**os.environ, "PYTHONPATH": ""},
+        )
+    except subprocess.TimeoutExpired as err:
+        raise EngineUnavailableError(f"{what}: not done after {timeout:g} s") from err
+    if done.returncode:
+        last = ([line for line in done.stderr.splitlines() if line.startswith("ERROR")] or [done.stderr])[-1]
+        raise EngineUnavailableError(f"{what}: {last.strip()[:300]}")
+
+
+def _unpack(project: str, version: str, work: Path) -> None:
+    wheels = work / project
+    command = [*pip(sys.executable), "download", "--no-deps", "--only-binary=:all:", "--dest", str(wheels)]
+    run([*command, f"{project}=={version}"], f"{project} {version}", TIMEOUT)
+    found = sorted(wheels.glob("*.whl"))
+    if not found:
+        raise EngineUnavailableError(f"{project} {version}: pip left no wheel")
+    with zipfile.ZipFile(found[0]) as wheel:
+        wheel.extractall(work / "unpacked")
+        metadata = next(n for n in wheel.namelist() if n.endswith(".dist-info/METADATA"))
+        header = wheel.read(metadata).decode("utf-8").split("\n\n", 1)[0]
+    # From 4.0 the `mujoco` wheel is a shell: the engine is in mujoco-core.
+    for core in re.findall(r"^Requires-Dist: mujoco-core==([\d.]+)", header, re.MULTILINE):
+        _unpack("mujoco-core", core, work)

@@ -1,0 +1,261 @@
+"""Verify targets: read their files back, ask their engines, and say what agrees.
+
+Checks are functions that take the verified targets and give rows; another one is added in `verify`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from importlib import import_module
+from pathlib import Path
+
+from actspec.audit.dynamics import Figure
+from actspec.diagnostics import Collector, Span
+from actspec.ir import ActuatorSet
+from actspec.robot.view import RobotView
+from actspec.targets.base import Emission, TargetOptions
+from actspec.verify.agreement import Agreement, Row, Skip
+from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Question
+from actspec.verify.fields import broken, engine_rows, field_rows, without_repeats
+from actspec.verify.motion import Motion, motions
+from actspec.verify.orders import order_rows
+from actspec.verify.readback import Asked, Reading, read_back, spec_figures
+from actspec.verify.target import Target, VerifyError
+from actspec.verify.torque import Laws, law_skips, laws_of, torque_rows
+
+ENGINES = {
+    "mujoco": "actspec.verify.engines.mujoco",
+    "isaaclab": "actspec.verify.engines.isaaclab",
+    "mjlab": "actspec.verify.engines.mjlab",
+    "newton": "actspec.verify.engines.newton",
+}
+"""Kind of target to the module whose `ask` runs its engine; the other kinds have none."""
+
+NO_ENGINE = {
+    "urdf": "a URDF describes joints, and no drive that could give a torque",
+    "deploy": "the file is read by the robot's own software",
+    "randomization": "ranges have no torque",
+}
+"""Why a kind has none."""
+
+READ = ("mujoco", "isaaclab", "mjlab", "deploy", "urdf")
+"""Kinds whose main file is read back joint by joint."""
+
+Told = EngineAnswer | EngineMissing | EngineRefused
+"""What came of asking an engine."""
+
+
+def verify(
+    actuators: ActuatorSet,
+    robot: RobotView,
+    targets: Sequence[Target],
+    *,
+    spec: str,
+    engines: bool = True,
+    progress: Callable[[int, int], None] | None = None,
+) -> Agreement:
+    """Verify targets against the spec that they are compiled from.
+
+    Args:
+        actuators: What the spec asks for, resolved.
+        robot: Its robot.
+        targets: Their files, which are there.
+        spec: Path of the spec, for places.
+        engines: Ask the engines too; files are only read back without.
+        progress: Called with how many steps are done, of how many.
+    """
+    from actspec.verify.ranges import range_rows
+
+    done = 0
+
+    def step() -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(done, len(targets) + 1)
+
+    readings = _read(targets, actuators, robot)
+    step()
+    laws = laws_of(actuators)
+    moves: Mapping[str, Motion] = {}
+    if engines and laws.laws:
+        joints = [actuator for actuator in actuators.joints if actuator.joint in laws.laws]
+        moves = motions(list(laws.laws.values()), joints, actuators.physics_dt.require())
+    asked = spec_figures(actuators, spec)
+    rows: list[Row] = []
+    skipped: list[Skip] = []
+    told = _ask(targets, readings, actuators, robot, laws, moves, step) if engines else {}
+    for target in targets:
+        fresh, built = readings.get(target.name, (None, None))
+        if engines:
+            found, missed = _torques(target, actuators, asked, laws, moves, told.get(target.name), fresh)
+            rows += found
+            skipped += missed
+        if fresh is not None and built is not None:
+            rows += field_rows(target, actuators, asked, fresh, built)
+            if target.options.kind == "deploy" and built.reason is None:
+                rows += order_rows(target)
+        elif target.options.kind == "randomization":
+            rows += range_rows(target, actuators, robot)
+        elif not isinstance(told.get(target.name), EngineAnswer):
+            found, missed = _unread(target)
+            rows += found
+            skipped += missed
+    losses = tuple(loss for target in targets for loss in target.losses)
+    return Agreement(without_repeats(rows), tuple(skipped), losses)
+
+
+def lay_out(emitted: Sequence[tuple[TargetOptions, Emission]], built: str | None) -> tuple[Target, ...]:
+    """Write what was compiled to the targets' folders, and say which files are verified.
+
+    Args:
+        emitted: Each target with what was made for it.
+        built: Folder with the files to verify, each target's below its name, or one target's own; None: those
+            that are written.
+
+    Raises: VerifyError: a file is not there.
+    """
+    collector = Collector()
+    found = []
+    for options, emission in emitted:
+        for written in emission.files:
+            path = os.path.join(options.folder, written.path)
+            os.makedirs(os.path.dirname(path), exist_ok=True)
+            with open(path, "wb") as stream:
+                stream.write(written.data)
+        files = tuple(file.path for file in emission.files)
+        folder = options.folder
+        if built is not None:
+            folder = os.path.join(built, options.name)
+            if len(emitted) == 1 and not os.path.isdir(folder):
+                folder = built
+            for file in files:
+                path = os.path.join(folder, file)
+                if not os.path.isfile(path):
+                    collector.error(
+                        "VFY001",
+                        "there is no such file, and the spec compiles to it",
+                        where=f"targets.{options.name}",
+                        span=Span(path),
+                        help=f"write it with `actspec compile -o {built}`, or leave the target out with --target",
+                    )
+        found.append(Target(options, folder, options.folder, files, emission.approximations))
+    collector.raise_if_failed(VerifyError)
+    return tuple(found)
+
+
+def relative(agreement: Agreement, folder: str) -> Agreement:
+    """The same with paths below a folder that is about to go written from there.
+
+    Args:
+        agreement: Of `verify`.
+        folder: The folder that `compile` was told.
+    """
+    start = folder + os.sep
+
+    def shown(row: Row) -> Row:
+        place = row.place
+        if place is not None:
+            place = replace(place, path=place.path.removeprefix(start))
+        return replace(row, place=place, message=row.message.replace(start, ""))
+
+    return replace(agreement, rows=tuple(map(shown, agreement.rows)))
+
+
+def _read(
+    targets: Sequence[Target], actuators: ActuatorSet, robot: RobotView
+) -> dict[str, tuple[Reading, Reading]]:
+    """What actspec writes for each target, and what is verified, read back."""
+    chosen = [target for target in targets if target.options.kind in READ]
+    asked = []
+    for target in chosen:
+        asked += [
+            Asked(os.path.join(folder, target.files[0]), target.options)
+            for folder in (target.fresh, target.folder)
+        ]
+    found = read_back(asked, actuators, robot)
+    return {target.name: (found[2 * i], found[2 * i + 1]) for i, target in enumerate(chosen)}
+
+
+def _ask(
+    targets: Sequence[Target],
+    readings: Mapping[str, tuple[Reading, Reading]],
+    actuators: ActuatorSet,
+    robot: RobotView,
+    laws: Laws,
+    moves: Mapping[str, Motion],
+    step: Callable[[], None],
+) -> dict[str, Told]:
+    """Ask the engines, each in a process of its own, as many at once as there are cores."""
+    from actspec.audit.workers import cores
+
+    if not moves:
+        return {}
+    known = replace(actuators, joints=tuple(a for a in actuators.joints if a.joint in laws.laws))
+    found: dict[str, Told] = {}
+    with ThreadPoolExecutor(max_workers=cores()) as pool:
+        futures = {}
+        for target in targets:
+            if target.options.kind not in ENGINES:
+                continue
+            refusal = readings[target.name][1].refusal if target.name in readings else None
+            question = Question(target.options, target.folder, target.files, known, robot, refusal)
+            futures[target.name] = pool.submit(_answer, question, moves)
+        for name, future in futures.items():
+            found[name] = future.result()
+            step()
+    return found
+
+
+def _answer(question: Question, moves: Mapping[str, Motion]) -> Told:
+    try:
+        answer: EngineAnswer = import_module(ENGINES[question.options.kind]).ask(question, moves)
+    except (EngineMissing, EngineRefused) as err:
+        return err
+    return answer
+
+
+def _torques(
+    target: Target,
+    actuators: ActuatorSet,
+    asked: Mapping[str, Mapping[str, Figure]],
+    laws: Laws,
+    moves: Mapping[str, Motion],
+    told: Told | None,
+    fresh: Reading | None,
+) -> tuple[list[Row], list[Skip]]:
+    """Rows and skips of one target's engine."""
+    kind = target.options.kind
+    if kind not in ENGINES:
+        return [], [Skip(target.name, "", "torque", NO_ENGINE.get(kind, "actspec knows no engine for it"))]
+    skipped = list(law_skips(target, laws))
+    if told is None:
+        return [], skipped
+    if isinstance(told, EngineMissing):
+        return [], [*skipped, Skip(target.name, "", "torque", told.reason, told.help, told.setup)]
+    if isinstance(told, EngineRefused):
+        return [broken(target, f"its simulator refuses the file: {told}", kind)], skipped
+    rows = list(torque_rows(target, actuators, laws, moves, told))
+    written = fresh or Reading(target.path(target.files[0]))
+    rows += engine_rows(target, actuators, asked, written, told.figures, told.engine)
+    return rows, skipped
+
+
+def _unread(target: Target) -> tuple[list[Row], list[Skip]]:
+    """A file that nobody but its engine reads, which was not asked: it is right only as actspec writes it."""
+    ours, theirs = (Path(folder, target.files[0]) for folder in (target.fresh, target.folder))
+    try:
+        same = ours.read_bytes() == theirs.read_bytes()
+    except OSError as err:
+        return [broken(target, f"{theirs} cannot be read: {err.strerror}")], []
+    if same:
+        return [], [
+            Skip(target.name, "", "fields", "the file is as actspec writes it; its engine alone reads it")
+        ]
+    row = broken(
+        target, f"{theirs} is not what actspec writes, and its engine, which alone reads it, was not asked"
+    )
+    return [replace(row, code="VFY110")], []

@@ -1,0 +1,237 @@
+"""Torque agreement: what an engine computes against the law, over the grid of error, velocity and history."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import shortened
+from actspec.ir import ActuatorSet, Command, JointActuator, Level
+from actspec.laws import TorqueLaw, law_of
+from actspec.targets.base import Approximation
+from actspec.targets.isaaclab.versions import isaaclab_dialect
+from actspec.verify.agreement import At, Row, Skip, keys
+from actspec.verify.engines.question import EngineAnswer
+from actspec.verify.expected import lags, torques
+from actspec.verify.motion import Motion, limit_of
+from actspec.verify.target import Target, alike
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+DOUBLE = 1e-9
+"""Of the effort limit, in double precision. Source: the design, §10; measured at 1e-16."""
+SINGLE = 1e-5
+"""Of the effort limit, in single precision. Source: the design, §10; measured at 1e-7."""
+ROUNDINGS = 4.0
+"""Units in the last place that a sum of large terms may be off beside that, of the largest term."""
+SLACK = 1.05
+"""Times the size of an approximation. Source: `actspec.targets.approximation`: finer grids than that of its size find
+a few per cent more, and this one has the corners of the law."""
+
+CONSTANT = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "torque_speed_curve",
+    "encoder_bias",
+    "command_range",
+    "friction.viscous",
+)
+"""Approximations that change the drive's torque whatever the history."""
+HISTORY = ("delay", "command_filter", "delay.range", "delay.sampling")
+"""Approximations that change it when the command changes."""
+HELD = ("delay.range", "delay.sampling")
+"""Of these, those that the comparison allows for itself: the nominal delay, or any of a range, is right."""
+NONE = "none"
+"""What an approximation emits of a field that is lost whole; a delay that is only rounded is rounded in the law too."""
+
+
+@dataclass(frozen=True, slots=True)
+class Laws:
+    """The joints whose torque a law tells.
+
+    Attributes:
+        columns: Joint to its column in the motions.
+        laws: Joint to its law.
+        skipped: Why the others have none, by group.
+    """
+
+    columns: Mapping[str, int]
+    laws: Mapping[str, TorqueLaw]
+    skipped: Mapping[str, str]
+
+
+def laws_of(actuators: ActuatorSet) -> Laws:
+    """The law of every joint that has one."""
+    found: dict[str, TorqueLaw] = {}
+    skipped = {}
+    for actuator in actuators.joints:
+        if actuator.level is Level.ACTUATOR_NET:
+            skipped[actuator.group] = "level actuator_net: the torque is the network's, and no law tells it"
+            continue
+        try:
+            found[actuator.joint] = law_of(actuator)
+        except ValueError as err:
+            skipped[actuator.group] = shortened(str(err), 200)
+    return Laws({joint: i for i, joint in enumerate(found)}, found, skipped)
+
+
+def law_skips(target: Target, laws: Laws) -> Iterator[Skip]:
+    """Groups without a law, for one target."""
+    for group, reason in laws.skipped.items():
+        yield Skip(target.name, group, "torque", reason)
+
+
+def torque_rows(
+    target: Target,
+    actuators: ActuatorSet,
+    laws: Laws,
+    motions: Mapping[str, Motion],
+    answer: EngineAnswer,
+) -> Iterator[Row]:
+    """Rows of an engine's torques.
+
+    Args:
+        target: What was asked.
+        actuators: What the spec asks for.
+        laws: Of its joints.
+        motions: What the engine was told.
+        answer: What it made of it.
+    """
+    step = actuators.physics_dt.require()
+    told = {name: motion.single() if answer.single else motion for name, motion in motions.items()}
+    for members in alike(actuators):
+        known = [member for member in members if member.joint in laws.laws]
+        for quantity, motion in told.items():
+            got = answer.torques[quantity]
+            merged: dict[bool, list[tuple[float, Row]]] = {}
+            for actuator in known:
+                share, row = _judge(target, actuator, laws, quantity, motion, got, answer, step)
+                merged.setdefault(row.ok, []).append((share, row))
+            for found in merged.values():
+                _, worst = max(found, key=lambda pair: pair[0])
+                yield _shared(worst, len(found))
+
+
+def _judge(
+    target: Target,
+    actuator: JointActuator,
+    laws: Laws,
+    quantity: str,
+    motion: Motion,
+    torque: Array,
+    answer: EngineAnswer,
+    step: float,
+) -> tuple[float, Row]:
+    """The row of one joint, and its error in tolerances."""
+    import numpy as np
+
+    law, column = laws.laws[actuator.joint], laws.columns[actuator.joint]
+    got = torque[:, :, column]
+    unit = actuator.effort_limit.unit
+    fields = CONSTANT if quantity == "torque" else (*CONSTANT, *HISTORY)
+    lost = target.losses_of(actuator.joint, fields)
+    if not np.isfinite(got).all():
+        row = Row(
+            *(target.name, actuator.group, actuator.joint, 1, quantity, unit, None, 0.0, False),
+            engine=answer.engine,
+            code="VFY109",
+            message="the engine has no drive for the joint",
+        )
+        return math.inf, row
+    error = _error(law, actuator, motion, column, step, got, ranged=_draws(target))
+    strict = _strict(law, motion, column, single=answer.single)
+    worst = float(error.max())
+    ok, tolerance = worst <= strict, strict
+    if not ok:
+        # Only where it shows: an approximation elsewhere on the grid does not hide another fault here.
+        tolerance = strict + SLACK * _size(lost)
+        ok = worst <= tolerance
+    k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
+    row = Row(
+        *(target.name, actuator.group, actuator.joint, 1, quantity, unit, worst, tolerance, ok),
+        at=_at(law, motion, k, env, column),
+        approximations=keys(lost),
+        engine=answer.engine,
+        code=None if ok else "VFY100",
+        message="" if ok else f"the torque differs from the law by {worst:.4g} {unit}",
+    )
+    return worst / tolerance if tolerance > 0.0 else math.inf, row
+
+
+def _shared(row: Row, joints: int) -> Row:
+    from dataclasses import replace
+
+    return replace(row, joints=joints)
+
+
+def _error(
+    law: TorqueLaw,
+    actuator: JointActuator,
+    motion: Motion,
+    column: int,
+    step: float,
+    got: Array,
+    *,
+    ranged: bool,
+) -> Array:
+    """|torque - law|, shape (n_step, n_env). Of a drawn delay, the one that fits counts."""
+    import numpy as np
+
+    differences = np.stack(
+        [
+            np.abs(got - torques(law, motion, column, step, steps))
+            for steps in lags(law, actuator, step, ranged=ranged)
+        ]
+    )
+    if actuator.delay is not None and actuator.delay.sampling == "step":
+        least: Array = differences.min(axis=0)
+        return least
+    # One delay an episode: an environment has the same in all its steps.
+    best = differences.max(axis=1).argmin(axis=0)
+    chosen: Array = np.take_along_axis(differences, best[None, None, :], axis=0)[0]
+    return chosen
+
+
+def _draws(target: Target) -> bool:
+    """Whether a target draws delays from a range."""
+    options = target.options
+    if options.kind == "isaaclab":
+        return isaaclab_dialect(options.version, options.isaac_sim, options.backend).lag_range
+    return options.kind == "mjlab"
+
+
+def _strict(law: TorqueLaw, motion: Motion, column: int, *, single: bool) -> float:
+    """Largest error of an engine that computes the law [N*m or N]."""
+    import numpy as np
+
+    command, q, qd = (part[:, :, column] for part in (motion.command, motion.q, motion.qd))
+    terms = law.kd * np.abs(qd)
+    if law.command is Command.POSITION:
+        terms = terms + law.kp * (np.abs(command) + np.abs(q))
+    elif law.command is Command.VELOCITY:
+        terms = terms + law.kd * np.abs(command)
+    rounding = ROUNDINGS * 2.0 ** (-24 if single else -53) * float(terms.max())
+    return (SINGLE if single else DOUBLE) * limit_of(law) + rounding
+
+
+def _size(lost: Sequence[Approximation]) -> float:
+    """Largest torque of all losses together; infinity where one has no size."""
+    sizes = [
+        loss.max_torque_error
+        for loss in lost
+        if loss.field not in HELD and (loss.field != "delay" or loss.emitted == NONE)
+    ]
+    return math.inf if None in sizes else math.fsum(size for size in sizes if size is not None)
+
+
+def _at(law: TorqueLaw, motion: Motion, k: int, env: int, column: int) -> At:
+    command, q, qd = (float(part[k, env, column]) for part in (motion.command, motion.q, motion.qd))
+    error = command - (q + law.encoder_bias) if law.command is Command.POSITION else None
+    return At(error, qd, command, k)

@@ -1,0 +1,113 @@
+"""The head of a configuration that actspec wrote says for which versions it is."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.case import Versions
+from actspec.audit.engine import audit
+from actspec.audit.readers.head import written_for
+from actspec.audit.settings import Settings
+from actspec.cli.main import main
+
+ROOT = Path(__file__).parents[2]
+SPEC = """actspec: 1
+robot: {name: leg, model: none, joints: [knee]}
+actuators:
+  legs:
+    joints: [knee]
+    level: ideal_pd
+    kp: 40 N*m/rad
+    kd: 1 N*m*s/rad
+    effort_limit: 12 N*m
+    armature: 0.01 kg*m^2
+    friction: {coulomb: 0.2 N*m, viscous: 0.01 N*m*s/rad}
+targets: {isaaclab: {version: "VERSION", isaac_sim: "SIM"}}
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    "lab, sim, told",
+    [
+        ("2.3", "5.1", {"isaaclab": "2.3", "isaac_sim": "5.1", "backend": "physx"}),
+        ("2.1", "4.5", {"isaaclab": "2.1", "isaac_sim": "4.5", "backend": "physx"}),
+    ],
+    ids=["2.3", "2.1"],
+)
+def test_what_the_target_writes(lab: str, sim: str, told: dict[str, str]) -> None:
+    """The reader of heads takes what the target writes."""
+    Path("leg.yaml").write_text(SPEC.replace("VERSION", lab).replace("SIM", sim), encoding="utf-8")
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    assert written_for(Path("out/isaaclab/leg_cfg.py").read_bytes()) == told
+
+
+def test_what_the_target_of_ranges_writes() -> None:
+    """Its head names no backend."""
+    text = (
+        SPEC.replace("VERSION", "2.3")
+        .replace("SIM", "5.1")
+        .replace(
+            "targets: {",
+            "    randomize: {kp: {scale: [0.9, 1.1]}}\ntargets: {randomization: {for: [isaaclab]}, ",
+        )
+    )
+    Path("leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    data = Path("out/randomization/leg_isaaclab_events.py").read_bytes()
+    assert written_for(data) == {"isaaclab": "2.3", "isaac_sim": "5.1"}
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "",
+        "# Written by hand",
+        "import x\n# Written by actspec 1 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do",
+    ],
+    ids=["empty", "another", "not at the top"],
+)
+def test_other_heads(text: str) -> None:
+    """Nothing is known of a file with another head."""
+    assert written_for(text.encode()) == {}
+
+
+HEAD = (
+    "# Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec.\n"
+)
+CFG = """from isaaclab.actuators import DCMotorCfg
+LEGS = {
+    "legs": DCMotorCfg(joint_names_expr=["knee"], effort_limit=12.0, saturation_effort=12.0, velocity_limit=20.0,
+                       stiffness=40.0, damping=1.0, friction=0.2, dynamic_friction=0.2, viscous_friction=0.01),
+}
+"""
+ROBOT = """from isaaclab.assets.articulation import ArticulationCfg
+from leg_cfg import LEGS
+LEG_CFG = ArticulationCfg(actuators=LEGS)
+"""
+
+
+def _friction(*files: str, versions: Versions | None = None) -> list[str]:
+    report = audit(files, Settings(select=("FRC102",), versions=versions or Versions()))
+    return [item.finding.code for item in report.findings]
+
+
+def test_the_head_tells_what_friction_is() -> None:
+    """FRC102 asks for the versions of a hand-written file, not of one that names them; also through an import."""
+    Path("leg_cfg.py").write_text(CFG, encoding="utf-8")
+    Path("robot_cfg.py").write_text(ROBOT, encoding="utf-8")
+    assert _friction("robot_cfg.py") == ["FRC102"]
+    Path("leg_cfg.py").write_text(HEAD + CFG, encoding="utf-8")
+    assert _friction("robot_cfg.py") == []
+    report = audit(["robot_cfg.py"], Settings())
+    assert [row.frictionloss for row in report.case.rows] == [0.2]
+    # What the user says counts before the head, all of it: 2.3 alone does not tell the simulator.
+    assert _friction("robot_cfg.py", versions=Versions(isaaclab="2.3")) == ["FRC102"]

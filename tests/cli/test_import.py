@@ -1,0 +1,278 @@
+"""`actspec import` on the command line: where the spec goes, what is said, and what is refused."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from importlib import metadata
+from pathlib import Path
+
+import pytest
+
+from actspec.cli.main import main
+from actspec.spec.load import load_spec
+
+ROOT = Path(__file__).resolve().parents[2]
+
+ROBOT = """<mujoco model="pendulum">
+  <option timestep="0.004"/>
+  <worldbody>
+    <body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="swing" damping="0.1"/>
+      <body><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/><joint name="free_end"/></body>
+    </body>
+  </worldbody>
+  <actuator><position name="a" joint="swing" kp="20" kv="1" forcerange="-5 5"/></actuator>
+</mujoco>
+"""
+
+DEPLOY = "joint_names: [swing]\nkp: [25]\nkd: [1]\n"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder to work in, with an MJCF and a deploy file that disagree."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "robot.xml").write_text(ROBOT, encoding="utf-8")
+    (tmp_path / "deploy.yaml").write_text(DEPLOY, encoding="utf-8")
+    return tmp_path
+
+
+def test_to_a_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """With -o the spec is written, and what became of what is said; it compiles."""
+    assert main(["import", "robot.xml", "deploy.yaml", "-o", "specs/robot.yaml"]) == 0
+    said = capsys.readouterr()
+    assert said.out == (
+        "wrote specs/robot.yaml: 1 joint in 1 group (swing), from robot.xml, deploy.yaml\n"
+        "  left as they are, no actuator: free_end\n"
+        "  no file says velocity_limit: swing\n"
+        "  no file says armature: swing\n"
+        "  no file says friction.coulomb: swing\n"
+        "next: check it, then\n"
+        "  actspec show specs/robot.yaml\n"
+        "  actspec compile specs/robot.yaml\n"
+    )
+    assert said.err == (
+        "deploy.yaml:2:6: DRF010 [warning]: swing: kp is 25 N*m/rad here, which is taken, and 20 N*m/rad in "
+        "robot.xml:8:13\n"
+    )
+    assert load_spec("specs/robot.yaml").model.robot.model == "../robot.xml"
+    assert main(["compile", "specs/robot.yaml", "-o", "out"]) == 0
+
+
+def test_to_standard_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without -o the spec is all that goes to standard output, so that it can be piped."""
+    assert main(["import", "robot.xml"]) == 0
+    said = capsys.readouterr()
+    assert said.out.startswith("# yaml-language-server: ")
+    assert "pendulum: 1 joint in 1 group (swing), from robot.xml\n" in said.err
+    assert sorted(os.listdir(folder)) == ["deploy.yaml", "robot.xml"]
+    (folder / "piped.yaml").write_text(said.out, encoding="utf-8")
+    assert main(["validate", "piped.yaml"]) == 0
+
+
+def test_init_from_is_the_same(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`init SPEC --from FILE` writes what `import FILE -o SPEC` does, and says it."""
+    said = []
+    for arguments in (
+        ["import", "robot.xml", "-o", "spec.yaml"],
+        ["init", "spec.yaml", "--from", "robot.xml"],
+    ):
+        assert main([*arguments, "--force"]) == 0
+        said.append((capsys.readouterr(), (folder / "spec.yaml").read_text(encoding="utf-8")))
+    assert said[0] == said[1]
+
+
+def test_never_overwrites(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file that is there stays as it is, with help; --force replaces it, but never a file that is imported."""
+    (folder / "spec.yaml").write_text("mine\n", encoding="utf-8")
+    assert main(["import", "robot.xml", "-o", "spec.yaml"]) == 2
+    assert capsys.readouterr().err == (
+        "spec.yaml: OUT003: is there already\n"
+        "  help: name another file, or replace it with --force\n"
+        "1 error; nothing was written\n"
+    )
+    assert (folder / "spec.yaml").read_text(encoding="utf-8") == "mine\n"
+    assert main(["import", "robot.xml", "-o", "spec.yaml", "--force"]) == 0
+    assert load_spec("spec.yaml").model.actspec == 1
+    assert main(["import", "robot.xml", "deploy.yaml", "-o", "deploy.yaml", "--force"]) == 2
+    assert (folder / "deploy.yaml").read_text(encoding="utf-8") == DEPLOY
+
+
+def test_several_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of a file with several robots one must be named, and can be."""
+    text = (ROOT / "docs" / "example" / "biped_cfg.py").read_text(encoding="utf-8")
+    second = text[text.index("BIPED_CFG") :].replace("BIPED_CFG", "HOPPER_CFG").replace("24.0", "30.0")
+    (folder / "robots.py").write_text(
+        text.replace('".*_hip", ".*_knee"', '"hip", "knee"')
+        + second.replace('".*_hip", ".*_knee"', '"hip", "knee"'),
+        encoding="utf-8",
+    )
+    assert main(["import", "robots.py"]) == 2
+    assert "help: name one with --robot: BIPED_CFG, HOPPER_CFG" in capsys.readouterr().err
+    assert main(["import", "robots.py", "--robot", "HOPPER_CFG"]) == 0
+    assert "effort_limit: {value: 30 N*m, source: robots_cfg}" in capsys.readouterr().out
+
+
+def test_package(folder: Path) -> None:
+    """A model of an installed distribution is named by it, as it was given."""
+    try:
+        metadata.distribution("mjlab")
+    except metadata.PackageNotFoundError:
+        pytest.skip("mjlab is not installed")
+    model = "package://mjlab/mjlab/asset_zoo/robots/unitree_go1/xmls/go1.xml"
+    assert main(["import", model, "-o", "go1.yaml"]) == 0
+    assert load_spec("go1.yaml").model.robot.model == model
+
+
+INERTIAL = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+
+
+def mjcf(joints: str) -> str:
+    """A body with these joints."""
+    return f"<mujoco><worldbody><body>{INERTIAL}{joints}</body></worldbody></mujoco>"
+
+
+@pytest.mark.parametrize(
+    "files, code, words",
+    [
+        ({"a.xml": mjcf('<joint name="b" type="ball"/>')}, "DRF001", "nothing"),
+        ({"a.xml": mjcf("<joint/>")}, "DRF001", "names"),
+        ({"a.xml": mjcf('<freejoint name="f"/>')}, "DRF001", "nothing"),
+        ({"a.xml": "<mujoco><worldbody>"}, "ROBOT004", "a.xml:1"),
+        ({"a.xml": "<mujoco><nonsense/></mujoco>"}, "DRF006", "MuJoCo refuses the file"),
+        ({"a.xml": "<svg/>"}, "DRF004", "neither an MJCF"),
+        ({"a.xml": ""}, "ROBOT004", "no XML element"),
+        (
+            {"a.xml": mjcf('<joint name="j"/>' * 2)},
+            "DRF006",
+            "repeated name",
+        ),
+        ({"a.urdf": "<robot name='r'><link name='l'/></robot>"}, "DRF001", "nothing"),
+        ({"a.py": "import os\nos.system('touch ran')\n"}, "DRF004", "no actuators"),
+        ({"a.py": "CFG = (\n"}, "DRF004", "cannot be read"),
+        ({"a.yaml": "actspec: 1\n"}, "SPEC104", "a.yaml:1"),
+        ({"a.yaml": "a: 1\n"}, "DRF004", "cannot be read"),
+        ({"a.txt": "\x00\x01"}, "ROBOT003", "a.txt:1"),
+        ({}, "DRF004", "there is no such file"),
+    ],
+    ids=[
+        "ball", "no names", "free", "not XML", "not MJCF", "another XML", "empty", "names twice", "URDF without joints",
+        "other Python", "broken Python", "broken spec", "other YAML", "binary", "not there",
+    ],
+)  # fmt: skip
+def test_nothing_to_import(
+    folder: Path, files: dict[str, str], code: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What cannot be imported is said with the file's name, without a traceback; nothing is run or written."""
+    for name, text in files.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    before = sorted(os.listdir(folder))
+    assert main(["import", *(files or {"missing.xml": ""}), "-o", "spec.yaml"]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert code in said.err and words in said.err, said.err
+    assert "nothing was written" in said.err
+    assert sorted(os.listdir(folder)) == before
+
+
+def test_spec_is_no_source(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A spec is refused with the command that is meant."""
+    assert main(["import", "robot.xml", "-o", "spec.yaml"]) == 0
+    capsys.readouterr()
+    assert main(["import", "spec.yaml"]) == 2
+    assert "spec.yaml: DRF005: is a spec already\n  help: `actspec compile` writes" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "arguments, code",
+    [
+        (["robot.xml", "-o", "folder"], "OUT001"),
+        (["robot.xml", "-o", "new/"], "OUT001"),
+        (["robot.xml", "-o", "robot.xml/spec.yaml"], "OUT002"),
+        (["robot.xml", "-o", "robot.xml", "--force"], "OUT003"),
+        (["folder"], "DRF004"),
+        (["robot.xml", "-t", "mujoco"], "AUD010"),
+        (["robot.xml", "--robot", "nobody"], "DRF007"),
+        (["package://no-such-distribution-here/a.xml"], "ROBOT102"),
+    ],
+    ids=[
+        "folder",
+        "new/",
+        "below a file",
+        "itself",
+        "a folder to read",
+        "no version",
+        "no robot",
+        "not installed",
+    ],
+)
+def test_refused(folder: Path, arguments: list[str], code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What cannot be done is said without a traceback, with exit code 2."""
+    (folder / "folder").mkdir()
+    assert main(["import", *arguments]) == 2
+    said = capsys.readouterr()
+    assert said.out == ""
+    assert code in said.err
+    assert (folder / "robot.xml").read_text(encoding="utf-8") == ROBOT
+
+
+TANGLE = """<mujoco model="tangle">
+  <worldbody>
+    <body name="root"><freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>
+      BODIES
+    </body>
+  </worldbody>
+  <tendon><fixed name="cable"><joint joint="pulled" coef="1"/></fixed></tendon>
+  <equality>
+    <joint joint1="follower" joint2="plain"/>
+    <connect body1="two_body" body2="looped_body" anchor="0 0 0"/>
+  </equality>
+  <actuator>
+    <position name="p" joint="plain" kp="20" kv="1"/>
+    <motor name="two_a" joint="two"/>
+    <motor name="two_b" joint="two"/>
+    <position name="t" tendon="cable" kp="5"/>
+    <muscle name="m" joint="muscle" lengthrange="0 1"/>
+  </actuator>
+</mujoco>
+"""
+
+
+def test_what_no_spec_can_say(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Tendons, followers, loops, muscles and joints with two motors are left alone by name; the rest compiles."""
+    names = ("plain", "two", "pulled", "follower", "looped", "muscle")
+    bodies = "".join(f'<body name="{name}_body"><joint name="{name}"/>{INERTIAL}</body>' for name in names)
+    socket = f'<body name="s"><joint name="ball" type="ball"/>{INERTIAL}</body>'
+    (folder / "tangle.xml").write_text(TANGLE.replace("BODIES", bodies + socket), encoding="utf-8")
+    assert main(["import", "tangle.xml", "-o", "spec.yaml"]) == 0
+    out = capsys.readouterr().out
+    for line in (
+        "wrote spec.yaml: 1 joint in 1 group (plain), from tangle.xml",
+        "left as they are, 2 actuators (motor, motor): two",
+        "left as they are, driven through the tendon 'cable': pulled",
+        "left as they are, follows 'plain' (equality): follower",
+        "left as they are, no actuator: looped",
+        "left as they are, an actuator of another kind (muscle): muscle",
+    ):
+        assert line in out
+    assert main(["compile", "spec.yaml", "-o", "out"]) == 0
+
+
+def test_names_of_a_stranger(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Escape sequences in a file's names never reach the terminal."""
+    text = ROBOT.replace('"free_end"', '"free&#10;end \u202e"').replace('"pendulum"', '"pen&#9;dulum\u202e"')
+    (folder / "robot.xml").write_text(text, encoding="utf-8")
+    assert main(["import", "robot.xml"]) == 0
+    said = capsys.readouterr()
+    assert "\u202e" not in said.out + said.err
+    assert "free\\nend \\u202e" in said.err
+
+
+def test_import_stays_light() -> None:
+    """Importing the command's module loads no reader."""
+    code = (
+        "import actspec.cli.import_, sys; print([m for m in ('mujoco', 'numpy', 'yaml') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "[]\n"

@@ -1,0 +1,179 @@
+"""`actspec verify`: exit codes, formats, and what it says when it cannot run."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+
+from actspec.cli.main import main
+from actspec.resources import data_path
+from tests.verify.making import MODEL, SPEC
+
+TARGETS = 'targets: {mujoco: {version: "3.12"}, isaaclab: {version: "2.3"}, deploy: {}}\n'
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The working folder with a spec of three targets, and no engines prepared."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("ACTSPEC_ENGINES", str(tmp_path / "engines"))
+    (tmp_path / "rich.xml").write_text(MODEL, "utf-8")
+    (tmp_path / "rich.yaml").write_text(SPEC[: SPEC.index("targets:")] + TARGETS, "utf-8")
+    return tmp_path
+
+
+def run(*arguments: str) -> int:
+    """Run the command on the spec."""
+    return main(["verify", "rich.yaml", *arguments])
+
+
+def record(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
+    """The JSON that was printed, which its schema describes."""
+    found: dict[str, Any] = json.loads(capsys.readouterr().out)
+    schema = json.loads(data_path("schemas", "actspec-verify-v1.schema.json").read_text("utf-8"))
+    jsonschema.validate(found, schema)
+    return found
+
+
+def test_agreement(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """MuJoCo is asked, what is not here is said with what would bring it, nothing is left, and the exit code is 0."""
+    assert run() == 0
+    out = capsys.readouterr().out
+    assert "  mujoco 3.12   hips                    2  mujoco " in out
+    (missed,) = [line.split("  ") for line in out.splitlines() if "not prepared" in line]
+    assert [part.strip() for part in missed if part] == [
+        "isaaclab",
+        "Isaac Lab 2.3.2.post1 is not prepared",
+        "actspec verify --setup SPEC",
+    ]
+    assert out.splitlines()[-1] == (
+        "3 targets agree with the spec; the torque of 1 of 3 was computed by the simulator's own code"
+    )
+    assert sorted(path.name for path in folder.iterdir()) == ["rich.xml", "rich.yaml"]
+
+
+def test_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """Rows with torque and fields, skips, approximations; a loss without size is in no number."""
+    assert run("--output-format", "json") == 0
+    found = record(capsys)
+    torque = next(row for row in found["rows"] if row["quantity"] == "torque" and row["joint"] == "lift")
+    assert (torque["target"], torque["group"], torque["unit"], torque["ok"]) == ("mujoco", "lift", "N", True)
+    assert torque["engine"].startswith("mujoco ") and torque["at"]["error"] is None
+    kp = next(row for row in found["rows"] if row["quantity"] == "kp" and row["joint"] == "left_knee")
+    assert (kp["expected"], kp["got"], kp["engine"], kp["at"]) == (60.0, 60.0, None, None)
+    assert [skip["setup"] for skip in found["skipped"] if skip["target"] == "isaaclab"] == [True]
+    assert {loss["field"] for loss in found["approximations"]} >= {"command_filter", "encoder_bias"}
+
+
+def test_edited_file(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """A file of a build folder that somebody edited is a disagreement, at its line, with exit code 1."""
+    assert main(["compile", "rich.yaml", "-o", "out"]) == 0
+    assert run("--built", "out", "--fields-only") == 0
+    path = folder / "out" / "isaaclab" / "rich_cfg.py"
+    text = path.read_text("utf-8").replace("effort_limit=22.5", "effort_limit=1e9")
+    path.write_text(text, "utf-8")
+    line = text[: text.index("effort_limit=1e9")].count("\n") + 1
+    capsys.readouterr()
+    assert run("--built", "out", "--fields-only") == 1
+    out = capsys.readouterr().out
+    place = str(Path("out", "isaaclab", "rich_cfg.py"))
+    assert f"{place}:{line}:" in out
+    assert (
+        "VFY104 isaaclab left_hip and 1 more: the effort limit is 1e+09 N*m, and should be 22.5 N*m: "
+        "the limit is lost"
+    ) in out
+    assert run("--built", "out", "--fields-only", "-t", "deploy") == 0
+    # one target's own folder does as well
+    assert run("--built", "out/isaaclab", "--fields-only", "-t", "isaaclab") == 1
+
+
+def test_missing_file(capsys: pytest.CaptureFixture[str]) -> None:
+    """A build folder without a file of a target cannot be verified: exit code 2, every file told."""
+    assert run("--built", "nowhere") == 2
+    err = capsys.readouterr().err
+    assert err.count("VFY001") == 3
+    assert "targets.isaaclab: there is no such file, and the spec compiles to it" in err
+    assert err.splitlines()[-1] == "3 errors"
+
+
+def test_strict(capsys: pytest.CaptureFixture[str]) -> None:
+    """Approximations that the spec does not accept are an exit code of 1 with --strict alone."""
+    assert run("--fields-only") == 0
+    assert run("--fields-only", "--strict") == 1
+
+
+def test_engines_can_be_required(capsys: pytest.CaptureFixture[str]) -> None:
+    """With --require-engines what is not prepared is an exit code of 2."""
+    assert run("--require-engines", "-t", "mujoco") == 0
+    capsys.readouterr()
+    assert run("--require-engines") == 2
+    assert "VFY002 targets.isaaclab: Isaac Lab 2.3.2.post1 is not prepared" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ([], "no spec is named"),
+        (["rich.yaml", "rich.yaml", "--built", "out"], "one folder of files is of one spec"),
+        (["rich.yaml", "--fields-only", "--require-engines"], "no engine is run with --fields-only"),
+        (["rich.yaml", "-t", "isaaclap"], "no target is named 'isaaclap'"),
+        (["gone.yaml"], "gone.yaml"),
+    ],
+    ids=["no spec", "two specs", "contradiction", "target", "file"],
+)
+def test_options(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """What cannot be done is said, with exit code 2."""
+    assert main(["verify", *arguments]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_failure_in_json(capsys: pytest.CaptureFixture[str]) -> None:
+    """A failure is JSON too."""
+    assert run("--built", "nowhere", "--output-format", "json") == 2
+    assert {item["code"] for item in record(capsys)["diagnostics"]} == {"VFY001"}
+
+
+def test_markdown(capsys: pytest.CaptureFixture[str]) -> None:
+    """A table for a page."""
+    assert run("--output-format", "markdown", "-t", "mujoco") == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "### rich"
+    assert lines[2].startswith("| target | group | joints | engine |")
+    assert all(line.count("|") == lines[2].count("|") for line in lines[2:8])
+
+
+def test_setup_says_what_it_would_do(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """What, where, how large and how long is said first; without a terminal only --yes installs it."""
+    assert main(["verify", "--setup", "rich.yaml"]) == 2
+    out = capsys.readouterr()
+    assert f"to be installed below {folder / 'engines'}" in out.out
+    assert "2.4 GB" in out.out and "minutes" in out.out
+    assert out.err == "say --yes to install it\n"
+    assert not (folder / "engines").exists()
+
+
+def test_setup_of_a_spec_that_needs_nothing(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """A spec whose targets the installed MuJoCo can run needs no more."""
+    assert main(["verify", "--setup", "rich.yaml", "-t", "mujoco==4.0", "-t", "deploy"]) == 0
+    assert capsys.readouterr().out == "nothing is missing\n"
+
+
+def test_setup_without_a_registry(
+    capsys: pytest.CaptureFixture[str], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Offline the reason is told, exit code 2, and nothing that counts is left."""
+    for name, value in (
+        ("PIP_NO_INDEX", "1"),
+        ("PIP_CONFIG_FILE", "/dev/null"),
+        ("PIP_FIND_LINKS", "/dev/null"),
+    ):
+        monkeypatch.setenv(name, value)
+    # gains in volts, which the installed MuJoCo reads otherwise
+    assert main(["verify", "--setup", "rich.yaml", "-t", "mujoco==3.9", "--yes"]) == 2
+    err = capsys.readouterr().err
+    assert "VFY003 --setup: not installed: mujoco 3.9.0: ERROR" in err
+    assert [p.name for p in (folder / "engines").iterdir() if p.suffix != ".lock"] == []

@@ -1,0 +1,292 @@
+"""Several files of one robot: which says what, which joints are left alone, and every disagreement told."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec import api
+from actspec.audit.case import Versions
+from actspec.diagnostics import ActspecError, AuditError
+from tests.importing import Imported, bare, imported, mjcf, write
+
+MOTORS = mjcf(
+    '<joint name="hip" damping="0.3" armature="0.02" frictionloss="0.1"/>\n<joint name="knee" damping="0.3"/>',
+    '<motor joint="hip" forcerange="-30 30"/><motor joint="knee" forcerange="-30 30"/>',
+    '<option timestep="0.002"/>',
+)
+"""Torque motors."""
+
+LINK = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+URDF = f"""<robot name="leg">
+<link name="base"/><link name="one">{LINK}</link><link name="two">{LINK}</link>
+<joint name="hip" type="revolute"><parent link="base"/><child link="one"/>
+<limit lower="-1" upper="1" effort="25" velocity="20"/><dynamics damping="0.05" friction="0.2"/></joint>
+<joint name="knee" type="revolute"><parent link="one"/><child link="two"/>
+<limit lower="-1" upper="1" effort="50" velocity="10"/><dynamics damping="0.05" friction="0.2"/></joint>
+</robot>"""
+
+ISAACLAB = """from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+LEG_CFG = ArticulationCfg(
+    actuators={
+        "all": IdealPDActuatorCfg(
+            joint_names_expr=[".*"],
+            effort_limit=24.0,
+            stiffness=40.0,
+            damping=1.0,
+        ),
+    },
+)
+"""
+
+MJLAB = """from mjlab.actuator import BuiltinPositionActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg
+
+LEG = EntityArticulationInfoCfg(
+    actuators=(
+        BuiltinPositionActuatorCfg(
+            target_names_expr=(".*",), stiffness=60.0, damping=2.0, effort_limit=24.0, armature=0.01
+        ),
+    )
+)
+"""
+
+DEPLOY = """joint_names: [knee, hip]
+kp: [45, 45]
+kd: [1, 1.5]
+default_joint_pos: [-1.5, 0.8]
+control_dt: 0.02
+"""
+
+
+def joint(found: Imported, name: str) -> dict[str, Any]:
+    """A joint's group with its override laid over."""
+    groups = bare(found.data["actuators"])
+    (group,) = (g for g in groups.values() if name in g["joints"] or g["joints"] == [".*"])
+    over = group.get("overrides", {}).get(name, {})
+    return {**group, **over, "friction": {**group["friction"], **over.get("friction", {})}}
+
+
+def told(found: Imported) -> list[tuple[str, tuple[str, ...], float | None, float | None]]:
+    """Disagreements: field, joints, what is taken, what is not."""
+    return [(d.field, d.joints, d.taken.value, d.lost.value) for d in found.combined.disagreements]
+
+
+def test_motor_with_gains_of_a_configuration(tmp_path: Path) -> None:
+    """A torque motor becomes a position drive where a configuration has gains for it; passive values stay."""
+    found = imported(write(tmp_path, leg_xml=MOTORS, leg_py=ISAACLAB), tmp_path)
+    hip = joint(found, "hip")
+    assert (hip["command"], hip["kp"], hip["kd"]) == ("position", "40 N*m/rad", "1 N*m*s/rad")
+    assert hip["effort_limit"] == "24 N*m"
+    assert hip["armature"] == "0.02 kg*m^2"
+    assert hip["friction"] == {"coulomb": "0.1 N*m", "viscous": "0.3 N*m*s/rad"}
+    assert found.data["robot"]["model"] == "leg.xml"
+    assert told(found) == [("effort_limit", ("hip", "knee"), 24.0, 30.0)]
+    # Both motors are on one line.
+    line = MOTORS[: MOTORS.index("<motor")].count("\n") + 1
+    assert f"leg.xml:{line} has 30 N*m" in found.draft.text
+    # 0.3 is more than a tenth of 1: the two may be one.
+    assert (
+        "beside the kd of another file: together 1.3 N*m*s/rad; put 0 if kd has it already"
+        in found.draft.text
+    )
+
+
+def test_motor_without_gains(tmp_path: Path) -> None:
+    """A torque motor that no other file drives stays one."""
+    found = imported(write(tmp_path, leg_xml=MOTORS, leg_urdf=URDF), tmp_path)
+    hip = joint(found, "hip")
+    assert hip["command"] == "effort"
+    assert "kp" not in hip
+
+
+@pytest.mark.parametrize(
+    "config, effort, viscous",
+    [({}, 30.0, 0.3), ({"leg_py": ISAACLAB}, 24.0, 0.05), ({"leg_py": MJLAB}, 24.0, 0.3)],
+    ids=["robot files alone", "Isaac Lab reads the URDF", "mjlab reads the MJCF"],
+)
+def test_order_of_robot_files(tmp_path: Path, config: dict[str, str], effort: float, viscous: float) -> None:
+    """The robot file that the training reads counts before the other one; without a training the MJCF does."""
+    found = imported(write(tmp_path, leg_urdf=URDF, leg_xml=MOTORS, **config), tmp_path)
+    hip = joint(found, "hip")
+    assert hip["effort_limit"] == f"{effort:g} N*m"
+    assert hip["friction"]["viscous"] == f"{viscous:g} N*m*s/rad"
+    # Only the URDF has one.
+    assert hip["velocity_limit"] == "20 rad/s"
+    assert found.data["robot"]["model"] == "leg.xml"
+
+
+def test_disagreements_are_kept(tmp_path: Path) -> None:
+    """Every other value stands beside the one that was taken, and in the list, joint by joint."""
+    found = imported(write(tmp_path, leg_py=ISAACLAB, leg_urdf=URDF, deploy_yaml=DEPLOY), tmp_path)
+    assert told(found) == [
+        ("kp", ("hip", "knee"), 40.0, 45.0),
+        ("kd", ("hip",), 1.0, 1.5),
+        ("effort_limit", ("hip",), 24.0, 25.0),
+        ("effort_limit", ("knee",), 24.0, 50.0),
+    ]
+    text = found.draft.text
+    # Lines 4 and 6 are the two <limit>.
+    assert (
+        "effort_limit: {value: 24 N*m, source: leg_cfg}    # leg.urdf:4 has 25 N*m; leg.urdf:6 has 50 N*m"
+        in text
+    )
+    assert "kd: {value: 1 N*m*s/rad, source: leg_cfg}    # deploy.yaml:3 has 1.5 N*m*s/rad" in text
+
+
+def test_deploy_file(tmp_path: Path) -> None:
+    """A deploy file gives gains, pose and the robot's own joint order."""
+    found = imported(write(tmp_path, leg_xml=MOTORS, deploy_yaml=DEPLOY), tmp_path)
+    assert joint(found, "hip")["kd"] == "1.5 N*m*s/rad"
+    assert joint(found, "knee")["kd"] == "1 N*m*s/rad"
+    assert bare(found.data["robot"]["default_pose"]) == {"hip": "0.8 rad", "knee": "-1.5 rad"}
+    assert found.data["targets"]["deploy"] == {"joint_order": ["knee", "hip"]}
+
+
+@pytest.mark.parametrize(
+    ("sdk", "expected"),
+    [("[knee, null, hip]", {"joint_order": ["knee", None, "hip"]}), ("null", {})],
+    ids=["gap", "not-stated"],
+)
+def test_deploy_file_of_our_own(tmp_path: Path, sdk: str, expected: dict[str, object]) -> None:
+    """A file that actspec wrote has the SDK's order beside that of its lists, gaps and all."""
+    own = f'format: "actspec-deploy/1"\norder: {{robot: [hip, knee], sdk: {sdk}}}\nkp: [45, 45]\nkd: [1, 1]\n'
+    found = imported(write(tmp_path, leg_xml=MOTORS, deploy_yaml=own), tmp_path)
+    assert found.data["targets"]["deploy"] == expected
+
+
+def test_targets_are_those_of_the_files(tmp_path: Path) -> None:
+    """Each kind of file gives its target, at the version that is named or the default."""
+    paths = write(tmp_path, leg_py=ISAACLAB, leg_xml=MOTORS)
+    versions = Versions(isaaclab="2.2", isaac_sim="5.0")
+    assert imported(paths, tmp_path, versions=versions).data["targets"] == {
+        "mujoco": {"version": "3.12"},
+        "isaaclab": {"version": "2.2", "isaac_sim": "5.0"},
+    }
+    (urdf,) = write(tmp_path, leg_urdf=URDF)
+    assert imported([urdf], tmp_path).data["targets"] == {"urdf": {}}
+    found = imported([urdf, paths[0]], tmp_path).data["targets"]
+    # With gains a URDF can become an MJCF.
+    assert list(found) == ["mujoco", "urdf", "isaaclab"]
+
+
+def test_implicit_drives_stay_implicit(tmp_path: Path) -> None:
+    """Where all drives are the solver's the target says so; where some are, the remark does."""
+    implicit = ISAACLAB.replace("IdealPDActuatorCfg", "ImplicitActuatorCfg")
+    paths = write(tmp_path, leg_py=implicit, leg_xml=MOTORS)
+    assert imported(paths, tmp_path).data["targets"]["isaaclab"] == {"version": "2.3", "class": "implicit"}
+    first = implicit.index('        "all"')
+    both = implicit.replace('[".*"]', '["hip"]')
+    both = (
+        both[:first]
+        + ISAACLAB[ISAACLAB.index('        "all"') : ISAACLAB.index("    },\n)")]
+        .replace('"all"', '"knees"')
+        .replace('[".*"]', '["knee"]')
+        + both[first:]
+    )
+    both = both.replace("import ImplicitActuatorCfg", "import IdealPDActuatorCfg, ImplicitActuatorCfg")
+    found = imported(write(tmp_path, leg_py=both, leg_xml=MOTORS), tmp_path)
+    assert found.data["targets"]["isaaclab"] == {"version": "2.3"}
+    assert (
+        '  isaaclab: {version: "2.3"}    # all implicit there, becomes explicit as the others'
+        in found.draft.text
+    )
+
+
+def test_joint_that_no_file_drives(tmp_path: Path) -> None:
+    """A joint without a drive is left alone where others have one; a configuration's drive for it takes that away."""
+    text = MOTORS.replace('<motor joint="knee" forcerange="-30 30"/>', "")
+    found = imported(write(tmp_path, leg_xml=text), tmp_path)
+    assert [(item.joint, item.why) for item in found.combined.left_alone] == [("knee", "no actuator")]
+    found = imported(write(tmp_path, leg_xml=text, leg_py=ISAACLAB), tmp_path)
+    assert found.combined.left_alone == ()
+    assert joint(found, "knee")["kp"] == "40 N*m/rad"
+    hips = ISAACLAB.replace('[".*"]', '["hip"]')
+    found = imported(write(tmp_path, leg_urdf=URDF, leg_py=hips), tmp_path)
+    assert [item.joint for item in found.combined.left_alone] == ["knee"]
+
+
+def test_what_the_model_cannot_say_stays(tmp_path: Path) -> None:
+    """A joint that the MJCF drives in a way that no spec can say is left alone, whatever a configuration says."""
+    text = MOTORS.replace(
+        '<motor joint="knee" forcerange="-30 30"/>', '<motor joint="knee"/><motor name="b" joint="knee"/>'
+    )
+    found = imported(write(tmp_path, leg_xml=text, leg_py=ISAACLAB), tmp_path)
+    assert [(item.joint, item.why) for item in found.combined.left_alone] == [
+        ("knee", "2 actuators (motor, motor)")
+    ]
+
+
+def test_configuration_alone(tmp_path: Path) -> None:
+    """A configuration that names its joints needs no robot file; one with patterns does."""
+    named = ISAACLAB.replace('[".*"]', '["hip", "knee"]')
+    found = imported(write(tmp_path, leg_py=named), tmp_path)
+    assert found.data["robot"] == {"name": "leg", "model": "none", "joints": ["hip", "knee"]}
+    assert "no robot file says what kind of joints they are" in found.draft.text
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, leg_py=ISAACLAB), tmp_path)
+    (item,) = caught.value.diagnostics
+    assert item.code == "DRF009"
+    assert item.message == "LEG_CFG selects its joints by patterns (.*), and no file names them"
+    assert item.help == "name the robot's MJCF or URDF too"
+
+
+SEVERAL = ISAACLAB + ISAACLAB[ISAACLAB.index("LEG_CFG") :].replace("LEG_CFG", "ARM_CFG").replace(
+    "40.0", "70.0"
+)
+
+
+def test_robot_of_several(tmp_path: Path) -> None:
+    """Of a file with several robots one is named; without a name the choices are listed."""
+    paths = write(tmp_path, leg_xml=MOTORS, robots_py=SEVERAL)
+    assert joint(imported(paths, tmp_path, "ARM_CFG"), "hip")["kp"] == "70 N*m/rad"
+    assert joint(imported(paths, tmp_path, "LEG_CFG"), "hip")["kp"] == "40 N*m/rad"
+    for robot in (None, "ARMCFG"):
+        with pytest.raises(AuditError) as caught:
+            imported(paths[1:] if robot is None else paths, tmp_path, robot)
+        (item,) = caught.value.diagnostics
+        assert item.code == "DRF007"
+        assert "LEG_CFG" in str(item.help) and "ARM_CFG" in str(item.help)
+
+
+def test_other_robot(tmp_path: Path) -> None:
+    """Files that share no joint are not put together."""
+    other = URDF.replace("hip", "elbow").replace("knee", "wrist")
+    with pytest.raises(AuditError) as caught:
+        imported(write(tmp_path, leg_xml=MOTORS, arm_urdf=other), tmp_path)
+    assert "DRF008" in {item.code for item in caught.value.diagnostics}
+    assert "here: hip, knee" in str(caught.value)
+
+
+def test_combined_spec_compiles(tmp_path: Path) -> None:
+    """What comes out of three files compiles to every target that it names."""
+    found = imported(write(tmp_path, leg_xml=MOTORS, leg_py=ISAACLAB, deploy_yaml=DEPLOY), tmp_path)
+    (tmp_path / "spec.yaml").write_text(found.draft.text, encoding="utf-8")
+    done = api.compile(tmp_path / "spec.yaml", output=str(tmp_path / "out"))
+    assert [target.name for target in done.targets] == ["mujoco", "isaaclab", "deploy"]
+    assert [float(a.kp.value or 0) for a in done.actuators.joints if a.kp is not None] == [40.0, 40.0]
+
+
+def test_networks(tmp_path: Path) -> None:
+    """A network keeps its level, and its file is named from the spec's folder."""
+    text = ISAACLAB.replace("IdealPDActuatorCfg", "ActuatorNetMLPCfg").replace(
+        "            stiffness=40.0,\n            damping=1.0,\n",
+        '            network_file="net.pt", pos_scale=-1.0, vel_scale=1.0, torque_scale=1.0, input_order="pos_vel",\n'
+        "            input_idx=[0, 1, 2], saturation_effort=30.0, velocity_limit=20.0,\n",
+    )
+    found = imported(write(tmp_path, leg_xml=MOTORS, leg_py=text), tmp_path)
+    group = next(iter(bare(found.data["actuators"]).values()))
+    assert group["level"] == "actuator_net"
+    assert group["network"] == {"file": "net.pt"}
+
+
+def test_errors_are_ours(tmp_path: Path) -> None:
+    """A file that is not there, beside one that is, is one error with its place."""
+    paths = write(tmp_path, leg_xml=MOTORS)
+    with pytest.raises(ActspecError) as caught:
+        imported([*paths, tmp_path / "no.urdf"], tmp_path)
+    assert "no.urdf" in str(caught.value)

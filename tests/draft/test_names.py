@@ -1,0 +1,189 @@
+"""Patterns and names that a person would write, and text that is always valid YAML."""
+
+from __future__ import annotations
+
+import pytest
+import yaml
+from hypothesis import given
+from hypothesis import strategies as st
+
+from actspec.draft.names import body_part, group_name, joint_patterns
+from actspec.draft.text import comment, scalar
+from actspec.draft.values import figure, quantity_text, sourced, time_text
+from actspec.ir import Origin, Quantity
+from actspec.patterns import MAX_PATTERN, compile_pattern, covering_pattern
+from actspec.spec.document import document_from_text
+from tests.importing import NASTY
+
+# --- patterns and names ---------------------------------------------------------------------------
+
+QUADRUPED = [f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf")]
+ARM = [f"panda_joint{n}" for n in range(1, 8)]
+HUMANOID = [
+    f"{side}_{part}_joint"
+    for side in ("left", "right")
+    for part in ("hip_pitch", "hip_roll", "knee", "shoulder_pitch", "shoulder_roll", "elbow")
+] + ["waist_yaw_joint"]
+
+
+@pytest.mark.parametrize(
+    "wanted, names, expected",
+    [
+        (QUADRUPED, QUADRUPED, (".*",)),
+        ([n for n in QUADRUPED if "calf" in n], QUADRUPED, (".*_calf_joint",)),
+        ([n for n in QUADRUPED if "calf" not in n], QUADRUPED, (".*_hip_joint", ".*_thigh_joint")),
+        ([n for n in QUADRUPED if n[0] == "F"], QUADRUPED, ("FL_.*", "FR_.*")),
+        ([n for n in QUADRUPED if n[0] == "F" and "hip" in n], QUADRUPED, ("F[LR]_hip_joint",)),
+        (ARM[:4], ARM, ("panda_joint[1-4]",)),
+        ([ARM[0], ARM[2]], ARM, ("panda_joint[13]",)),
+        ([n for n in HUMANOID if "shoulder" in n], HUMANOID, (".*_shoulder_.*",)),
+        ([n for n in HUMANOID if "hip" in n or "waist" in n], HUMANOID, (".*_hip_.*", "waist_yaw_joint")),
+        (["LeftHipYaw", "RightHipYaw"], ["LeftHipYaw", "RightHipYaw", "LeftKnee"], (".*Yaw",)),
+        (["LeftYaw", "RightYaw"], ["LeftYaw", "RightYaw", "spare-Yaw"], ("LeftYaw", "RightYaw")),
+        (["a.b", "a+b"], ["a.b", "a+b", "axb", "aab"], (r"a\.b", r"a\+b")),
+        (["hip"], ["hip", "hips"], ("hip",)),
+        (["a\n_x", "b\n_x"], ["a\n_x", "b\n_x"], ("a\n_x", "b\n_x")),
+    ],
+    ids=[
+        "all", "suffix", "two suffixes", "prefixes", "class of letters", "class of digits", "gap in the class",
+        "middle", "middle and a name", "camel case", "camel case that matches more", "metacharacters", "one", "newline",
+    ],
+)  # fmt: skip
+def test_patterns(wanted: list[str], names: list[str], expected: tuple[str, ...]) -> None:
+    """Patterns are few and short, and match the wanted joints only."""
+    found = joint_patterns(wanted, names)
+    assert found == expected
+    assert covering_pattern(found, set(wanted), names)
+
+
+NAMES = st.text(
+    st.sampled_from("abLR12_-. /:éд") | st.characters(exclude_categories=("Cs",)), min_size=1, max_size=12
+)
+
+
+@given(st.lists(NAMES, min_size=1, max_size=12, unique=True), st.data())
+def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
+    """Whatever the names, the patterns are accepted, not longer than allowed, and match exactly."""
+    wanted = data.draw(st.lists(st.sampled_from(names), min_size=1, unique=True))
+    found = joint_patterns(wanted, names)
+    assert covering_pattern(found, set(wanted), names)
+    assert len(found) <= len(wanted)
+    for pattern in found:
+        assert len(pattern) <= MAX_PATTERN
+        compile_pattern(pattern)
+
+
+@pytest.mark.parametrize(
+    "joints, expected",
+    [
+        (["FL_calf_joint", "RR_calf_joint"], "calf"),
+        (["left_hip_pitch_joint", "right_hip_pitch_joint"], "hip_pitch"),
+        (["left_hip_pitch_joint", "right_hip_roll_joint"], "hip"),
+        (["FL_hip_joint", "FL_calf_joint"], "legs"),
+        (["LeftShoulderYaw", "RightElbow"], "arms"),
+        (["L_thumb_1", "L_index_2"], "hands"),
+        (["front_wheel", "rear_caster_wheel"], "wheel"),
+        (["torso_joint", "left_hip_joint"], "torso_hip"),
+        (["joint1", "joint2"], "joints"),
+        (["on"], "joints"),
+        (["Д", "1"], "joints"),
+        (["gripper: {x}"], "gripper_x"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_group_names(joints: list[str], expected: str) -> None:
+    """A group is called after what its joints have in common."""
+    assert group_name(joints, ()) == expected
+
+
+def test_group_names_are_unique() -> None:
+    """A name that is taken gives way to the next best, then to a number."""
+    taken: list[str] = []
+    for _ in range(4):
+        taken.append(group_name(["FL_calf_joint", "RR_calf_joint"], taken))
+    assert taken == ["calf", "joints", "calf_2", "calf_3"]
+
+
+# --- text -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("text", [*NASTY, "", "plain", "hip_joint"], ids=ascii)
+@pytest.mark.parametrize("quoted", [False, True], ids=["free", "quoted"])
+def test_scalar(text: str, quoted: bool) -> None:
+    """Any text comes back the same: as key, value and item, by PyYAML and by actspec's own reader."""
+    written = scalar(text, quoted=quoted)
+    assert "\n" not in written
+    block = f"key: {written}\nflow: [{written}, {written}]\nmap: {{{written}: 1}}\n"
+    expected = {"key": text, "flow": [text, text], "map": {text: 1}}
+    assert yaml.safe_load(block) == expected
+    assert document_from_text(block).data == expected
+
+
+@given(st.text())
+def test_scalar_of_any_text(text: str) -> None:
+    """Text of any characters that UTF-8 has comes back the same through PyYAML."""
+    written = scalar(text)
+    assert yaml.safe_load(f"a: [{written}]") == {"a": [text]}
+
+
+@given(st.text())
+def test_comment_ends_with_its_line(text: str) -> None:
+    """A comment cannot start a line of its own, whatever is in it."""
+    assert document_from_text(f"a: 1    # {comment(text)}\nb: 2\n").data == {"a": 1, "b": 2}
+
+
+@pytest.mark.parametrize(
+    "joints, expected",
+    [
+        (["FL_hip_joint", "RR_calf_joint"], "legs"),
+        (["left_elbow_joint"], "arms"),
+        (["waist_yaw_joint"], "torso"),
+        (["left_hip_joint", "waist_yaw_joint"], None),
+        (["joint1"], None),
+    ],
+    ids=["legs", "arms", "torso", "two", "none"],
+)
+def test_body_parts(joints: list[str], expected: str | None) -> None:
+    """Joints are of a body part where all of their names say so."""
+    assert body_part(joints) == expected
+
+
+@pytest.mark.parametrize(
+    "value, computed, expected",
+    [
+        (0.1 + 0.2, False, "0.3 N*m"),
+        (1 / 3, False, "0.333333333333 N*m"),
+        (0.12345678901234, False, "0.12345678901234 N*m"),
+        (0.12345678901234, True, "0.123456789012 N*m"),
+        (25.0, False, "25 N*m"),
+        (-0.0, False, "0 N*m"),
+        (1e-7, False, "1e-07 N*m"),
+    ],
+    ids=["sum", "quotient", "written", "by a formula", "whole", "minus zero", "small"],
+)
+def test_figure(value: float, computed: bool, expected: str) -> None:
+    """What somebody may have written keeps every digit, what was computed has 12."""
+    assert figure(value, "N*m", computed=computed) == expected
+
+
+@pytest.mark.parametrize(
+    "seconds, expected",
+    [
+        (0.002, "2 ms"),
+        (0.0012345, "1.2345 ms"),
+        (0.0012345678901234567, "0.0012345678901234567 s"),
+        (0.0007, "0.7 ms"),
+    ],
+    ids=["whole", "digits", "all digits", "fraction"],
+)
+def test_time(seconds: float, expected: str) -> None:
+    """A time is in milliseconds where that is the same double."""
+    assert time_text(seconds) == expected
+
+
+def test_sourced() -> None:
+    """A number carries source and deviation in its own unit; without both it stands alone."""
+    found = Quantity(0.5, "N*m*s/rad", Origin.MODEL, source="a1_cfg", std=0.01)
+    assert sourced(found) == "{value: 0.5 N*m*s/rad, std: 0.01 N*m*s/rad, source: a1_cfg}"
+    assert sourced(Quantity(0.25, "", Origin.MODEL)) == "0.25"
+    assert quantity_text(Quantity(0.005, "s", Origin.MODEL, formula="1 steps x 0.005 s")) == "5 ms"

@@ -1,0 +1,296 @@
+"""What the Newton target refuses, and what it makes of a network's file."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from actspec.api import load
+from actspec.diagnostics import Collector, EmitError, SpecError
+from actspec.targets.choose import choose_targets
+from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
+from tests.targets.newton.emitting import group, refused, written
+
+LIMIT = {"effort_limit": "24 N*m"}
+
+GRAPH = bytes([7 << 3 | 2, 3]) + b"abc"
+"""A model whose graph is three bytes."""
+ONNX = bytes([1 << 3, 8]) + GRAPH
+"""With its version."""
+
+MANIFEST: dict[str, Any] = {
+    "format": "actspec-network/1",
+    "kind": "mlp",
+    "inputs": "velocity_position",
+    "taps": [0, 1, 2],
+    "tap_period": "10 ms",
+    "position_scale": -1.0,
+    "velocity_scale": 0.5,
+    "torque_scale": 2.0,
+    "initial_history": "zero",
+}
+
+
+def network(folder: Path, data: bytes = ONNX, *, name: str = "net.onnx", **changed: Any) -> str:
+    """A group with a network whose manifest differs so, its files in the folder."""
+    (folder / "net.json").write_text(json.dumps({**MANIFEST, **changed}), encoding="utf-8")
+    (folder / name).write_bytes(data)
+    return group(level="actuator_net", kp="", kd="", **LIMIT, network=f"{{file: {name}, manifest: net.json}}")
+
+
+def prop(key: str, value: str) -> bytes:
+    """A record of ModelProto's metadata_props."""
+    parts = bytes([1 << 3 | 2, len(key)]) + key.encode() + bytes([2 << 3 | 2, len(value)]) + value.encode()
+    return bytes([14 << 3 | 2, len(parts)]) + parts
+
+
+def test_network(tmp_path: Path) -> None:
+    """The file goes beside the overlay with the manifest's conventions in it, taps in physics steps of 5 ms."""
+    found = written(network(tmp_path), path=str(tmp_path / "spec.yaml"))
+    drive = "/leg/NewtonActuators/hip"
+    assert found.prims[drive]["apis"] == ["NewtonNeuralControlAPI", "NewtonMaxEffortClampingAPI"]
+    assert found.attributes(drive)["newton:modelPath"] == "@./net.onnx@"
+    assert "newton:kp" not in found.attributes(drive)
+    assert found.emission.approximations == ()
+    (file,) = found.emission.files[1:]
+    assert file.path == "net.onnx"
+    assert file.data.startswith(ONNX)
+    assert read_metadata(file.data) == {
+        "model_type": "mlp",
+        "input_order": "vel_pos",
+        "input_idx": [0, 2, 4],
+        "pos_scale": -1.0,
+        "vel_scale": 0.5,
+        "effort_scale": 2.0,
+    }
+
+
+def test_networks_name(tmp_path: Path) -> None:
+    """Newton takes a file for torch's by its name: an ONNX file gets its own; an @ in it ends no path."""
+    found = written(network(tmp_path, name="a@b.pt"), path=str(tmp_path / "spec.yaml"))
+    assert found.emission.files[1].path == "a@b.onnx"
+    assert found.attributes("/leg/NewtonActuators/hip")["newton:modelPath"] == "@@@./a@b.onnx@@@"
+
+
+def test_network_losses(tmp_path: Path) -> None:
+    """What a network answers to another history, a late command or a bias is not known: from -24 to 24 N*m."""
+    text = network(tmp_path, initial_history="first_sample", tap_period="5 ms")
+    more = "delay: 7 ms, command_filter: {cutoff: 9 Hz}, encoder_bias: 0.1 rad, network:"
+    found = written(text.replace("network:", more), path=str(tmp_path / "spec.yaml"))
+    sizes = {loss.field: loss.max_torque_error for loss in found.emission.approximations}
+    assert sizes == {
+        "network.initial_history": 48.0, "delay": 48.0, "command_filter": 48.0, "encoder_bias": 48.0,
+    }  # fmt: skip
+
+
+def test_old_metadata_give_way() -> None:
+    """A property `metadata` is replaced, others and the network stay byte for byte."""
+    data = with_metadata(ONNX + prop("metadata", '{"a": 1}') + prop("author", "me"), {"b": 2})
+    assert data == ONNX + prop("author", "me") + prop("metadata", '{"b": 2}')
+    assert read_metadata(data) == {"b": 2}
+    assert read_metadata(ONNX + prop("pos_scale", "2.5") + prop("author", "me")) == {
+        "pos_scale": 2.5,
+        "author": "me",
+    }
+
+
+def test_long_metadata() -> None:
+    """Lengths of more than seven bits are written as protobuf has them."""
+    value = {"names": ["x" * 100] * 200}
+    assert read_metadata(with_metadata(ONNX, value)) == value
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"",
+        b"PK\x03\x04torch",
+        b"\x80\x02}q",
+        ONNX[:-1],
+        bytes([1 << 3, 8]),
+        bytes([7 << 3 | 2]) + b"\xff" * 12,
+        bytes([7 << 3 | 2, 0xFF, 0xFF, 0xFF, 0xFF, 0x0F]),
+        b"\x00" * 8,
+        GRAPH + prop("metadata", "[1]"),
+        GRAPH + prop("metadata", "{"),
+        GRAPH + bytes([14 << 3 | 2, 2, 0xFF, 0xFF]),
+    ],
+)
+def test_not_onnx(data: bytes) -> None:
+    """Bytes of another kind, cut off, or whose metadata are no JSON object."""
+    with pytest.raises(NotOnnx):
+        read_metadata(data)
+
+
+@given(st.binary(max_size=40) | st.binary(max_size=30).map(lambda tail: ONNX + bytes([14 << 3 | 2]) + tail))
+def test_any_bytes(data: bytes) -> None:
+    """Whatever a stranger's file holds, it is read, or refused as no ONNX."""
+    try:
+        found = read_metadata(data)
+    except NotOnnx:
+        return
+    assert read_metadata(with_metadata(data, {"a": found})) == {"a": found}
+
+
+def test_file_of_empty_records() -> None:
+    """A file that is all records is given up early."""
+    with pytest.raises(NotOnnx, match="more than 10000 records"):
+        read_metadata(bytes([1 << 3, 0]) * 1_000_000)
+
+
+def test_network_with_a_motor(tmp_path: Path) -> None:
+    """A network's torque is clipped by the motor's line where one is known."""
+    text = network(tmp_path).replace("network:", "motor: line, network:")
+    found = written(text, path=str(tmp_path / "spec.yaml"))
+    drive = "/leg/NewtonActuators/hip"
+    assert found.prims[drive]["apis"] == ["NewtonNeuralControlAPI", "NewtonDCMotorClampingAPI"]
+    numbers = {
+        name: found.attributes(drive)[f"newton:{name}"] for name in ("saturationEffort", "velocityLimit")
+    }
+    assert numbers == {"saturationEffort": 45.0, "velocityLimit": 30.0}
+
+
+@pytest.mark.parametrize(
+    ("changed", "expected"),
+    [
+        (
+            {"data": b"PK\x03\x04rest"},
+            "NWT004 actuators.leg.network: 'net.onnx' is no ONNX file, which Newton runs: it is an archive, as torch "
+            "writes them",
+        ),
+        (
+            {"data": b"weights"},
+            "NWT004 actuators.leg.network: 'net.onnx' is no ONNX file, which Newton runs: it is no protobuf message",
+        ),
+        (
+            {"kind": "gru"},
+            "NWT003 actuators.leg.network: actspec writes no network of kind gru for Newton, whose inputs it names "
+            "otherwise",
+        ),
+        (
+            {"position_scale": 0.0},
+            "NWT006 actuators.leg.network: Newton takes no pos_scale of 0",
+        ),
+        (
+            {"data": ONNX + prop("metadata", '{"pos_scale": 1.0}')},
+            "NWT006 actuators.leg.network: the network's own metadata have pos_scale 1.0, its manifest has -1.0",
+        ),
+        (
+            {"data": ONNX + prop("torque_scale", "3")},
+            "NWT006 actuators.leg.network: the network's own metadata have effort_scale 3, its manifest has 2.0",
+        ),
+        (
+            {"tap_period": "8 ms"},
+            "NET007 actuators.leg.network: tap_period 8 ms is no whole number of physics steps of 5 ms",
+        ),
+    ],
+    ids=["torch", "other", "gru", "scale", "metadata", "torque-scale", "period"],
+)
+def test_network_refused(changed: dict[str, Any], expected: str, tmp_path: Path) -> None:
+    """A network that Newton would not run, or would run with other inputs than it was trained on."""
+    data = changed.pop("data", ONNX)
+    assert refused(network(tmp_path, data, **changed), path=str(tmp_path / "spec.yaml")) == [expected]
+
+
+def test_lstm_refused(tmp_path: Path) -> None:
+    """Newton feeds an lstm each step in its own order, and finds its tensors by names that only the file knows."""
+    text = network(tmp_path, kind="lstm", taps=[0], tap_period="5 ms", hidden_size=8)
+    assert refused(text, path=str(tmp_path / "spec.yaml")) == [
+        "NWT003 actuators.leg.network: Newton gives an lstm position error and velocity of each physics step, in this "
+        "order, got velocity_position, taps [0] every 5 ms",
+        "NWT006 actuators.leg.network: neither the lstm's own metadata nor its manifest have input_name, "
+        "hidden_in_name, cell_in_name, output_name, hidden_out_name, cell_out_name, num_layers",
+    ]
+
+
+def test_network_of_another_command(tmp_path: Path) -> None:
+    """A network takes position errors."""
+    text = network(tmp_path).replace("level:", "command: velocity, level:")
+    assert refused(text, path=str(tmp_path / "spec.yaml")) == [
+        "NWT002 actuators.leg.command: Newton's network takes position errors, got command velocity"
+    ]
+
+
+def test_network_of_an_old_version(tmp_path: Path) -> None:
+    """Before 1.4 there is no ONNX, and the velocity's sign is another."""
+    assert refused(network(tmp_path), version="1.3", path=str(tmp_path / "spec.yaml")) == [
+        "NWT003 actuators.leg.network: Newton 1.3 reads no ONNX, and gives a network the velocity's error for the "
+        "velocity"
+    ]
+
+
+def test_two_networks_of_one_name(tmp_path: Path) -> None:
+    """Two groups with one file name and other conventions cannot lie in one folder."""
+    one = network(tmp_path)
+    (tmp_path / "b.json").write_text(json.dumps({**MANIFEST, "torque_scale": 3.0}), encoding="utf-8")
+    two = one.replace("  leg:", "  calf:").replace("[hip]", "[calf]").replace("net.json", "b.json")
+    found = refused(f"{one}\n{two}", robot='unmanaged: ["rod"]', path=str(tmp_path / "spec.yaml"))
+    assert found == [
+        "NWT005 actuators.calf.network: two networks are called 'net.onnx' and differ, in themselves or in their "
+        "manifests"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("version", "message", "help"),
+    [
+        ("1.1", "Newton 1.1 reads no actuators from USD", "known: 1.2 to 1.8"),
+        ("0.2", "Newton 0.2 reads no actuators from USD", "known: 1.2 to 1.8"),
+        ("1.9", "actspec does not know Newton '1.9'", "known: 1.2 to 1.8; did you mean '1.8'?"),
+        ("x", "actspec does not know Newton 'x'", "known: 1.2 to 1.8"),
+        ("1", "actspec does not know Newton '1'", "known: 1.2 to 1.8"),
+    ],
+)
+def test_unknown_version(version: str, message: str, help: str) -> None:
+    """Releases that read no actuators, and others, are refused with those that are known."""
+    with pytest.raises(EmitError) as caught:
+        written(group(**LIMIT), version=version)
+    (said,) = caught.value.diagnostics
+    assert (said.code, said.where, said.message) == ("NWT007", "targets.newton.version", message)
+    assert said.help is not None and said.help.startswith(help)
+
+
+def test_law_that_lacks_a_number() -> None:
+    """Told once for the joints of a group."""
+    spec = "  leg: {joints: [hip, calf], level: ideal_pd, kp: unknown, kd: 0.5 N*m*s/rad}"
+    assert refused(spec, robot='unmanaged: ["rod"]') == [
+        "NWT001 actuators.leg: hip, calf: kp is unknown, level ideal_pd with command position needs it"
+    ]
+
+
+SPEC = """actspec: 1
+robot: {name: leg, model: none, joints: [{name: hip}]}
+actuators:
+  leg: {joints: [hip], level: ideal_pd, kp: 25 N*m/rad, kd: 0.5 N*m*s/rad}
+targets:
+"""
+
+
+def test_options_of_the_spec(tmp_path: Path) -> None:
+    """`root` and `joint_paths` come with their places."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(
+        SPEC + '  newton:\n    root: /World/leg\n    joint_paths:\n      ".*": joints/{joint}\n',
+        encoding="utf-8",
+    )
+    (options,) = choose_targets(load(path), (), "out", False, Collector())
+    assert (options.root, options.joint_paths, options.version) == (
+        "/World/leg",
+        ((".*", "joints/{joint}"),),
+        "1.8",
+    )
+    span = options.span("joint_paths[.*]")
+    assert span is not None and (span.line, span.column) == (9, 13)
+
+
+def test_options_of_another_target(tmp_path: Path) -> None:
+    """Another kind of target has no place for them."""
+    path = tmp_path / "spec.yaml"
+    path.write_text(SPEC + "  mjlab: {root: /World}\n", encoding="utf-8")
+    with pytest.raises(SpecError, match="a target of kind mjlab has no option `root`"):
+        load(path)
