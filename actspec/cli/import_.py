@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from actspec.draft.combine import Combined, Disagreement
 
 _SCHEME = "package://"
+_POSE = "default_pose"
+"""The one field that a file states for many joints at once."""
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -100,17 +102,25 @@ def _placed(combined: Combined, folder: str) -> Combined:
 
 
 def _warnings(disagreements: Sequence[Disagreement]) -> Iterator[Diagnostic]:
+    """One for each figure that two files give differently; of the poses of two files, the first stands for all."""
+    poses: dict[tuple[str | None, str | None], list[Disagreement]] = {}
     for item in disagreements:
-        taken, lost = (format_quantity(q.value, q.unit) for q in (item.taken, item.lost))
-        who = f"{listed(map(one_line, item.joints), 4)}: " if item.joints else ""
-        place = item.lost.span or Span(item.lost.source or "another file")
-        yield Diagnostic(
-            "DRF010",
-            Severity.WARNING,
-            f"{who}{item.field} is {taken} here, which is taken, and {lost} in {place}",
-            "",
-            item.taken.span,
-        )
+        files = item.taken.source, item.lost.source
+        if item.field != _POSE:
+            yield _warning(item, "")
+        else:
+            poses.setdefault(files, []).append(item)
+    for first, *others in poses.values():
+        count = sum(len(other.joints) for other in others)
+        yield _warning(first, f"; the poses of {count} other joints differ too" if count else "")
+
+
+def _warning(item: Disagreement, more: str) -> Diagnostic:
+    taken, lost = (format_quantity(q.value, q.unit) for q in (item.taken, item.lost))
+    who = f"{listed(map(one_line, item.joints), 4)}: " if item.joints else ""
+    place = item.lost.span or Span(item.lost.source or "another file")
+    told = f"{who}{item.field} is {taken} here, which is taken, and {lost} in {place}{more}"
+    return Diagnostic("DRF010", Severity.WARNING, told, "", item.taken.span)
 
 
 def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
@@ -120,11 +130,8 @@ def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[s
         f"{start}{joints} joint{'s' * (joints != 1)} in {len(spec.groups)} group{'s' * (len(spec.groups) != 1)} "
         f"({listed(spec.groups)}), from {', '.join(files)}"
     )
-    reasons: dict[str, list[str]] = {}
-    for item in combined.left_alone:
-        reasons.setdefault(item.why, []).append(item.joint)
-    for why, names in reasons.items():
-        yield f"  left as they are, {one_line(why)}: {listed(map(one_line, names))}"
+    for why, left in combined.reasons().items():
+        yield f"  left as they are, {one_line(why)}: {listed(map(one_line, left))}"
     remarks: dict[str, list[str]] = {}
     for joint, texts in combined.notes.items():
         for text in texts:

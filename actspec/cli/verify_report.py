@@ -11,7 +11,9 @@ from actspec.diagnostics import listed, one_line
 from actspec.tables import table
 from actspec.targets.base import TargetOptions
 from actspec.verify.agreement import Agreement, At, Row, Skip
+from actspec.verify.response import COURSES, SOFT
 
+_RESPONSES = ("target", "group", "joints", "response", "error", "allowed", "at")
 _HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp"}
 
 Cells = tuple[str, ...]
@@ -23,6 +25,10 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     yield f"{actuators.robot}: {_many(len(actuators.joints), 'joint')}, {compilation.spec.document.path}"
     heads = ("target", "group", "joints", "engine", "torque error", "allowed", "at", "fields")
     yield from table([heads, *_cells(compilation, agreement)])
+    moved = list(_response_cells(compilation, agreement))
+    if moved:
+        yield ""
+        yield from table([_RESPONSES, *moved])
     for row in agreement.faults:
         yield _fault(row)
     marked = list(_marked(agreement))
@@ -30,6 +36,9 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
         yield ""
         yield "  known approximations, which --strict and `accept` are about"
         yield from table(marked, indent="    ", headings=0)
+    if any(SOFT in row.approximations for row in agreement.rows):
+        yield ""
+        yield f"  {SOFT}: dry friction in MuJoCo is a soft constraint, which creeps; no key of `accept`"
     missed = list(_missed(agreement.skipped))
     if missed:
         yield ""
@@ -59,6 +68,14 @@ def markdown(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     for cells in _cells(compilation, agreement):
         line = (*cells, losses.get(cells[0].split(" ")[0], ""))
         yield f"| {' | '.join(cell.replace('|', '/') for cell in line)} |"
+    moved = list(_response_cells(compilation, agreement))
+    if moved:
+        yield ""
+        yield f"| {' | '.join(_RESPONSES)} |"
+        yield "|" + "---|" * len(_RESPONSES)
+        for cells in moved:
+            yield f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
+        yield ""
     for row in agreement.faults:
         yield f"- {_fault(row)}"
     for target, reason, help in _missed(agreement.skipped):
@@ -73,7 +90,7 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
         mine = [row for row in agreement.rows if row.target == options.name]
         label = _label(options)
         torques = [row for row in mine if row.quantity in _HISTORIES]
-        fields = [row for row in mine if row.quantity not in _HISTORIES]
+        fields = [row for row in mine if row.quantity not in _HISTORIES and row.quantity not in COURSES]
         if not torques:
             groups = dict.fromkeys(row.group for row in fields if row.group)
             joints = len(compilation.actuators.joints)
@@ -94,6 +111,25 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
                 _amount(worst.tolerance, worst.unit) + (" ~" if worst.approximations else ""),
                 _where(worst),
                 _agreed([*own, *others]) if worst.group not in told else "",
+            )
+
+
+def _response_cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
+    """One line for each target and group: the response that is nearest to what is allowed, or beyond."""
+    for options in compilation.targets:
+        mine = [row for row in agreement.rows if row.target == options.name and row.quantity in COURSES]
+        for index, group in enumerate(dict.fromkeys(row.group for row in mine)):
+            shared = [row for row in mine if row.group == group]
+            worst = max(shared, key=lambda row: (not row.ok, _share(row)))
+            joints = sum(row.joints for row in shared if row.quantity == worst.quantity)
+            yield (
+                _label(options) if index == 0 else "",
+                group,
+                str(joints),
+                worst.quantity,
+                _amount(worst.max_error, worst.unit),
+                _amount(worst.tolerance, worst.unit) + (" ~" if worst.approximations else ""),
+                _where(worst),
             )
 
 
@@ -130,11 +166,16 @@ def _where(row: Row) -> str:
     at = row.at
     if at is None:
         return row.joint
+    if row.quantity in COURSES:
+        return f"{row.joint}: {_state(at, row.unit)}"
     return f"{row.joint}: {_HISTORIES[row.quantity]}, {_state(at, row.unit)}"
 
 
 def _state(at: At, unit: str) -> str:
-    angle = "m" if unit == "N" else "rad"
+    angle = "m" if unit in ("N", "m") else "rad"
+    if at.time is not None and at.torque is not None:
+        torque = "N" if angle == "m" else "N*m"
+        return f"at {at.time:.3g} s, velocity {at.velocity:.3g} {angle}/s, torque {at.torque:+.2g} {torque}"
     parts = [f"error {at.error:.3g} {angle}"] if at.error is not None else [f"command {at.command:.3g}"]
     parts.append(f"velocity {at.velocity:.3g} {angle}/s")
     return ", ".join([*parts, *([f"step {at.step}"] if at.step else [])])
@@ -153,7 +194,8 @@ def _fault(row: Row) -> str:
     more = f" and {row.joints - 1} more" if row.joint and row.joints > 1 else ""
     where = ""
     if row.at is not None:
-        where = f" ({_HISTORIES[row.quantity]}, {_state(row.at, row.unit)}; {row.tolerance:.2g} {row.unit} allowed)"
+        what = _HISTORIES.get(row.quantity, row.quantity)
+        where = f" ({what}, {_state(row.at, row.unit)}; {row.tolerance:.2g} {row.unit} allowed)"
     return one_line(f"{place}") + f"{code} {row.target}" + one_line(f"{who}{more}: {row.message}{where}")
 
 
@@ -162,6 +204,8 @@ def _marked(agreement: Agreement) -> Iterator[tuple[str, str]]:
     found: dict[str, dict[str, None]] = {}
     for row in agreement.rows:
         for key in row.approximations:
+            if key == SOFT:
+                continue
             found.setdefault(row.target, {})[key.removeprefix(f"{row.target}.")] = None
     for target, names in found.items():
         yield target, listed(names, most=12)

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed
-from actspec.draft.cells import cells_of, find_motors
 from actspec.draft.combine import Combined
-from actspec.draft.groups import Group, groups_of, motors_of
+from actspec.draft.groups import Group, best_groups, motors_of
 from actspec.draft.lines import (
-    cell_label,
     group_lines,
     line,
     listed_joints,
@@ -38,7 +36,7 @@ class Draft:
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
         unknown: Fields that no file states, to the groups that lack them.
-        inferred: What was taken for one motor, and why.
+        inferred: What was taken, or may be taken, for one motor, and why.
     """
 
     text: str
@@ -69,10 +67,10 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
     actuators = combined.actuators
     if not actuators.joints:
         raise _nothing(combined)
-    cells = cells_of(actuators.joints, combined.kinds)
-    find_motors(cells, combined.above)
     try:
-        groups = groups_of(cells, combined.above, combined.names)
+        groups = best_groups(
+            actuators.joints, combined.kinds, combined.above, combined.names, actuators.robot
+        )
         unmanaged, pose = list(unmanaged_lines(combined)), pose_lines(combined)
         motors, named = motors_of(groups)
         written = [group_lines(group, named, combined) for group in groups]
@@ -97,7 +95,7 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
         timing=timing,
         untimed=untimed,
         sources=[{"key": scalar(source.key), "rows": source_lines(source)} for source in actuators.sources],
-        motors=[motor_lines(motor, groups) for motor in motors],
+        motors=[motor_lines(motor) for motor in motors],
         groups=written,
         targets=[line(scalar(name), value, remark) for name, value, remark in targets],
     )
@@ -106,8 +104,16 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
         actuators.robot,
         {group.name: len(group.names) for group in groups},
         _unknown(groups),
-        tuple(f"{cell_label(cell)}: {cell.inferred}" for cell in cells if cell.inferred),
+        tuple(_gears(groups)),
     )
+
+
+def _gears(groups: Sequence[Group]) -> Iterator[str]:
+    """What was taken, or may be taken, for one motor behind two gears."""
+    for cell in (cell for group in groups for cell in group.cells):
+        if cell.inferred:
+            yield f"{cell.label}: {cell.inferred}"
+        yield from (f"{listed(names, 4)}: {why}" for names, why in cell.maybe)
 
 
 def _unknown(groups: Sequence[Group]) -> dict[str, tuple[str, ...]]:

@@ -66,8 +66,6 @@ _PASSIVE = (
 """What any file may say, whoever drives the joint."""
 _DRIVE = ("kp", "kd", "stall_torque", "no_load_speed")
 """What only a file with the same kind of drive says."""
-_DRIVEN = ("no actuator", NO_DRIVE)
-"""Reasons to leave a joint alone that another file's drive takes away."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +110,16 @@ class Combined:
     names: tuple[str, ...] = ()
     above: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
+    def reasons(self) -> dict[str, tuple[str, ...]]:
+        """Reason to the joints that are left alone for it; those that follow many joints have one in common."""
+        found: dict[str, list[LeftAlone]] = {}
+        for item in self.left_alone:
+            found.setdefault(item.kind or item.why, []).append(item)
+        return {
+            items[0].why if len({item.why for item in items}) == 1 else kind: tuple(i.joint for i in items)
+            for kind, items in found.items()
+        }
+
 
 def combine(readings: Sequence[Reading]) -> Combined:
     """Put the files of one robot together.
@@ -125,6 +133,8 @@ def combine(readings: Sequence[Reading]) -> Combined:
     )
     keys = source_keys(readings)
     ranked = [keyed(reading, keys) for reading in in_order(readings)]
+    # Gains for the robot say nothing of the motor that a simulator has behind them.
+    deploy = frozenset(id(j) for r in ranked if r.kind is FileKind.DEPLOY for j in r.lifted.actuators.joints)
     base = next((r for r in ranked if model is not None and r.path == model.path), None)
     order = _joint_order(ranked, base)
     alone = _left_alone(ranked, base, order)
@@ -135,9 +145,9 @@ def combine(readings: Sequence[Reading]) -> Combined:
         if name in alone or not said:
             continue
         if driven and not any(map(_drives, said)):
-            alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span)
+            alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span, undriven=True)
             continue
-        joints.append(_joint(said))
+        joints.append(_joint(said, deploy))
     sets = [reading.lifted.actuators for reading in ranked]
     step = _first([actuators.physics_dt for actuators in sets])
     assert step is not None
@@ -223,7 +233,7 @@ def _left_alone(
         for item in reading.lifted.left_alone:
             if item.joint not in order or item.joint in found:
                 continue
-            mended = item.joint in (drives if item.why in _DRIVEN else said if reading is not base else ())
+            mended = item.joint in (drives if item.undriven else said if reading is not base else ())
             if not mended:
                 found[item.joint] = item
     return found
@@ -234,9 +244,16 @@ def _reason(ranked: Sequence[Reading], joint: str) -> LeftAlone | None:
     return next((item for r in ranked for item in r.lifted.left_alone if item.joint == joint), None)
 
 
-def _joint(said: Sequence[JointActuator]) -> JointActuator:
-    """One joint out of what the files say of it, the most believed first."""
+def _joint(said: Sequence[JointActuator], deploy: frozenset[int]) -> JointActuator:
+    """One joint out of what the files say of it, the most believed first.
+
+    Args:
+        said: At least one.
+        deploy: Identities of those from deploy files.
+    """
     lead = next((joint for joint in said if _drives(joint)), said[0])
+    if id(lead) in deploy:
+        lead = _with_line(lead, [joint for joint in said if id(joint) not in deploy])
     alike = [joint for joint in said if joint.command is lead.command]
     numbers: dict[str, Quantity | None] = {}
     for name in _PASSIVE:
@@ -262,6 +279,20 @@ def _joint(said: Sequence[JointActuator]) -> JointActuator:
     )
 
 
+def _with_line(lead: JointActuator, others: Sequence[JointActuator]) -> JointActuator:
+    """Gains without a word of the motor, with the torque-speed line that the next drive of the same kind has."""
+    other = next((joint for joint in others if _drives(joint) and joint.command is lead.command), None)
+    if other is None or other.level is not Level.DC_MOTOR:
+        return lead
+    return replace(
+        lead,
+        level=other.level,
+        stall_torque=other.stall_torque,
+        no_load_speed=other.no_load_speed,
+        curve=other.curve,
+    )
+
+
 def _first(candidates: Sequence[Quantity | None]) -> Quantity | None:
     """The first that a file states, those that differ recorded as lost; else a default; else unknown."""
     present = [item for item in candidates if item is not None]
@@ -281,8 +312,14 @@ def _delay(delays: Sequence[Delay | None]) -> Delay | None:
     if not present:
         return None
     winner, *others = present
-    nominal = _first([winner.nominal, *(other.nominal for other in others)])
-    return winner if nominal is None or not winner.nominal.known else replace(winner, nominal=nominal)
+    within = [
+        other.nominal
+        for other in others
+        if winner.nominal.known
+        or (other.nominal.value is not None and winner.low <= other.nominal.value <= winner.high)
+    ]
+    nominal = _first([winner.nominal, *within])
+    return winner if nominal is None else replace(winner, nominal=nominal)
 
 
 def _ranges(said: Sequence[JointActuator]) -> tuple[Randomization, ...]:

@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from actspec.draft.cells import Cell, one_limb
-from actspec.draft.names import group_name, joint_patterns
+from actspec.audit.artifact import FileKind
+from actspec.draft.cells import Cell, cells_of, find_motors, join, joined, one_limb, one_row
+from actspec.draft.names import body_part, given_name, group_name, joint_patterns, one_pattern
 from actspec.draft.rows import Row, same
+from actspec.ir import JointActuator
 
 MOST_DIFFERENT = 2
 """Fields in which joints of one group may differ. Chosen: a knee has another limit and speed; what differs in more
@@ -54,32 +56,44 @@ class Motor:
     inferred: bool = False
 
 
-def groups_of(
-    cells: Sequence[Cell], above: Mapping[str, frozenset[str]], names: Sequence[str]
+def best_groups(
+    joints: Sequence[JointActuator],
+    kinds: Sequence[FileKind],
+    above: Mapping[str, frozenset[str]],
+    names: Sequence[str],
+    robot: str,
 ) -> list[Group]:
-    """Put cells into groups, each with its name and patterns.
+    """Sort joints into the groups that read best, each with its name and patterns.
+
+    Equal joints of several limbs are one group or one a limb, whichever takes fewer groups; a group of several
+    limbs counts as two. So one motor in hips, waist and shoulders stays one group, and knees and ankles do not
+    become exceptions of a group that has half of the arms in it.
 
     Args:
-        cells: With their motors found.
+        joints: In the robot's order, with keys of `sources` in their quantities.
+        kinds: What the files are.
         above: Joint to those between it and the base.
         names: All joints that patterns are matched against, in the robot's order.
+        robot: Its name.
 
     Raises:
         PatternError: a joint's name is too long.
     """
     order = {name: place for place, name in enumerate(names)}
-    groups: list[Group] = []
-    for cell in sorted(cells, key=lambda cell: -len(cell.joints)):
-        home = next((group for group in groups if _takes(group, cell, above, order)), None)
-        if home is None:
-            groups.append(Group("", [cell]))
-        else:
-            home.cells.append(cell)
+    plans = []
+    for by_limb in (True, False):
+        cells = cells_of(joints, kinds, by_limb=by_limb)
+        find_motors(cells, above)
+        plan = _grouped(joined(cells, by_limb), above, order)
+        plans.append(_without_twins(plan, order) if by_limb else plan)
+    groups = min(plans, key=_size)
     groups.sort(key=lambda group: min(order[name] for name in group.names))
+    given = {joint.joint: joint.group for joint in joints}
     taken: list[str] = []
     for group in groups:
         members = sorted(group.names, key=order.__getitem__)
-        group.name = group_name(members, taken)
+        own = given_name(members, given, robot)
+        group.name = own if own and own not in taken else group_name(members, taken)
         taken.append(group.name)
         group.patterns = joint_patterns(members, names)
     return groups
@@ -87,34 +101,80 @@ def groups_of(
 
 def motors_of(groups: Sequence[Group]) -> tuple[list[Motor], dict[int, str]]:
     """The motors that groups need, and the motor of each cell by its identity."""
-    motors: dict[tuple[tuple[str, str], ...], Motor] = {}
+    cells = [cell for group in groups for cell in group.cells]
+    users: dict[tuple[object, ...], list[Cell]] = {}
+    for cell in cells:
+        lender = cell.base or cell
+        if lender.motor or lender.lends:
+            # Two inferred motors are never one: nobody says so.
+            figures = tuple((name, row.value) for name, row in lender.motor.items()) or (id(lender),)
+            users.setdefault(figures, []).append(cell)
+    motors: list[Motor] = []
     named: dict[int, str] = {}
-    cells = [(group, cell) for group in groups for cell in group.cells]
-    bases = {id(cell.base) for _, cell in cells if cell.base is not None}
-    for group, cell in cells:
-        rows = cell.motor
-        inferred = not rows and id(cell) in bases
-        if inferred:
-            rows = {"peak_torque": cell.rows["effort_limit"]}
-        if not rows or cell.base is not None:
-            continue
-        # Two inferred motors are never one: nobody says so.
-        key = (
-            *((name, row.value) for name, row in rows.items()),
-            *([("", str(id(cell)))] if inferred else []),
-        )
-        if key not in motors:
-            name = f"{group.name}_motor"
-            while name in {motor.name for motor in motors.values()}:
-                name += "_2"
-            motors[key] = Motor(name, rows, inferred)
-        named[id(cell)] = motors[key].name
-    for _, cell in cells:
-        if cell.base is not None:
-            named[id(cell)] = named[id(cell.base)]
+    for own in users.values():
+        lender = own[0].base or own[0]
+        rows = lender.motor or {"peak_torque": lender.rows["effort_limit"]}
+        name = _motor_name(own, groups, [motor.name for motor in motors])
+        motors.append(Motor(name, rows, not lender.motor))
+        named.update({id(cell): name for cell in own})
     for group in groups:
         group.motor = named.get(id(group.cells[0]), "")
-    return list(motors.values()), named
+    return motors, named
+
+
+def _motor_name(users: Sequence[Cell], groups: Sequence[Group], taken: Sequence[str]) -> str:
+    """After the group whose joints it drives, else after those joints."""
+    home = next(group for group in groups if any(cell is users[0] for cell in group.cells))
+    alone = all(any(cell is user for user in users) for cell in home.cells)
+    stem = home.name if alone else group_name([name for cell in users for name in cell.names], ())
+    name = f"{stem}_motor"
+    while name in taken:
+        name += "_2"
+    return name
+
+
+def _grouped(
+    cells: Sequence[Cell], above: Mapping[str, frozenset[str]], order: Mapping[str, int]
+) -> list[Group]:
+    """Put cells into groups: the largest first, what differs little within a limb as its override."""
+    for cell in cells:
+        cell.sort(order)
+    groups: list[Group] = []
+    for cell in sorted(cells, key=lambda cell: -len(cell.joints)):
+        home = next((group for group in groups if _takes(group, cell, above, order)), None)
+        if home is None:
+            groups.append(Group("", [cell]))
+        elif _twins(home.cells[0], cell):
+            join(home.cells[0], cell, cells)
+            home.cells[0].sort(order)
+        else:
+            home.cells.append(cell)
+    return groups
+
+
+def _without_twins(groups: Sequence[Group], order: Mapping[str, int]) -> list[Group]:
+    """Groups of equal joints that no override has joined, as one."""
+    kept: list[Group] = []
+    every = [cell for group in groups for cell in group.cells]
+    for group in groups:
+        cell = group.cells[0]
+        twin = next((other for other in kept if len(other.cells) == 1 and _twins(other.cells[0], cell)), None)
+        if twin is None or len(group.cells) > 1:
+            kept.append(group)
+        else:
+            join(twin.cells[0], cell, every)
+            twin.cells[0].sort(order)
+    return kept
+
+
+def _twins(one: Cell, other: Cell) -> bool:
+    motors = [(id(cell.base), cell.ratio, cell.lends) for cell in (one, other)]
+    return one.written == other.written and motors[0] == motors[1]
+
+
+def _size(groups: Sequence[Group]) -> int:
+    """Number of groups; one of several limbs counts as two."""
+    return sum(2 if len({body_part([name]) for name in group.names}) > 1 else 1 for group in groups)
 
 
 def differing(base: Cell, cell: Cell) -> list[str]:
@@ -124,14 +184,13 @@ def differing(base: Cell, cell: Cell) -> list[str]:
 
 def _takes(group: Group, cell: Cell, above: Mapping[str, frozenset[str]], order: Mapping[str, int]) -> bool:
     base = group.cells[0]
-    if cell.kind != base.kind or not one_limb(cell, base, above):
+    if cell.kind != base.kind or not (one_limb(cell, base, above) or one_row(cell, base)):
         return False
     keys = differing(base, cell)
     if not set(keys) <= set(cell.rows) or len(keys) + _other_motor(base, cell) > MOST_DIFFERENT:
         return False
     members = sorted([*group.names, *cell.names], key=order.__getitem__)
-    patterns = joint_patterns(cell.names, members)
-    return len(patterns) <= MOST_PATTERNS and _patterns_stay(group, members)
+    return all(len(one_pattern(other.names, members)) <= MOST_PATTERNS for other in (*group.cells[1:], cell))
 
 
 def _other_motor(base: Cell, cell: Cell) -> int:
@@ -139,12 +198,10 @@ def _other_motor(base: Cell, cell: Cell) -> int:
     one, other = (item.base or item for item in (base, cell))
     if one is other:
         return 0
+    if one.lends or other.lends:
+        # An override names a motor; it cannot say that there is none.
+        return 1 if other.lends or other.motor else MOST_DIFFERENT + 1
     values = [{name: row.value for name, row in item.motor.items()} for item in (one, other)]
     if values[0] == values[1]:
         return 0
     return 1 if all(values) else MOST_DIFFERENT + 1
-
-
-def _patterns_stay(group: Group, members: Sequence[str]) -> bool:
-    """Whether the overrides that a group has still take few patterns among more joints."""
-    return all(len(joint_patterns(cell.names, members)) <= MOST_PATTERNS for cell in group.cells[1:])

@@ -7,15 +7,14 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import listed
-from actspec.draft.cells import Cell
 from actspec.draft.combine import Combined
 from actspec.draft.groups import Group, Motor, differing
-from actspec.draft.names import joint_patterns
+from actspec.draft.names import joint_patterns, one_pattern
 from actspec.draft.rows import RANGE, Row, lost_of, lost_text
 from actspec.draft.sources import places, stated
 from actspec.draft.text import comment, scalar
 from actspec.draft.values import figure, sourced
-from actspec.ir import ActuatorSet, JointKind, Source
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Source
 
 _WIDTH = 100
 """Chosen: a list of joints that is longer is written one to a line."""
@@ -103,13 +102,12 @@ def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> 
     }
 
 
-def motor_lines(motor: Motor, groups: Sequence[Group]) -> dict[str, Any]:
+def motor_lines(motor: Motor) -> dict[str, Any]:
     """One motor, ready for the template."""
     rows = [line(key, row.value, _remark(row, [row])) for key, row in motor.rows.items()]
     remark = ""
     if motor.inferred:
-        users = [g.name for g in groups if any(c.base is not None and c.inferred for c in g.cells)]
-        remark = f"inferred from limits of one power ({listed(users)}): no file names it"
+        remark = "inferred from limits of one power: no file names it"
     return {"name": motor.name, "comment": comment(remark), "rows": nested(rows)}
 
 
@@ -143,24 +141,25 @@ def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
 
 def unmanaged_lines(combined: Combined) -> Iterator[tuple[str, str]]:
     """(pattern, reason), one reason after the other."""
-    reasons: dict[str, list[str]] = {}
-    for item in combined.left_alone:
-        reasons.setdefault(item.why, []).append(item.joint)
-    for why, joints in reasons.items():
+    for why, joints in combined.reasons().items():
         for pattern in joint_patterns(joints, combined.names):
             yield scalar(pattern, quoted=True), comment(why)
 
 
 def pose_lines(combined: Combined) -> list[Line]:
     """The default pose by pattern; joints at 0 are left out."""
-    joints: dict[str, list[str]] = {}
+    joints: dict[str, list[JointActuator]] = {}
     for joint in combined.actuators.joints:
         if stated(joint.default_position) and joint.default_position.value != 0.0:
-            joints.setdefault(sourced(joint.default_position), []).append(joint.joint)
+            joints.setdefault(sourced(joint.default_position), []).append(joint)
     return [
-        Line(scalar(pattern, quoted=True), value)
-        for value, names in joints.items()
-        for pattern in joint_patterns(names, combined.names)
+        line(
+            scalar(pattern, quoted=True),
+            value,
+            lost_text([Row("", lost=lost_of(j.default_position)) for j in own]),
+        )
+        for value, own in joints.items()
+        for pattern in joint_patterns([j.joint for j in own], combined.names)
     ]
 
 
@@ -211,7 +210,7 @@ def _overrides(group: Group, motors: Mapping[int, str]) -> dict[str, list[Line]]
         for key in differing(base, cell):
             row = cell.rows[key]
             rows.append(line(key, row.value, _remark(row, [r[key] for r in cell.all_rows])))
-        for pattern in joint_patterns(cell.names, group.names):
+        for pattern in one_pattern(cell.names, group.names):
             found.setdefault(pattern, []).extend(rows)
     return found
 
@@ -242,10 +241,5 @@ def _comments(group: Group, combined: Combined) -> Iterator[str]:
     for text, names in said.items():
         yield text if len(names) == len(group.names) else f"{listed(names, 4)}: {text}"
     for cell in group.cells:
-        if cell.maybe:
-            yield f"{listed(cell.names, 4)}: {cell.maybe}"
-
-
-def cell_label(cell: Cell) -> str:
-    """The joints of a cell, for a message."""
-    return listed(cell.names, 4)
+        for own, why in cell.maybe:
+            yield f"{listed(joint_patterns(own, group.names), 4)}: {why}"

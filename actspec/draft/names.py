@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.patterns import PatternError, covering_pattern, match_names
 
@@ -33,6 +33,8 @@ _BODY_PARTS = (
     ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
     ("torso", _words("waist torso spine head neck")),
 )
+_NO_WORD = re.compile(r"^actuators?_(?=[a-z])|(?<=.)_?(?:actuators?)?_?(?:cfg)?$", re.IGNORECASE)
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _RESERVED = _words("y n yes no on off true false null none unknown")
 
 
@@ -69,6 +71,30 @@ def joint_patterns(wanted: Sequence[str], names: Sequence[str]) -> tuple[str, ..
             )
     assert covering_pattern(ordered, asked, names)
     return tuple(ordered)
+
+
+def one_pattern(wanted: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
+    """As `joint_patterns`, those that differ in a word as one: `.*_wrist_(pitch|yaw)_joint`.
+
+    Args:
+        wanted: As in `joint_patterns`.
+        names: Likewise.
+
+    Raises:
+        PatternError: a name is too long for any pattern.
+    """
+    patterns = joint_patterns(wanted, names)
+    if len(patterns) < 2:
+        return patterns
+    split = [re.split(r"(?<=[_\-. ])|(?=[_\-. ])", pattern) for pattern in patterns]
+    start, end = _shared(split), _shared([words[::-1] for words in split])[::-1]
+    middles = [words[len(start) : len(words) - len(end)] for words in split]
+    # One word between others that say what is meant: `.*_(yaw|elbow)_joint` is shorter, and a riddle.
+    if not any(map(str.isalnum, start)) or not all(len(m) == 1 and m[0].isalnum() for m in middles):
+        return patterns
+    whole = "".join([*start, "(", "|".join(m[0] for m in middles), ")", *end])
+    found = match_names(whole, names) if len(whole) <= MAX_WRITTEN else ()
+    return (whole,) if set(found) == set(wanted) else patterns
 
 
 def _cover(asked: set[str], names: Sequence[str]) -> dict[str, frozenset[str]]:
@@ -155,6 +181,25 @@ def body_part(joints: Sequence[str]) -> str | None:
     """`legs`, `arms`, `hands` or `torso` where all names are of one; None where they are not."""
     heads = {parts[0] for parts in map(_parts, joints) if parts}
     return next((name for name, known in _BODY_PARTS if heads and known.issuperset(heads)), None)
+
+
+def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str) -> str:
+    """The name that a configuration has for exactly these joints, as a key; "" without one.
+
+    Args:
+        joints: Names, at least one.
+        given: Joint to the name of its group; "" for none.
+        robot: The robot's name; a word of it at the beginning goes (`GO1_HIP_ACTUATOR_CFG` is hip).
+    """
+    names = {given[name] for name in joints}
+    if len(names) != 1 or any(given[name] in names for name in given.keys() - set(joints)):
+        return ""
+    name = names.pop()
+    name = _NO_WORD.sub("", name.lower() if name.isupper() else name)
+    first, _, rest = name.partition("_")
+    if rest[:1].isalpha() and first in re.split(r"[^a-z0-9]+", robot.lower()):
+        name = rest
+    return name if _KEY.fullmatch(name) and name.lower() not in _RESERVED else ""
 
 
 def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:

@@ -12,6 +12,7 @@ from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed,
 from actspec.draft.sources import Reading
 from actspec.ir import JointKind
 from actspec.lift import Lifted, LiftedRobot, lift, lift_files
+from actspec.lift.config import asset_of
 from actspec.robot.view import JointView
 
 _LIVE = re.compile(r"[.^$*+?{}\[\]|()]")
@@ -203,12 +204,13 @@ def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
             or _LIVE.search(_ESCAPED.sub("", pattern))
         ]
         if patterns:
+            asset = asset_of(config) if config is not None else None
             out.error(
                 "DRF009",
                 f"{one_line(artifact.name)} selects its joints by patterns ({listed(map(one_line, patterns))}), and "
                 "no file names them",
                 span=Span(artifact.path),
-                help="name the robot's MJCF or URDF too",
+                help=f"name {one_line(asset)} too, which it reads" if asset else "name the robot's MJCF or URDF too",
             )
 
 

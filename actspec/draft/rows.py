@@ -64,12 +64,13 @@ class Row:
     spans: tuple[Span, ...] = ()
 
 
-def rows_of(joint: JointActuator, kinds: Sequence[FileKind]) -> dict[str, Row]:
+def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) -> dict[str, Row]:
     """Key (`friction.viscous` for a part) to line, in the order of a spec.
 
     Args:
         joint: With keys of `sources` in its quantities.
         kinds: What the files are: of their silence depends what is remarked.
+        speeds: Whether a file states a speed limit of any joint; else none is missed.
     """
     rows: dict[str, Row] = {}
     hints = _hints(joint)
@@ -87,8 +88,7 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind]) -> dict[str, Row]:
     add("kp", joint.kp, "kp")
     add("kd", joint.kd, "kd")
     add("effort_limit", joint.effort_limit, "effort_limit")
-    told = any(kind is not FileKind.MJCF for kind in kinds)
-    add("velocity_limit", joint.velocity_limit, "velocity_limit", always=told)
+    add("velocity_limit", joint.velocity_limit, "velocity_limit", always=speeds)
     add("armature", joint.armature, "armature")
     cutoff = joint.filter_cutoff
     if cutoff is not None and cutoff.known:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -88,6 +89,9 @@ def keyed(reading: Reading, keys: Mapping[str, str]) -> Reading:
     def rekey(quantity: Quantity) -> Quantity:
         if not quantity.known:
             return quantity
+        if not math.isfinite(quantity.require()):
+            why = "no limit" if quantity.value == math.inf else f"the file has {quantity.value:g}"
+            return replace(quantity, value=None, origin=Origin.UNKNOWN, note=why)
         place = quantity.span.path if quantity.span is not None else quantity.source
         # A number that another file of the same robot gave it keeps that file's key.
         key = files.get(place or "") or keys.get(place or "") or (own if stated(quantity) else None)
@@ -100,11 +104,17 @@ def keyed(reading: Reading, keys: Mapping[str, str]) -> Reading:
             lifted,
             actuators=replace(
                 actuators,
-                joints=tuple(_mapped(joint, rekey) for joint in actuators.joints),
+                joints=tuple(_named(_mapped(joint, rekey), reading) for joint in actuators.joints),
                 physics_dt=rekey(actuators.physics_dt),
             ),
         ),
     )
+
+
+def _named(joint: JointActuator, reading: Reading) -> JointActuator:
+    """A joint with the name of its group, where a file has groups: a robot file has names of actuators only."""
+    grouped = reading.kind is FileKind.SPEC or reading.framework in (Framework.ISAACLAB, Framework.MJLAB)
+    return joint if grouped else replace(joint, group="")
 
 
 def stated(quantity: Quantity) -> bool:

@@ -6,13 +6,15 @@ themselves where each is a name.
 
 from __future__ import annotations
 
+import math
+import os
 import re
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
 from actspec.audit.case import Versions, meant_for
 from actspec.audit.isaaclab_friction import friction_meaning
-from actspec.audit.pair import joint_names
+from actspec.audit.pair import joint_names, matching
 from actspec.audit.rows.figures import selected
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
@@ -59,6 +61,7 @@ def lift_config(
     for group in config.groups:
         for joint, pattern in selected(config, group, named):
             members.setdefault(joint, []).append((group, pattern))
+    own_step = _physics_dt(config)
     found: list[JointActuator] = []
     alone: list[LeftAlone] = []
     notes: dict[str, list[str]] = {}
@@ -71,7 +74,7 @@ def lift_config(
             continue
         # Isaac Lab 2.x: the group that comes last has the joint.
         group, pattern = chosen[-1]
-        step = physics_dt if config.physics_dt is None else config.physics_dt
+        step = own_step.value or physics_dt
         drive = ConfigJoint(config, group, name, pattern, named, view, versions, step)
         found.append(drive.actuator(randomizations(config, name, named)))
         said = [*_overlapping(chosen), *drive.notes]
@@ -81,7 +84,9 @@ def lift_config(
         alone += _unnamed(config, named)
     whole = [*_whole(config, versions)]
     if found and not any(views.values()):
-        whole.append("no robot file says what kind of joints they are: all are taken for hinges")
+        asset = asset_of(config)
+        beside = f" (the configuration reads {one_line(asset)}: name it too)" if asset else ""
+        whole.append(f"no robot file says what kind of joints they are: all are taken for hinges{beside}")
     if whole:
         notes[""] = whole
     return Lifted(
@@ -89,7 +94,7 @@ def lift_config(
             robot=config.name,
             joints=tuple(found),
             unmanaged=tuple(item.joint for item in alone),
-            physics_dt=_physics_dt(config),
+            physics_dt=own_step,
             decimation=_decimation(config),
             delta_action=None,
             accept=(),
@@ -101,6 +106,15 @@ def lift_config(
         {name: tuple(said) for name, said in notes.items()},
         artifact,
     )
+
+
+def asset_of(config: RobotConfig) -> str | None:
+    """The robot file that a configuration reads, where that is an MJCF or URDF that is there."""
+    named = config.settings.get("model")
+    path = named.value if named is not None else None
+    if not isinstance(path, str) or not path.lower().endswith((".xml", ".urdf")):
+        return None
+    return path if "\0" not in path and os.path.isfile(path) else None
 
 
 def _plain_names(config: RobotConfig) -> tuple[str, ...]:
@@ -128,9 +142,8 @@ def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
     why = "a pattern, and no file names the joints: name the robot's MJCF or URDF too"
     for group in config.groups:
         for pattern in group.joints or ():
-            if _plain_name(config.framework, pattern) is None and not (
-                named and selected(config, group, named)
-            ):
+            plain = _plain_name(config.framework, pattern) is not None
+            if not plain and not matching(config.framework, pattern, named):
                 yield LeftAlone(pattern, why, group.span)
 
 
@@ -158,12 +171,15 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
 
 def _physics_dt(config: RobotConfig) -> Quantity:
     setting = config.settings.get("physics_dt")
-    if setting is None or setting.number is None:
-        return unknown("s") if setting is None else unknown("s", setting.unknown, setting.span)
-    return stated(setting.number, "s", setting.span)
+    if setting is None:
+        return unknown("s")
+    step = setting.number
+    if step is None or not 0.0 < step < math.inf:
+        return unknown("s", setting.unknown or "the file has no time above 0", setting.span)
+    return stated(step, "s", setting.span)
 
 
 def _decimation(config: RobotConfig) -> int | None:
     setting = config.settings.get("decimation")
     number = None if setting is None else setting.number
-    return int(number) if number is not None and number >= 1 and number == int(number) else None
+    return int(number) if number is not None and 1 <= number < math.inf and number.is_integer() else None

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -42,7 +43,7 @@ def delay_of(
         of_joint: A setting of the joint by its name, in a unit.
     """
     if config.framework is Framework.DEPLOY:
-        return DelayReading(_in_seconds(of_joint))
+        return _in_seconds(of_joint)
     if config.framework is Framework.MJLAB:
         low, high = (group.settings.get(f"delay_{end}_lag") for end in ("min", "max"))
         sampling, notes = _mjlab_sampling(group)
@@ -58,9 +59,11 @@ def delay_of(
     if least is None or most is None:
         nothing = unknown("s", high.unknown or (low.unknown if low else None), high.span)
         return DelayReading(Delay(nothing, 0.0, 0.0, sampling))
-    if most == 0.0:
+    if most == 0.0 == least:
         return DelayReading(None)
     span = f"{most:g}" if least == most else f"{least:g} to {most:g}"
+    if not _is_range(least, most):
+        return DelayReading(None, (f"delay: {span} physics steps, which is none",))
     if physics_dt is None:
         note = f"{span} physics steps, whose length no file says"
         return DelayReading(Delay(unknown("s", note, high.span), 0.0, 0.0, sampling), (f"delay: {note}",))
@@ -71,16 +74,23 @@ def delay_of(
     return DelayReading(Delay(unknown("s", f"a range: {formula}", high.span), *ends, sampling), notes)
 
 
-def _in_seconds(of_joint: Callable[[str, str], Quantity | None]) -> Delay | None:
+def _in_seconds(of_joint: Callable[[str, str], Quantity | None]) -> DelayReading:
     nominal, low, high = (of_joint(name, "s") for name in ("delay", "delay_low", "delay_high"))
     if nominal is None and (low is None or high is None):
-        return None
+        return DelayReading(None)
     ends = [end.value for end in (low, high) if end is not None and end.value is not None]
     if len(ends) != 2:
         value = 0.0 if nominal is None or nominal.value is None else nominal.value
         ends = [value, value]
+    middle = ends[0] if nominal is None or nominal.value is None else nominal.value
+    if not (_is_range(ends[0], middle) and _is_range(middle, ends[1])):
+        return DelayReading(None, (f"delay: {middle:g} s in {ends[0]:g} to {ends[1]:g} s, which is none",))
     place: Span | None = None if high is None else high.span
-    return Delay(nominal or unknown("s", "a range", place), ends[0], ends[1], "episode")
+    return DelayReading(Delay(nominal or unknown("s", "a range", place), ends[0], ends[1], "episode"))
+
+
+def _is_range(low: float, high: float) -> bool:
+    return 0.0 <= low <= high < math.inf
 
 
 def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, tuple[str, ...]]:

@@ -18,11 +18,15 @@ class LeftAlone:
         joint: Its name; a pattern where a configuration names no joint and no robot file is beside it.
         why: The reason.
         span: Where the joint or its actuator is written.
+        undriven: Whether all that it lacks is a drive, which another file may have.
+        kind: The reason without the names in it, for joints that each follow another one; "" for the same words.
     """
 
     joint: str
     why: str
     span: Span | None = None
+    undriven: bool = False
+    kind: str = ""
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,7 +25,7 @@ from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.quantities import Units, assumed, stated, unknown
 from actspec.lift.robot_limits import command_range, effort_limit
 from actspec.lift.robot_notes import notes_of
-from actspec.lift.robot_unsaid import coupled_joints, pulled_joints, unsaid
+from actspec.lift.robot_unsaid import held_joints, unsaid
 from actspec.resolution.model_values import actuators_of
 from actspec.resolution.quantities import tidy
 from actspec.robot.view import JointView, ModelFormat, RobotView
@@ -47,7 +47,7 @@ def lift_robot(view: RobotView) -> Lifted:
         view: The robot, read; of a file that MuJoCo refuses, from its text.
     """
     document = _document(view)
-    pulled, coupled = pulled_joints(view, document), coupled_joints(document)
+    held = held_joints(view, document)
     actuators: list[JointActuator] = []
     alone: list[LeftAlone] = []
     notes: dict[str, tuple[str, ...]] = {}
@@ -55,9 +55,9 @@ def lift_robot(view: RobotView) -> Lifted:
     for joint in view.joints:
         if joint.kind not in (JointKind.HINGE, JointKind.SLIDE):
             continue
-        why = unsaid(view, joint, pulled, coupled)
-        if why is not None:
-            alone.append(LeftAlone(joint.name, *why))
+        left = unsaid(view, joint, held)
+        if left is not None:
+            alone.append(left)
             continue
         found = _Joint(view, joint, pose).actuator()
         actuators.append(found)

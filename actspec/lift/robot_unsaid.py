@@ -4,8 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 
-from actspec.diagnostics import Span, one_line
+from actspec.diagnostics import one_line
+from actspec.lift.lifted import LeftAlone
+from actspec.lift.robot_loops import coupled_joints, loop_joints
 from actspec.resolution.model_values import actuators_of
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.robot.xml_tree import XmlDocument
@@ -14,7 +17,32 @@ TOLERANCE = 1e-9
 """Relative. Chosen: a gain and its bias are two numbers of the file."""
 
 
-def pulled_joints(robot: RobotView, document: XmlDocument | None) -> dict[str, str]:
+@dataclass(frozen=True, slots=True)
+class Held:
+    """What moves or holds joints of an MJCF beside their own actuators.
+
+    Attributes:
+        pulled: Joint to the tendon with an actuator.
+        coupled: Joint to the one that it follows by an equality; "" for a fixed position.
+        loops: Joint to the closed loop that it is in.
+    """
+
+    pulled: Mapping[str, str]
+    coupled: Mapping[str, str]
+    loops: Mapping[str, str]
+
+
+def held_joints(robot: RobotView, document: XmlDocument | None) -> Held:
+    """What moves or holds the joints of a robot.
+
+    Args:
+        robot: The robot.
+        document: Its MJCF, parsed; None for another format.
+    """
+    return Held(_pulled(robot, document), coupled_joints(document), loop_joints(document))
+
+
+def _pulled(robot: RobotView, document: XmlDocument | None) -> dict[str, str]:
     """Joint to the tendon with an actuator that pulls it; a tendon through sites names no joints."""
     pulled = {a.target for a in robot.actuators if a.transmission == "tendon"}
     if not pulled or document is None:
@@ -28,43 +56,39 @@ def pulled_joints(robot: RobotView, document: XmlDocument | None) -> dict[str, s
     return found
 
 
-def coupled_joints(document: XmlDocument | None) -> dict[str, str]:
-    """Joint to the one that an MJCF's `<equality><joint>` makes it follow; "" for a fixed position."""
-    found: dict[str, str] = {}
-    for section in () if document is None else document.sections("equality"):
-        for element in section.children:
-            if element.tag == "joint" and element.get("active") != "false":
-                found[element.get("joint1") or ""] = element.get("joint2") or ""
-    return found
-
-
-def unsaid(
-    robot: RobotView, joint: JointView, pulled: Mapping[str, str], coupled: Mapping[str, str]
-) -> tuple[str, Span] | None:
-    """Why a spec cannot say what acts on a joint, and the place; None when it can.
+def unsaid(robot: RobotView, joint: JointView, held: Held) -> LeftAlone | None:
+    """Why a spec cannot say what acts on a joint; None when it can.
 
     Args:
         robot: The robot.
         joint: A hinge or slide of it.
-        pulled: From `pulled_joints`.
-        coupled: From `coupled_joints`.
+        held: What else moves or holds its joints.
     """
     own = actuators_of(robot, joint.name)
+    name, span = joint.name, joint.span
     if joint.mimic is not None:
-        return f"follows '{one_line(joint.mimic)}' (mimic)", joint.span
-    for name in ("damping", "armature", "frictionloss"):
-        value = getattr(joint, name)
-        if name not in joint.unknown and not 0.0 <= value < math.inf:
-            return f"its {name} is {value:g}", joint.places.get(name, joint.span)
+        return LeftAlone(
+            name, f"follows '{one_line(joint.mimic)}' (mimic)", span, kind="follow other joints (mimic)"
+        )
+    for field in ("damping", "armature", "frictionloss"):
+        value = getattr(joint, field)
+        if field not in joint.unknown and not 0.0 <= value < math.inf:
+            return LeftAlone(name, f"its {field} is {value:g}", joint.places.get(field, span))
     if own:
         why = _unsaid_together(own)
-        return None if why is None else (why, own[0].span)
-    if joint.name in pulled:
-        return f"driven through the tendon '{one_line(pulled[joint.name])}'", joint.span
-    if joint.name in coupled:
-        leader = coupled[joint.name]
-        return f"follows '{one_line(leader)}' (equality)" if leader else "held by an equality", joint.span
-    return ("no actuator", joint.span) if robot.actuators else None
+        return None if why is None else LeftAlone(name, why, own[0].span)
+    if name in held.pulled:
+        return LeftAlone(name, f"driven through the tendon '{one_line(held.pulled[name])}'", span)
+    if name in held.coupled:
+        leader = held.coupled[name]
+        why = f"follows '{one_line(leader)}' (equality)" if leader else "held by an equality"
+        return LeftAlone(
+            name, why, span, undriven=True, kind="follow other joints (equality)" if leader else ""
+        )
+    if name in held.loops:
+        lacking = "no actuator, in" if robot.actuators else "in"
+        return LeftAlone(name, f"{lacking} {held.loops[name]}", span, undriven=True)
+    return LeftAlone(name, "no actuator", span, undriven=True) if robot.actuators else None
 
 
 def _unsaid_together(own: tuple[ActuatorView, ...]) -> str | None:

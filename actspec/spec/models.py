@@ -354,7 +354,8 @@ class Target(Strict):
     root: str | None = None
     """Path of the robot's prim in the USD stage, for newton."""
     joint_paths: dict[str, str] | None = None
-    """Pattern of joint names to the path of their prims, below `root` or absolute; `{joint}` is the name. For newton."""
+    """Pattern of joint names to the path of their prims, below `root` or absolute, for newton; `{joint}` is the
+    joint's name."""
 
 
 class SpecModel(Strict):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from actspec.diagnostics import Span
@@ -15,7 +15,7 @@ FORMAT = "actspec-verify/1"
 
 @dataclass(frozen=True, slots=True)
 class At:
-    """Where on the grid of a torque the largest error is.
+    """Where on the grid of a torque, or on a response, the largest error is.
 
     Attributes:
         error: Command less measured position, as the engine gets them [rad or m]; None unless the command is
@@ -23,12 +23,16 @@ class At:
         velocity: Of the joint [rad/s or m/s].
         command: [rad or m], [rad/s or m/s] or [N*m or N].
         step: Physics step, from 0.
+        time: Of a response: since its start [s]; the state is the law's then.
+        torque: Of a response: the engine's torque less the law's then [N*m or N].
     """
 
     error: float | None
     velocity: float
     command: float
     step: int
+    time: float | None = None
+    torque: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,8 +44,8 @@ class Row:
         group: Group of the spec; "" for what concerns the whole target.
         joint: The joint with the largest error; "" for what concerns the whole target.
         joints: How many joints of the group share the row.
-        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.verify.motion`), a field such as
-            `kp`, or `file`.
+        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.verify.motion`), `step response` and its
+            like (`actspec.verify.response`), a field such as `kp`, or `file`.
         unit: Of `max_error`, `tolerance`, `expected` and `got`.
         max_error: Largest difference; None where there is no number to compare.
         tolerance: Largest difference that agrees; infinity where an approximation has no size.
@@ -82,7 +86,7 @@ class Skip:
     Attributes:
         target: Name of the target.
         group: Group of the spec; "" for the whole target.
-        what: `torque`, or `fields`.
+        what: `torque`, `responses`, or `fields`.
         reason: Why.
         help: What would change that; None: nothing would.
         setup: Whether `actspec verify --setup` would.
@@ -132,9 +136,7 @@ def row_record(row: Row) -> dict[str, Any]:
         "quantity": row.quantity,
         "unit": row.unit,
         "max_error": _number(row.max_error),
-        "at": None
-        if at is None
-        else {"error": at.error, "velocity": at.velocity, "command": at.command, "step": at.step},
+        "at": None if at is None else asdict(at),
         "tolerance": _number(row.tolerance),
         "ok": row.ok,
         "expected": _number(row.expected),

@@ -15,5 +15,7 @@ TITLES = {
     "VFY109": "a joint is missing, or has another joint's numbers",
     "VFY110": "a field is another one",
     "VFY111": "the file cannot be read, or its simulator refuses it",
+    "VFY112": "the response over time is another one",
+    "VFY113": "the time step is too coarse for the drive, or the simulation diverges",
 }
 """Code to what it means. A code is never used for anything else."""

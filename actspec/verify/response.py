@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind
 from actspec.laws import TorqueLaw, delay_steps
@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+Friction = tuple[Sequence[float], Sequence[float]]
+"""Dry and viscous friction of each joint of a plan [N*m or N], [N*m*s/rad or N*s/m]."""
+
 COURSES = ("step response", "saturated step response", "chirp response", "coast-down")
+SOFT = "friction.soft"
+"""What MuJoCo's dry friction is known to lose: it is a soft constraint, and creeps. It is no key of `accept`."""
 STEP, SATURATED, CHIRP = 0.5, 2.0, 0.25
 """Of the effort limit. Source: the design's sizes of approximations for the first; chosen for the others: twice the
 limit saturates for a while, a quarter leaves the drive linear at resonance unless it is hardly damped."""
@@ -38,6 +43,8 @@ LEAST_STEPS, MOST_STEPS = 100, 300
 """Chosen: enough for a sweep; the reference takes a second and a half of processor time for the most."""
 SWEEP = (0.1, 2.0)
 """Of the closed loop's frequency. Source: issue 5 of this project."""
+PARTS = (1, 2)
+"""Into how many steps each step is divided, for the two runs of an engine."""
 LEAST_CYCLES = 1.5
 """At which the sweep's last frequency would end where it is steady; a slower loop is swept faster. Chosen."""
 SAMPLES = 8
@@ -79,8 +86,22 @@ class Plan:
         """Of the joints."""
         return [actuator.joint for actuator in self.joints]
 
+    @property
+    def commands(self) -> list[str]:
+        """What each joint is commanded by."""
+        return [actuator.command.value for actuator in self.joints]
+
+    @property
+    def lags(self) -> list[int]:
+        """Nominal delays in steps."""
+        return [delay_steps(law.delay, self.step).steps for law in self.laws]
+
+    def job(self) -> dict[str, Any]:
+        """What a probe is told of the joints."""
+        return {"columns": self.names, "commands": self.commands, "lags": self.lags, "parts": PARTS}
+
     def arrays(self) -> dict[str, Array]:
-        """What a probe gets."""
+        """What they are told."""
         return {"command": self.command, "q": self.q, "qd": self.qd, "inertia": self.body}
 
 
@@ -166,7 +187,9 @@ def _courses(
     k = np.arange(length)
     after = (k >= BEFORE) * 1.0
     shares = [STEP * after, SATURATED * after, CHIRP * _sweep(rate, length, step), 0.0 * after]
-    command = np.stack([commands_for(law, share * limit, np.full(length, at), 0.0 * share) for share in shares], 1)
+    command = np.stack(
+        [commands_for(law, share * limit, np.full(length, at), 0.0 * share) for share in shares], 1
+    )
     speeds = np.array([0.0, 0.0, 0.0, _speed(law, actuator, inertia, rate, length * step)])
     return command, np.full(len(COURSES), at), speeds
 
@@ -200,3 +223,31 @@ def _speed(law: TorqueLaw, actuator: JointActuator, inertia: float, rate: float,
         speed = 1.0 if actuator.kind is JointKind.HINGE else 0.1
     fastest = law.curve[3] if law.curve is not None else law.no_load_speed
     return speed if fastest is None else min(speed, SPEED * fastest)
+
+
+@dataclass(frozen=True, slots=True)
+class Responded:
+    """What an engine made of a plan.
+
+    Attributes:
+        engine: Its name and version.
+        single: Whether it computes in single precision.
+        q: Positions at the start of each step and at the end [rad or m], shape (n_step + 1, n_course, n_joint);
+            NaN from where the engine gives up.
+        halved: The same in steps of half the length, the delay the same in seconds.
+        torque: Of the drive at the start of each step [N*m or N], shape (n_step, n_course, n_joint).
+        errors: Why joints could not be asked.
+    """
+
+    engine: str
+    single: bool
+    q: Array
+    halved: Array
+    torque: Array
+    errors: Mapping[str, str]
+
+
+def responded(engine: str, said: Mapping[str, Any], out: Mapping[str, Array], *, single: bool) -> Responded:
+    """A probe's arrays as an answer."""
+    errors = said.get("errors", {})
+    return Responded(engine, single, out["q1"], out["q2"], out["torque1"], errors)

@@ -11,8 +11,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw, clip_command, delay_steps
@@ -212,23 +212,25 @@ class _Numbers:
 
     @classmethod
     def of(cls, lanes: Sequence[Lane]) -> _Numbers:
+        """Those of lanes."""
         import numpy as np
 
         rows = [_row(lane) for lane in lanes]
-        arrays = (np.array(column, dtype=float) for column in zip(*rows, strict=True))
         laws, frictions = [lane.law for lane in lanes], [lane.friction for lane in lanes]
-        return cls(
-            *arrays,
-            lined=any(law.stall_torque is not None for law in laws),
-            curving=any(law.curve is not None for law in laws),
-            slipping=any(friction.stribeck_velocity is not None for friction in frictions),
-            softened=any(friction.soft for friction in frictions),
+        kinds = (
+            any(law.stall_torque is not None for law in laws),
+            any(law.curve is not None for law in laws),
+            any(friction.stribeck_velocity is not None for friction in frictions),
+            any(friction.soft for friction in frictions),
         )
+        values: list[Any] = [*(np.array(column, dtype=float) for column in zip(*rows, strict=True)), *kinds]
+        return cls(*values)
 
     def take(self, where: NDArray[np.intp]) -> _Numbers:
         """Those of some lanes."""
-        values = (getattr(self, field.name) for field in fields(self))
-        return _Numbers(*(value if isinstance(value, bool) else value[where] for value in values))
+        values = {field.name: getattr(self, field.name) for field in fields(self)}
+        arrays = {name: value[where] for name, value in values.items() if not isinstance(value, bool)}
+        return replace(self, **arrays)
 
     def drive(self, pull: Array, q: Array, qd: Array) -> Array:
         """Torque of the drives: `TorqueLaw.torque` of many laws at once, to which a test holds it.

@@ -9,6 +9,7 @@ import os
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 
@@ -23,6 +24,7 @@ from actspec.verify.fields import broken, engine_rows, field_rows, without_repea
 from actspec.verify.motion import Motion, motions
 from actspec.verify.orders import order_rows
 from actspec.verify.readback import Asked, Reading, read_back, spec_figures
+from actspec.verify.response_run import responses
 from actspec.verify.target import Target, VerifyError
 from actspec.verify.torque import Laws, law_skips, laws_of, torque_rows
 
@@ -87,12 +89,22 @@ def verify(
     asked = spec_figures(actuators, spec)
     rows: list[Row] = []
     skipped: list[Skip] = []
-    told = _ask(targets, readings, actuators, robot, laws, moves, step) if engines else {}
+    told: Mapping[str, Told] = {}
+    moved: Mapping[str, list[Row]] = {}
+    if moves:
+        questions = _questions(targets, readings, actuators, robot, laws)
+        told = _ask(questions, moves, step)
+        asks = {
+            name: partial(import_module(ENGINES[questions[name].options.kind]).respond, questions[name])
+            for name, answer in told.items()
+            if isinstance(answer, EngineAnswer)
+        }
+        moved, skipped = responses(targets, actuators, laws, asks)
     for target in targets:
         fresh, built = readings.get(target.name, (None, None))
         if engines:
             found, missed = _torques(target, actuators, asked, laws, moves, told.get(target.name), fresh)
-            rows += found
+            rows += [*found, *moved.get(target.name, ())]
             skipped += missed
         if fresh is not None and built is not None:
             rows += field_rows(target, actuators, asked, fresh, built)
@@ -180,30 +192,32 @@ def _read(
     return {target.name: (found[2 * i], found[2 * i + 1]) for i, target in enumerate(chosen)}
 
 
-def _ask(
+def _questions(
     targets: Sequence[Target],
     readings: Mapping[str, tuple[Reading, Reading]],
     actuators: ActuatorSet,
     robot: RobotView,
     laws: Laws,
-    moves: Mapping[str, Motion],
-    step: Callable[[], None],
+) -> dict[str, Question]:
+    """What is asked of each target that has an engine."""
+    known = replace(actuators, joints=tuple(a for a in actuators.joints if a.joint in laws.laws))
+    found = {}
+    for target in targets:
+        if target.options.kind in ENGINES:
+            refusal = readings[target.name][1].refusal if target.name in readings else None
+            found[target.name] = Question(target.options, target.folder, target.files, known, robot, refusal)
+    return found
+
+
+def _ask(
+    questions: Mapping[str, Question], moves: Mapping[str, Motion], step: Callable[[], None]
 ) -> dict[str, Told]:
     """Ask the engines, each in a process of its own, as many at once as there are cores."""
     from actspec.audit.workers import cores
 
-    if not moves:
-        return {}
-    known = replace(actuators, joints=tuple(a for a in actuators.joints if a.joint in laws.laws))
     found: dict[str, Told] = {}
     with ThreadPoolExecutor(max_workers=cores()) as pool:
-        futures = {}
-        for target in targets:
-            if target.options.kind not in ENGINES:
-                continue
-            refusal = readings[target.name][1].refusal if target.name in readings else None
-            question = Question(target.options, target.folder, target.files, known, robot, refusal)
-            futures[target.name] = pool.submit(_answer, question, moves)
+        futures = {name: pool.submit(_answer, question, moves) for name, question in questions.items()}
         for name, future in futures.items():
             found[name] = future.result()
             step()

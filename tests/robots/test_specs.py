@@ -218,9 +218,12 @@ def test_figures_of_the_page(request: pytest.FixtureRequest) -> None:
 def test_derived_gains(name: str, group: str, inertia: float, effort: float, kp: float, kd: float) -> None:
     """The Go1's and G1's figures lead to the gains and the action scale that mjlab trains with."""
     actuators = spec_of(name)["actuators"][group]
-    motor = spec_of(name)["motors"][actuators["motor"]]
+    linkages = spec_of(name).get("linkages", {})
+    linked = next((entry for key, entry in linkages.items() if key.endswith(group.removesuffix("s"))), None)
+    named = [actuators["motor"]] if linked is None else linked["motors"]
+    motor, motors = spec_of(name)["motors"][named[0]], len(named)
+    assert len(set(named)) == 1
     reduction = number(actuators.get("reduction", 1))
-    motors = number(actuators.get("motors_per_joint", 1))
     at_output = _at_output(motor)
     omega = 2 * np.pi * number(actuators["kp"]["frequency"])
     found = at_output * reduction**2 * motors

@@ -112,12 +112,16 @@ actuators: {legs: {joints: [hip], level: ideal_pd, kp: 25, kd: 0.5}}
 """
 
 
-def test_no_model_has_its_place(tmp_path: Path) -> None:
-    """The MuJoCo target's error about `model: none` stands where that is written."""
+@pytest.mark.parametrize(
+    ("target", "code"), [("mujoco", "MJC009"), ("urdf", "URD001")], ids=["mujoco", "urdf"]
+)
+def test_no_model_has_its_place(tmp_path: Path, target: str, code: str) -> None:
+    """A target's error about `model: none` stands where that is written."""
+    (tmp_path / "leg.yaml").write_text(NAMELESS)
     with pytest.raises(EmitError) as caught:
-        compiled(tmp_path, NAMELESS, "mujoco")
-    (fault,) = caught.value.diagnostics
-    assert (fault.code, fault.span) == ("MJC009", Span(str(tmp_path / "leg.yaml"), 4, 10))
+        api.compile(tmp_path / "leg.yaml", targets=[target], output=str(tmp_path / "out"), canonical=True)
+    (fault,) = [item for item in caught.value.diagnostics if item.severity is Severity.ERROR]
+    assert (fault.code, fault.span) == (code, Span(str(tmp_path / "leg.yaml"), 4, 10))
 
 
 def test_names_that_usd_changes_have_their_place(tmp_path: Path) -> None:

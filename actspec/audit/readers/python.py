@@ -17,11 +17,12 @@ from actspec.audit.artifact import (
     FileReading,
     RandomizedRange,
     RobotConfig,
+    Setting,
 )
 from actspec.audit.readers import python_isaaclab as isaaclab
 from actspec.audit.readers import python_legged_gym as legged_gym
 from actspec.audit.readers import python_mjlab as mjlab
-from actspec.audit.readers.head import written_for
+from actspec.audit.readers.head import step_of, written_for
 from actspec.audit.readers.networks import with_networks
 from actspec.audit.readers.python_run import Interpreter
 from actspec.audit.readers.python_settings import NOTHING, UNFOLDED, fields_of, has_joints, setting
@@ -95,7 +96,19 @@ def _artifact(path: str, config: RobotConfig, data: Mapping[str, bytes]) -> Arti
     heads = [written_for(data.get(part.span.path, b"")) for part in parts]
     if heads and all(head == heads[0] for head in heads):
         config = replace(config, written_for=heads[0])
+    if config.groups and "physics_dt" not in config.settings:
+        config = replace(config, settings={**config.settings, **_step(config, data)})
     return Artifact(path, FileKind.CFG, config.name, config=with_networks(config))
+
+
+def _step(config: RobotConfig, data: Mapping[str, bytes]) -> dict[str, Setting]:
+    """The physics step that all files of the groups were written for; empty where one of them does not say."""
+    files = dict.fromkeys(group.span.path for group in config.groups)
+    steps = {path: step_of(data.get(path, b"")) for path in files}
+    path, first = next(iter(steps.items()))
+    if first is None or any(step is None or step[0] != first[0] for step in steps.values()):
+        return {}
+    return {"physics_dt": Setting(first[0], Span(path, first[1], 1))}
 
 
 class _Reader:

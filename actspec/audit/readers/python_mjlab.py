@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from actspec.audit.artifact import Framework, RobotConfig
 from actspec.audit.readers.python_isaaclab import is_mjlab, selected
 from actspec.audit.readers.python_settings import (
+    UNFOLDED,
     Draft,
     comes_from,
     fields_of,
@@ -19,6 +20,7 @@ from actspec.audit.readers.python_settings import (
     unknown_inside,
 )
 from actspec.audit.readers.python_values import External, Func, Obj, Seq, Unknown, Value, reason_of
+from actspec.audit.rows.figures import VOLTS
 from actspec.diagnostics import Span
 
 _RANGES = {
@@ -169,6 +171,11 @@ def _group(draft: Draft, name: str, value: Value) -> None:
     if inner is not None and isinstance(inner.data, Obj):
         fields = {**inner.data.fields, **fields, "base_cfg": Value(inner.data.cls.name, inner.data.span)}
     joints = fields.pop("target_names_expr", None) or fields.pop("joint_names_expr", None)
+    if is_named(value.data, "BuiltinDcMotorActuatorCfg"):
+        for gain in ("stiffness", "damping"):
+            if gain in fields:
+                said = f"{gain} is unknown at the joint: it is {VOLTS}"
+                draft.notes.info(UNFOLDED, said, where=f"{name}.{gain}", span=fields[gain].span)
     draft.group(name, value.data, joints, fields)
 
 

@@ -56,6 +56,10 @@ FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
 """Ledger field to the settings that hold it, where no class or version decides."""
 
 
+VOLTS = "in volts: constant and resistance of the motor make a torque of it"
+"""Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
+
+
 @dataclass(frozen=True, slots=True)
 class Found:
     """A setting's value for one joint.
@@ -176,6 +180,10 @@ def figures_of(
             take("frictionloss", "dynamic_friction", "friction")
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
+        if control == "dcmotor":
+            values.update(
+                (gain, Found(None, values[gain].span, why=VOLTS)) for gain in ("kp", "kd") if gain in values
+            )
     return values
 
 

@@ -111,7 +111,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         if _same_words(dialect, installed)
         else _write(document, plan, anchors, installed, options.folder, main_name, comment, collector)
     )
-    _check(checked, edited, actuators, collector)
+    check_written(checked, edited, actuators, collector)
     emitted = tuple(
         EmittedFile(os.path.basename(file.path), file.data)
         for file in files
@@ -156,7 +156,7 @@ def _emit_fragment(
         )
         raise EmitError(collector.sorted()) from err
     edited = _edited((bare,), fragment.plan, installed, f"actspec {actuators.robot}", True)
-    _check(checked, edited, actuators, collector)
+    check_written(checked, edited, actuators, collector)
     collector.info(
         "MJC023",
         f"the spec has `model: none`: {fragment.main_name} is no model but a fragment to include in one; "
@@ -251,10 +251,19 @@ def _write(
     return written_files(document, edited, where, folder)
 
 
-def _check(
+def check_written(
     files: tuple[ModelFile, ...], edited: mujoco.MjModel, actuators: ActuatorSet, collector: Collector
 ) -> None:
-    """Hold what is written to the edited model, and what is read back from it to the spec. Raises EmitError."""
+    """Hold what is written to the edited model, and what is read back from it to the spec.
+
+    Args:
+        files: A model as it will stand, in the installed MuJoCo's words.
+        edited: The model that it has to be.
+        actuators: What the spec asks for.
+        collector: Takes the differences.
+
+    Raises: EmitError: there are some.
+    """
     _check_text(files, edited, collector)
     collector.raise_if_failed(EmitError)
     for fault in check_readback(actuators, _read_back(files)):

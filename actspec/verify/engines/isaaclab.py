@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from actspec.diagnostics import shortened
 from actspec.ir import JointKind
@@ -19,6 +21,7 @@ from actspec.verify.frameworks import ISAACLAB, find, unusable
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
 from actspec.verify.releases import EngineError
+from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_isaaclab.py"
 
@@ -36,6 +39,33 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         EngineMissing: no release of this version can be had, or it is not prepared, or its drive is the solver's.
         EngineRefused: the package does not take the file.
     """
+    job = {
+        "columns": question.joints,
+        "commands": [a.command.value for a in question.actuators.joints],
+        "motions": list(motions),
+    }
+    release, said, torques = _probed(question, job, as_arrays(motions))
+    figures = {
+        joint: {field: found[name] for field, name in _FIGURES.items()}
+        for joint, found in said["joints"].items()
+    }
+    return EngineAnswer(f"isaaclab {release}", True, torques, figures)
+
+
+def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+    """Responses of bodies that the written cfgs' torques move; PhysX, which moves them there, is in no package.
+
+    Raises: as `ask`.
+    """
+    arrays = plan.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
+    release, said, out = _probed(question, plan.job() | {"step": plan.step}, arrays)
+    return responded(f"isaaclab {release}", said, out, single=True)
+
+
+def _probed(
+    question: Question, job: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> tuple[str, Any, dict[str, Any]]:
+    """The release, and what its probe says to a job."""
     options = question.options
     dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
     release = WHEELS.get(dialect.version)
@@ -51,25 +81,12 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         raise not_prepared(f"Isaac Lab {release}")
     # A floating base is no joint of an articulation.
     joints = [joint.name for joint in question.robot.joints if joint.kind is not JointKind.FREE]
+    module = str(Path(question.main).resolve())
+    more = {"root": str(frameworks.isaaclab(release)), "module": module, "joints": joints}
     try:
-        said, torques = frameworks.run_probe(
-            PROBE,
-            {
-                "root": str(frameworks.isaaclab(release)),
-                "module": str(Path(question.main).resolve()),
-                "joints": joints,
-                "columns": question.joints,
-                "commands": [a.command.value for a in question.actuators.joints],
-                "motions": list(motions),
-            },
-            as_arrays(motions),
-        )
+        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
     except EngineError as err:
         raise EngineRefused(shortened(str(err), 300)) from err
     if "error" in said:
         raise EngineRefused(shortened(said["error"], 300))
-    figures = {
-        joint: {field: found[name] for field, name in _FIGURES.items()}
-        for joint, found in said["joints"].items()
-    }
-    return EngineAnswer(f"isaaclab {release}", True, torques, figures)
+    return release, said, out

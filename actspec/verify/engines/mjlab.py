@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from actspec.diagnostics import shortened
 from actspec.targets.mjlab.versions import mjlab_dialect
@@ -19,6 +21,7 @@ from actspec.verify.frameworks import find, unusable
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
 from actspec.verify.releases import EngineError
+from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_mjlab.py"
 
@@ -33,6 +36,31 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         EngineMissing: the release is not prepared, or is not the one that the environment has.
         EngineRefused: the package does not take the file.
     """
+    job = {
+        "model": skeleton(question.robot, question.actuators),
+        "columns": question.joints,
+        "commands": [a.command.value for a in question.actuators.joints],
+        "motions": list(motions),
+    }
+    said, torques = _probed(question, job, as_arrays(motions))
+    return EngineAnswer(f"mjlab {RELEASE}", True, torques, said["figures"])
+
+
+def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+    """Responses of the written articulation, each joint on a body of its own.
+
+    Raises: as `ask`.
+    """
+    inertia = dict(zip(plan.names, plan.body.tolist(), strict=True))
+    job = plan.job() | {"model": skeleton(question.robot, question.actuators, inertia)}
+    said, out = _probed(question, job, plan.arrays())
+    return responded(f"mjlab {RELEASE}", said, out, single=True)
+
+
+def _probed(
+    question: Question, job: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> tuple[Any, dict[str, Any]]:
+    """What the release's probe says to a job."""
     dialect = mjlab_dialect(question.options.version)
     if dialect.version != (1, 6):
         raise EngineMissing(
@@ -45,21 +73,11 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
     frameworks = find()
     if frameworks is None:
         raise not_prepared(f"mjlab {RELEASE}")
+    more = {"module": str(Path(question.main).resolve()), "step": question.step}
     try:
-        said, torques = frameworks.run_probe(
-            PROBE,
-            {
-                "module": str(Path(question.main).resolve()),
-                "model": skeleton(question.robot, question.actuators),
-                "step": question.step,
-                "columns": question.joints,
-                "commands": [a.command.value for a in question.actuators.joints],
-                "motions": list(motions),
-            },
-            as_arrays(motions),
-        )
+        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
     except EngineError as err:
         raise EngineRefused(shortened(str(err), 300)) from err
     if "error" in said:
         raise EngineRefused(shortened(said["error"], 300))
-    return EngineAnswer(f"mjlab {RELEASE}", True, torques, said["figures"])
+    return said, out

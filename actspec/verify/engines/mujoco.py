@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import sys
 import tempfile
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
 from actspec.targets.versions import MujocoDialect, UnknownVersion, mujoco_dialect
-from actspec.verify.engines.mujoco_release import Engine, Job, grid, time
+from actspec.verify.engines.mujoco_release import TIMEOUT, Engine, Job, grid, time
 from actspec.verify.engines.question import (
     SETUP,
     EngineAnswer,
@@ -25,7 +26,9 @@ from actspec.verify.engines.question import (
     Question,
 )
 from actspec.verify.motion import Motion
+from actspec.verify.probing import PROBES, run_probe
 from actspec.verify.releases import MUJOCO, EngineError, release_folder
+from actspec.verify.response import Friction, Plan, Responded, responded
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,6 +38,8 @@ if TYPE_CHECKING:
 
 MOST_BYTES = 64 << 20
 """Chosen: the largest model seen has 1 MB."""
+
+RESPONSES = PROBES / "probe_mujoco_response.py"
 
 _NO_FILE = re.compile(r"Error opening file|resource not found|could not open", re.IGNORECASE)
 _REMARK = re.compile(rb"<!--.*?-->", re.DOTALL)
@@ -67,6 +72,26 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
             raise EngineRefused(text)
         found[name].append(answer.torque)
     return EngineAnswer(f"mujoco {engine.version}", False, _torques(motions, found))
+
+
+def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+    """Responses of the written model's joints, each with its actuators in a model of its own.
+
+    Raises: as `ask`.
+    """
+    engine = _engine(question)
+    with _model(question, engine) as model:
+        environment = {} if engine.folder is None else {"PYTHONPATH": str(engine.folder)}
+        job = plan.job() | {"path": str(model.resolve()), "joints": plan.names}
+        try:
+            said, out = run_probe(
+                sys.executable, RESPONSES, job, plan.arrays(), environment=environment, timeout=TIMEOUT
+            )
+        except EngineError as err:
+            raise EngineRefused(shortened(str(err), 300)) from err
+    if "error" in said:
+        raise EngineRefused(shortened(said["error"], 300))
+    return responded(f"mujoco {said['version']}", said, out, single=False)
 
 
 def _jobs(model: Path, joints: Sequence[str], motion: Motion) -> Iterator[Job]:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import JointKind
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.usda import path_text
-from actspec.targets.newton.versions import newton_dialect
+from actspec.targets.newton.versions import NewtonDialect, newton_dialect
 from actspec.verify.engines.question import (
     EngineAnswer,
     EngineMissing,
@@ -21,6 +23,7 @@ from actspec.verify.frameworks import NEWTON, find, unusable
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
 from actspec.verify.releases import EngineError
+from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_newton.py"
 
@@ -60,6 +63,34 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         EngineMissing: no release of this version is in the environment, or there is none.
         EngineRefused: the package does not take the file.
     """
+    job = {
+        "joints": question.joints,
+        "commands": [a.command.value for a in question.actuators.joints],
+        "motions": list(motions),
+    }
+    dialect, said, torques = _probed(question, job, as_arrays(motions))
+    figures = dict(zip(question.joints, said["figures"], strict=True))
+    if not dialect.joint_damping:
+        # Such a release leaves them where they were.
+        kept = ("armature", "frictionloss")
+        figures = {joint: {name: found[name] for name in kept} for joint, found in figures.items()}
+    return EngineAnswer(f"newton {said['version']}", True, torques, figures)
+
+
+def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+    """Responses of bodies that the written actuators' torques move; none of Newton's solvers does here.
+
+    Raises: as `ask`.
+    """
+    arrays = plan.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
+    _, said, out = _probed(question, plan.job() | {"joints": plan.names}, arrays)
+    return responded(f"newton {said['version']}", said, out, single=True)
+
+
+def _probed(
+    question: Question, job: Mapping[str, Any], arrays: Mapping[str, Any]
+) -> tuple[NewtonDialect, Any, dict[str, Any]]:
+    """The version, and what its probe says to a job about joints."""
     dialect = newton_dialect(question.options.version)
     if dialect.version != INSTALLED and dialect.version not in BESIDE:
         raise EngineMissing(
@@ -73,30 +104,20 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         raise not_prepared(f"Newton {dialect.text}")
     beside = BESIDE.get(dialect.version)
     paths = _paths(question)
+    more = {
+        "path": [] if beside is None else [str(frameworks.newton(beside))],
+        "overlay": str(Path(question.main).resolve()),
+        "stage": stage(question, paths),
+        "joints": ["/" + "/".join(paths[joint]) for joint in job["joints"]],
+        "step": question.step,
+    }
     try:
-        said, torques = frameworks.run_probe(
-            PROBE,
-            {
-                "path": [] if beside is None else [str(frameworks.newton(beside))],
-                "overlay": str(Path(question.main).resolve()),
-                "stage": stage(question, paths),
-                "joints": ["/" + "/".join(paths[joint]) for joint in question.joints],
-                "commands": [a.command.value for a in question.actuators.joints],
-                "step": question.step,
-                "motions": list(motions),
-            },
-            as_arrays(motions),
-        )
+        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
     except EngineError as err:
         raise EngineRefused(shortened(str(err), 300)) from err
     if "error" in said:
         raise EngineRefused(shortened(said["error"], 300))
-    figures = dict(zip(question.joints, said["figures"], strict=True))
-    if not dialect.joint_damping:
-        # Such a release leaves them where they were.
-        kept = ("armature", "frictionloss")
-        figures = {joint: {name: found[name] for name in kept} for joint, found in figures.items()}
-    return EngineAnswer(f"newton {said['version']}", True, torques, figures)
+    return dialect, said, out
 
 
 def _paths(question: Question) -> dict[str, tuple[str, ...]]:

@@ -8,11 +8,17 @@ Job:
     joints: all joints of the robot, in its order.
     columns: the managed joints, the columns of every array.
     commands: what each of them is commanded by: position, velocity or effort.
-    motions: names of motions.
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column).
+    motions: names of motions; or
+    parts: into how many steps each step is divided, for each run of responses: [1, 2];
+    step: physics step [s];
+    lags: nominal delay of each column in physics steps.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
+    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
+    `coulomb` and `viscous` friction (n_column,).
 
 Answers: `error` where the file is refused; `joints`: per joint its group, class and numbers; arrays `NAME`, the torque
-of each motion after a reset, NaN where a joint is in no group.
+of each motion after a reset, NaN where a joint is in no group. For responses `q1` (n_step + 1, n_course, n_column) and
+`torque1` for `parts` 1, and so on.
 """
 
 from __future__ import annotations
@@ -198,6 +204,84 @@ def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], di
     return {"joints": joints}, out
 
 
+def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Bodies of one joint each, moved by the classes' torques."""
+    columns, (n_step, n_course, n_joint) = job["columns"], arrays["command"].shape
+    out = {}
+    for parts in job["parts"]:
+        out[f"q{parts}"] = np.full((n_step + 1, n_course, n_joint), np.nan)
+        out[f"torque{parts}"] = np.full((n_step, n_course, n_joint), np.nan)
+        for key, cfg in cfgs_of(load(Path(job["module"]))).items():
+            _, mine, _ = builder(cfg, job["joints"], n_course, 0.0)
+            there = [i for i, joint in enumerate(mine) if joint in columns]
+            taken = [columns.index(mine[i]) for i in there]
+            if not taken:
+                continue
+            _, _, build = builder(divided(cfg, job["lags"][taken[0]], parts), job["joints"], n_course, 0.0)
+            actuator = build()
+            actuator.reset(list(range(n_course)))
+            held = numbers(actuator, mine, key)
+            body = Body(
+                arrays["inertia"][taken] + [held[mine[i]]["armature"] for i in there],
+                arrays["coulomb"][taken],
+                arrays["viscous"][taken],
+                job["step"] / parts,
+                arrays["q"][:, taken],
+                arrays["qd"][:, taken],
+            )
+            out[f"q{parts}"][0][:, taken] = body.q
+            for k in range(n_step):
+                for part in range(parts):
+                    told = {name: torch.zeros(n_course, len(mine)) for name in PARTS.values()}
+                    at, speed = (torch.zeros(n_course, len(mine)) for _ in range(2))
+                    for i, column in zip(there, taken, strict=True):
+                        command = torch.tensor(arrays["command"][k, :, column], dtype=torch.float32)
+                        told[PARTS[job["commands"][column]]][:, i] = command
+                    at[:, there], speed[:, there] = (
+                        torch.tensor(value, dtype=torch.float32) for value in (body.q, body.qd)
+                    )
+                    torque = step(actuator, told, at, speed)[:, there].astype(float)
+                    if part == 0:
+                        out[f"torque{parts}"][k][:, taken] = torque
+                    body.move(torque)
+                out[f"q{parts}"][k + 1][:, taken] = body.q
+    return {}, out
+
+
+def divided(cfg: Any, lag: int, parts: int) -> Any:
+    """A cfg for steps of a part of the length: the delay nearest to a lag, and the filter, stay as long in seconds."""
+    mine = copy.deepcopy(cfg)
+    if hasattr(mine, "min_delay"):
+        mine.min_delay = mine.max_delay = min(max(lag, mine.min_delay), mine.max_delay) * parts
+    if hasattr(mine, "physics_dt"):
+        mine.physics_dt /= parts
+    return mine
+
+
+class Body:
+    """Joints that move by semi-implicit steps, the torque held, as a rigid-body engine moves them.
+
+    Args:
+        inertia: Armature included, shape (n_joint,).
+        coulomb: Dry friction, likewise.
+        viscous: Friction, likewise.
+        step: [s].
+        q: Positions, shape (n_course, n_joint).
+        qd: Speeds, likewise.
+    """
+
+    def __init__(self, inertia: Any, coulomb: Any, viscous: Any, step: float, q: Any, qd: Any) -> None:
+        self.inertia, self.coulomb, self.viscous, self.step = inertia, coulomb, viscous, step
+        self.q, self.qd = q.copy(), qd.copy()
+
+    def move(self, torque: Any) -> None:
+        """One step: friction takes no more of the speed than there is."""
+        free = self.qd + self.step * torque / self.inertia
+        left = np.maximum(np.abs(free) - self.step * self.coulomb / self.inertia, 0.0)
+        self.qd = np.sign(free) * left / (1.0 + self.step * self.viscous / self.inertia)
+        self.q = self.q + self.step * self.qd
+
+
 def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
     """Answer a job; what the package refuses is told."""
     job = json.loads(Path(job_path).read_text(encoding="utf-8"))
@@ -205,7 +289,7 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
         arrays = {key: found[key] for key in found.files}
     enable(job["root"])
     try:
-        said, out = run(job, arrays)
+        said, out = (respond if "parts" in job else run)(job, arrays)
     except Exception as err:  # whatever the package or the file says is the answer
         said, out = {"error": f"{type(err).__name__}: {err}"}, {}
     Path(said_path).write_text(json.dumps(said), encoding="utf-8")

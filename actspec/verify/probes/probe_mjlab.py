@@ -8,11 +8,15 @@ Job:
     step: physics step [s].
     columns: the managed joints, the columns of every array.
     commands: what each of them is commanded by: position, velocity or effort.
-    motions: names of motions.
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column).
+    motions: names of motions; or
+    parts: into how many steps each step is divided, for each run of responses: [1, 2];
+    lags: nominal delay of each column in physics steps.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
+    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column).
 
 Answers: `error` where the file is refused; `figures`: per joint what the compiled model has; arrays `NAME`, what all
-actuators do at each joint in each step, the joints put back before every one.
+actuators do at each joint in each step, the joints put back before every one. For responses `q1`
+(n_step + 1, n_course, n_column) and `torque1` for `parts` 1, and so on.
 """
 
 from __future__ import annotations
@@ -87,15 +91,21 @@ class Simulated:
         commands: What each of its joints is commanded by.
         step: Physics step [s].
         count: Environments.
+        alone: Whether gravity, contacts and limits are off.
     """
 
-    def __init__(self, robot: Robot, commands: dict[str, str], step: float, count: int) -> None:
+    def __init__(
+        self, robot: Robot, commands: dict[str, str], step: float, count: int, *, alone: bool = False
+    ) -> None:
         from mjlab.sim.sim import MujocoCfg, Simulation, SimulationCfg
 
         self.robot, self.commands, self.dt, self.count = robot, commands, step, count
         self.entity = robot.entity()
         self.model = self.entity.compile()
-        cfg = SimulationCfg(mujoco=MujocoCfg(timestep=step))
+        more: dict[str, Any] = (
+            {"gravity": (0.0, 0.0, 0.0), "disableflags": ("contact", "limit")} if alone else {}
+        )
+        cfg = SimulationCfg(mujoco=MujocoCfg(timestep=step, **more))
         self.sim = Simulation(num_envs=count, cfg=cfg, model=self.model, device="cpu")
         self.entity.initialize(self.model, self.sim.model, self.sim.data, "cpu")
 
@@ -108,7 +118,14 @@ class Simulated:
 
         Returns: What all actuators together did at each joint, after every clamp [N*m or N].
         """
-        self._place(torch.tensor(q, dtype=torch.float32), torch.tensor(qd, dtype=torch.float32))
+        self.place(torch.tensor(q, dtype=torch.float32), torch.tensor(qd, dtype=torch.float32))
+        return self.go(command)
+
+    def go(self, command: Array) -> Array:
+        """Command the joints where they are, and make one real step; (n_env, n_joint).
+
+        Returns: As `step`.
+        """
         self._command(torch.tensor(command, dtype=torch.float32))
         self.entity.write_data_to_sim()
         self.sim.step()
@@ -117,7 +134,13 @@ class Simulated:
         self.entity.update(self.dt)
         return found
 
-    def _place(self, q: torch.Tensor, qd: torch.Tensor) -> None:
+    def positions(self) -> Array:
+        """Where the joints are, (n_env, n_joint)."""
+        places = [int(self.model.joint(name).qposadr[0]) for name in self.robot.joints]
+        found: Array = self.sim.data.qpos[:].cpu().numpy()[:, places].astype(float)
+        return found
+
+    def place(self, q: torch.Tensor, qd: torch.Tensor) -> None:
         for column, name in enumerate(self.robot.joints):
             joint = self.model.joint(name)
             self.sim.data.qpos[:, int(joint.qposadr[0])] = q[:, column]
@@ -165,13 +188,49 @@ def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], di
     return {"figures": figures}, out
 
 
+def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Every course in an environment of its own; the joints are on bodies of their own already."""
+    columns, command = job["columns"], arrays["command"]
+    commands = dict(zip(columns, job["commands"], strict=True))
+    lags = dict(zip(columns, job["lags"], strict=True))
+    out = {}
+    for parts in job["parts"]:
+        names = runpy.run_path(job["module"])
+        divide(names, columns, lags, parts)
+        robot = Robot(names, job["model"], columns)
+        simulated = Simulated(robot, commands, job["step"] / parts, command.shape[1], alone=True)
+        simulated.reset()
+        simulated.place(*(torch.tensor(arrays[name], dtype=torch.float32) for name in ("q", "qd")))
+        q, torque = [simulated.positions()], []
+        for told in command:
+            for part in range(parts):
+                found = simulated.go(told)
+                if part == 0:
+                    torque.append(found)
+            q.append(simulated.positions())
+        out[f"q{parts}"], out[f"torque{parts}"] = np.stack(q), np.stack(torque)
+    return {}, out
+
+
+def divide(names: dict[str, Any], joints: list[str], lags: dict[str, int], parts: int) -> None:
+    """Delays for steps of a part of the length: the one nearest to a joint's lag, as long in seconds."""
+    from mjlab.utils.lab_api.string import resolve_matching_names
+
+    articulation = next(v for k, v in names.items() if k.endswith("_ARTICULATION"))
+    for cfg in articulation.actuators:
+        mine = [joints[i] for i in resolve_matching_names(cfg.target_names_expr, joints)[0]]
+        lag = lags[mine[0]] if mine else 0
+        lag = min(max(lag, cfg.delay_min_lag), cfg.delay_max_lag) * parts
+        cfg.delay_min_lag = cfg.delay_max_lag = lag
+
+
 def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
     """Answer a job; what mjlab refuses is told."""
     job = json.loads(Path(job_path).read_text(encoding="utf-8"))
     with np.load(arrays_path) as found:
         arrays = {key: found[key] for key in found.files}
     try:
-        said, out = run(job, arrays)
+        said, out = (respond if "parts" in job else run)(job, arrays)
     except Exception as err:  # whatever the package or the file says is the answer
         said, out = {"error": f"{type(err).__name__}: {err}"}, {}
     Path(said_path).write_text(json.dumps(said), encoding="utf-8")

@@ -52,13 +52,22 @@ JOINT = {
 ACTUATOR = {
     name: f"actuator_{name}"
     for name in (
-        "gaintype biastype dyntype gainprm biasprm dynprm trntype gear ctrllimited ctrlrange forcelimited forcerange "
-        "actlimited actrange actearly cranklength group lengthrange delay armature ctrlspec"
-    ).split()
+        *(
+            "gaintype",
+            "biastype",
+            "dyntype",
+            "gainprm",
+            "biasprm",
+            "dynprm",
+            "trntype",
+            "gear",
+            "cranklength",
+        ),
+        *("ctrllimited", "ctrlrange", "forcelimited", "forcerange", "actlimited", "actrange", "actearly"),
+        *("group", "lengthrange", "delay", "armature", "ctrlspec"),
+    )
 }
 """Likewise of an actuator."""
-POLYNOMIALS = (("damping", "damping"), ("stiffness", "stiffness"))
-"""What has further coefficients from 3.7 on, in a row of its own."""
 OTHERS = {
     *("jnt_bodyid", "jnt_qposadr", "jnt_dofadr", "jnt_actuatorid", "jnt_plasticadr", "jnt_user"),
     *("dof_bodyid", "dof_jntid", "dof_parentid", "dof_treeid", "dof_Madr", "dof_simplenum"),
@@ -100,7 +109,9 @@ def load(path: str) -> Any:
     return mujoco.MjModel.from_xml_path(path)
 
 
-def run(whole: Any, job: dict[str, Any], arrays: dict[str, Array], errors: dict[str, str]) -> dict[str, Array]:
+def run(
+    whole: Any, job: dict[str, Any], arrays: dict[str, Array], errors: dict[str, str]
+) -> dict[str, Array]:
     """Every course of every joint."""
     command, start = arrays["command"], (arrays["q"], arrays["qd"])
     n_step, n_course, n_joint = command.shape
@@ -205,7 +216,11 @@ def put(element: Any, attribute: str, whole: Any, field: str, index: int) -> Non
         getattr(element, attribute)[: len(value)] = value
         return
     kind = type(getattr(element, attribute))
-    setattr(element, attribute, kind(int(value)) if issubclass(kind, int) or hasattr(kind, "__members__") else value)
+    setattr(
+        element,
+        attribute,
+        kind(int(value)) if issubclass(kind, int) or hasattr(kind, "__members__") else value,
+    )
 
 
 def polynomial(element: Any, attribute: str, whole: Any, field: str, index: int) -> None:

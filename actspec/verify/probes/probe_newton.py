@@ -9,11 +9,15 @@ Job:
     joints: prims of the managed joints, the columns of every array.
     commands: what each of them is commanded by: position, velocity or effort.
     step: physics step [s].
-    motions: names of motions.
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column).
+    motions: names of motions; or
+    parts: into how many steps each step is divided, for each run of responses: [1, 2].
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
+    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
+    `coulomb` and `viscous` friction (n_column,).
 
 Answers: `error` where the overlay is refused; `version`; `figures`: per column what the model has of the joint; arrays
-`NAME`, what all actuators do at each joint in each step.
+`NAME`, what all actuators do at each joint in each step. For responses `q1` (n_step + 1, n_course, n_column) and
+`torque1` for `parts` 1, and so on.
 """
 
 from __future__ import annotations
@@ -134,6 +138,51 @@ def run(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], 
     return {"version": newton.__version__, "figures": rig.figures()}, out
 
 
+def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """Bodies of one joint each, moved by the actuators' torques."""
+    import newton
+    import warp
+
+    warp.config.quiet = True
+    n_step, n_course, n_joint = arrays["command"].shape
+    out = {}
+    for parts in job["parts"]:
+        stage = composed(job["stage"], job["overlay"])
+        for prim in stage.Traverse():
+            late = prim.GetAttribute("newton:delaySteps")
+            if late and late.HasAuthoredValue():
+                late.Set(late.Get() * parts)
+        builder = newton.ModelBuilder()
+        builder.add_usd(stage)
+        step = job["step"] / parts
+        rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], step)
+        armature = np.array([figures["armature"] for figures in rig.figures()])
+        q = out[f"q{parts}"] = np.full((n_step + 1, n_course, n_joint), np.nan)
+        torques = out[f"torque{parts}"] = np.full((n_step, n_course, n_joint), np.nan)
+        for course in range(n_course):
+            states = rig.states()
+            at, speed = arrays["q"][course].copy(), arrays["qd"][course].copy()
+            q[0, course] = at
+            for k in range(n_step):
+                for part in range(parts):
+                    torque, states = rig.torque(states, arrays["command"][k, course], at, speed)
+                    if part == 0:
+                        torques[k, course] = torque
+                    at, speed = moved(arrays, arrays["inertia"] + armature, step, torque, at, speed)
+                q[k + 1, course] = at
+    return {"version": newton.__version__}, out
+
+
+def moved(
+    arrays: dict[str, Array], inertia: Array, step: float, torque: Array, q: Array, qd: Array
+) -> tuple[Array, Array]:
+    """Positions and speeds after a semi-implicit step, the torque held; friction takes no more speed than there is."""
+    free = qd + step * torque / inertia
+    left = np.maximum(np.abs(free) - step * arrays["coulomb"] / inertia, 0.0)
+    speed = np.sign(free) * left / (1.0 + step * arrays["viscous"] / inertia)
+    return q + step * speed, speed
+
+
 def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
     """Answer a job; what Newton refuses is told."""
     with open(job_path, encoding="utf-8") as file:
@@ -144,7 +193,7 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
     sys.path[:0] = job["path"]
     warnings.simplefilter("ignore")
     try:
-        said, out = run(job, arrays)
+        said, out = (respond if "parts" in job else run)(job, arrays)
     except Exception as err:  # whatever Newton says of the overlay is the answer
         said, out = {"error": f"{type(err).__name__}: {err}"}, {}
     with open(said_path, "w", encoding="utf-8") as file:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -12,16 +12,17 @@ import numpy as np
 import pytest
 
 from actspec import api, output
-from actspec.diagnostics import EmitError, Severity
+from actspec.diagnostics import Collector, EmitError, Severity
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
 from actspec.resolution import resolve
 from actspec.robot.listed import listed_robot
+from actspec.robot.view import ModelFile
 from actspec.runtime.mujoco import reset
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission
-from actspec.targets.mujoco.emit import emit
+from actspec.targets.mujoco.emit import check_written, emit
 from tests.compiling import MOTORS, installed, options
 
 mujoco = pytest.importorskip("mujoco")
@@ -158,6 +159,14 @@ def test_joints_of_two_groups_share_a_class() -> None:
     found = compiled(groups, joints="[hip, tail]", unmanaged="[]")
     assert re.findall(r'class="(\w+)"', found.body) == ["actspec_leg_a"]
     assert re.findall(r'class="(\w+)"', found.bench) == ["actspec_leg_a"] * 2
+
+
+def test_hinges_and_slides_share_none() -> None:
+    """3 N*m at a hinge and 3 N at a slide are the same figure and two things."""
+    group = "\n  a: {{joints: [{}], level: ideal_pd, kp: 4, kd: 1, effort_limit: 3}}"
+    text = group.format("hip") + group.format("foot").replace("  a:", "  b:")
+    found = compiled(text, joints="[hip, {name: foot, kind: slide}]", unmanaged="[]")
+    assert re.findall(r'class="(\w+)"', found.bench) == ["actspec_leg_a", "actspec_leg_b"]
 
 
 def test_names_of_classes_are_distinct() -> None:
@@ -344,6 +353,51 @@ def test_declined(given: dict[str, Any], expected: str) -> None:
     assert [
         f"{d.code} {d.where}: {d.message}" for d in caught.value.diagnostics if d.severity is Severity.ERROR
     ] == [expected]
+
+
+SEEDED = {
+    "unit": ('frictionloss="0.2"', 'frictionloss="11.46"', "dof_frictionloss"),
+    "twice": ('damping="0.03 0 0"', 'damping="1.03 0 0"', "dof_damping"),
+    "class": (
+        '<joint name="hip" type="hinge" class="actspec_leg_legs"/>',
+        '<joint name="hip"/>',
+        "dof_armature",
+    ),
+    "class-of-another": (
+        'hinge" class="actspec_leg_legs"',
+        'hinge" class="actspec_leg_foot"',
+        "dof_armature",
+    ),
+    "gain": ('biasprm="0 -40 -1', 'biasprm="0 -40 1', "actuator_biasprm"),
+    "joint": ('name="hip" joint="hip"', 'name="hip" joint="tail"', "actuator_trnid"),
+    "limit": ('forcerange="-12 12"', 'forcerange="-12 13"', "actuator_forcerange"),
+    "joint-limit": ('actuatorfrcrange="-12 12"', 'actuatorfrcrange="-1 1"', "jnt_actfrcrange"),
+    "kind": ('type="slide"', 'type="hinge"', "dof_M0"),
+    "timestep": ('timestep="0.005"', 'timestep="0.002"', "opt.timestep"),
+}
+"""What stands in bench or fragment, a slip of the compiler in its place, and a field that tells."""
+
+
+@pytest.mark.parametrize(("right", "wrong", "field"), SEEDED.values(), ids=SEEDED.keys())
+def test_check_catches_a_slip(right: str, wrong: str, field: str) -> None:
+    """The bench that includes the fragment must be the plan, in every field: each slip is an error."""
+    found = compiled(version=installed())
+    names = [file.path for file in found.emission.files]
+    files = (
+        ModelFile(names[0], "", found.emission.files[0].data),
+        ModelFile(names[1], names[1], found.emission.files[1].data),
+    )
+    planned = mujoco.MjModel.from_xml_string(
+        found.bench.replace('<include file="leg_actuators.xml"/>', inner(found.text))
+    )
+    check_written(files, planned, found.actuators, Collector())
+    slipped = tuple(replace(file, data=file.data.replace(right.encode(), wrong.encode())) for file in files)
+    assert slipped != files
+    with pytest.raises(EmitError) as caught:
+        check_written(slipped, planned, found.actuators, Collector())
+    (item,) = caught.value.diagnostics
+    assert item.code == "MJC091"
+    assert field in item.message
 
 
 # -- compiled ----------------------------------------------------------------------------------

@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec and compile again.
-# spec sha256 f8b1b64f7f2f4e500a97be917728df5cf23b95e277160acd73f794624f3695f0
+# spec sha256 2979f28fb6cd2010f3f7129f6fdf9a06574b840903bd15d4cbb248469cadf95f
 # model g1.xml
 # physics_dt 0.005 s
 #
@@ -49,7 +49,7 @@ UNITREE_G1_ACTUATORS = {
     ),
     "ankles": IdealPDActuatorCfg(
         joint_names_expr=[".*_ankle_pitch_joint", ".*_ankle_roll_joint"],
-        effort_limit=50.0,  # N*m; derived, mjlab_g1; 25 N*m x 2 (motors_per_joint)
+        effort_limit=50.0,  # N*m; derived, mjlab_g1
         velocity_limit_sim=37.0,  # rad/s; authored, mjlab_g1
         stiffness=28.5012461974,  # N*m/rad; derived; 0.00721945 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=1.81444568664,  # N*m*s/rad; derived
@@ -57,7 +57,7 @@ UNITREE_G1_ACTUATORS = {
     ),
     "waist": IdealPDActuatorCfg(
         joint_names_expr=["waist_roll_joint", "waist_pitch_joint"],
-        effort_limit=50.0,  # N*m; derived, mjlab_g1; 25 N*m x 2 (motors_per_joint)
+        effort_limit=50.0,  # N*m; derived, mjlab_g1; (25 N*m (n5020) + 25 N*m (n5020)) x 1, linkage waist (mjlab_g1)
         velocity_limit_sim=37.0,  # rad/s; authored, mjlab_g1
         stiffness=28.5012461974,  # N*m/rad; derived; 0.00721945 kg*m^2 (reflected inertia) x (2 pi 10 Hz)^2
         damping=1.81444568664,  # N*m*s/rad; derived

@@ -1,7 +1,7 @@
 """Actuators of unitree_g1 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 f8b1b64f7f2f4e500a97be917728df5cf23b95e277160acd73f794624f3695f0
+# spec sha256 2979f28fb6cd2010f3f7129f6fdf9a06574b840903bd15d4cbb248469cadf95f
 # model g1.xml
 #
 # Use:

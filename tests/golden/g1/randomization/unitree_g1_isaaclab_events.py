@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1. Do not edit: change the spec and compile again.
-# spec sha256 f8b1b64f7f2f4e500a97be917728df5cf23b95e277160acd73f794624f3695f0
+# spec sha256 2979f28fb6cd2010f3f7129f6fdf9a06574b840903bd15d4cbb248469cadf95f
 #
 # What it cannot do:
 # - encoder_bias: add -0.015 rad to 0.015 rad -> none: stays 0 rad, at most 0.602689 N*m (Isaac Lab has no term for

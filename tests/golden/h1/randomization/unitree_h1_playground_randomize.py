@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for MuJoCo Playground, MuJoCo 3.12. Do not edit: change the spec and compile again.
-# spec sha256 072f8b7aa5b147094be894ad25b42110ad6168cd4556e1eb21b3a224fd518aa7
+# spec sha256 85e4dcc8f4898d74fc42c597ead9931c86610afc6af6b9942264b6191f094e0f
 # For the model that actspec's mujoco target writes; pass it as `randomization_fn`.
 #
 # What it cannot do:

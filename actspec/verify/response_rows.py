@@ -1,0 +1,298 @@
+"""Response agreement: where an engine takes a joint against where the law takes it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from actspec.diagnostics import shortened
+from actspec.ir import ActuatorSet, Command, JointActuator, JointKind
+from actspec.laws import TorqueLaw
+from actspec.targets.approximation import lined
+from actspec.targets.base import Approximation
+from actspec.verify.agreement import At, Row, Skip
+from actspec.verify.engines.question import EngineRefused
+from actspec.verify.response import COURSES, SOFT, Friction, Plan, Responded
+from actspec.verify.response_reference import Dry, Lane, Moved, move
+from actspec.verify.target import Target, alike
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+CHANGES = 3.0
+"""Times the engine's own change from h to h/2 that it may be off the law. An engine of first order is off by twice the
+change, to within a few per cent either way (2.00 to 2.02 for a step of the A1, up to 2.4 where a joint comes to stand):
+the change itself, and what is left from h/2 on, which is another one. Chosen: that rest is doubled."""
+COARSE = 0.25
+"""Most change from h to h/2, of how far the law moves the joint. Beyond, the step decides the response: a drive that is
+unstable at its step changes by all of it and more, one that is only coarse by 14 % in the worst case seen (a fast joint
+that an explicit drive brakes). Chosen in between."""
+SMALL = 0.01
+"""Of the largest movement of a joint in any course: a course that moves it less is not looked at closer. Chosen."""
+DOUBLE, SINGLE = 1e-7, 1e-5
+"""Of the largest position: what rounding and the reference may add. Source: measured 1e-9 and 1e-6."""
+SLACK = 1.05
+"""Times the size of an approximation, as in `actspec.verify.torque`."""
+
+OWN_BODY = frozenset(("mujoco", "mjlab"))
+"""Kinds whose engine moves the joint itself, with its own friction. For the others actspec moves a body by the engine's
+torque, semi-implicitly, with the friction that the target was given: PhysX is in no package."""
+
+UNMOVED = frozenset(("delay.range", "delay.sampling", "velocity_limit", "delta_action"))
+"""Approximations that change no response: a range is set to its nominal, the speed limit and the
+delta action are outside of the drive."""
+
+
+@dataclass(frozen=True, slots=True)
+class Expected:
+    """Two responses of one joint: what the spec asks for, and what is left of it by what is known to be lost.
+
+    Attributes:
+        asked: As the spec has it.
+        left: As the target is known to make it.
+        losses: Why they differ; empty where they do not.
+        sized: Whether `left` is known; else any response is allowed.
+    """
+
+    asked: Lane
+    left: Lane
+    losses: tuple[str, ...]
+    sized: bool
+
+
+def expected(target: Target, plan: Plan) -> tuple[Expected, ...]:
+    """What is expected of each joint of a target."""
+    return tuple(
+        _expected(target, actuator, law, float(inertia))
+        for actuator, law, inertia in zip(plan.joints, plan.laws, plan.inertia, strict=True)
+    )
+
+
+def kept_friction(wanted: Sequence[Expected]) -> Friction:
+    """Friction of the joints that is left, for a body that actspec moves."""
+    found = [want.left.friction for want in wanted]
+    return [dry.coulomb for dry in found], [dry.viscous for dry in found]
+
+
+def _expected(target: Target, actuator: JointActuator, law: TorqueLaw, inertia: float) -> Expected:
+    losses = [loss for loss in target.losses if loss.joint in (actuator.joint, "")]
+    own_body = target.options.kind in OWN_BODY
+    friction = _friction(actuator)
+    if not own_body:
+        # The body's friction is not the engine's: what the target cannot say of it is no loss here.
+        friction = Dry(friction.coulomb, friction.viscous)
+    left_law, left, sized, counted = law, friction, True, []
+    for loss in losses:
+        changed = _without(loss, left_law, left)
+        if changed is None:
+            sized = False
+            counted.append(loss.key)
+        elif changed != (left_law, left):
+            counted.append(loss.key)
+            left_law, left = changed
+    if own_body and left.coulomb > 0.0:
+        left = replace(left, soft=True)
+        counted.append(SOFT)
+    return Expected(Lane(law, friction, inertia), Lane(left_law, left, inertia), tuple(counted), sized)
+
+
+def _friction(actuator: JointActuator) -> Dry:
+    static, stribeck = actuator.friction_static, actuator.stribeck_velocity
+    return Dry(
+        actuator.friction_coulomb.value or 0.0,
+        actuator.friction_viscous.value or 0.0,
+        None if static is None else static.value,
+        None if stribeck is None else stribeck.value,
+    )
+
+
+def _without(loss: Approximation, law: TorqueLaw, friction: Dry) -> tuple[TorqueLaw, Dry] | None:
+    """Law and friction that a loss leaves; None: it does not say."""
+    gone = loss.emitted in ("none", "left out")
+    if loss.field in UNMOVED:
+        return law, friction
+    if loss.field == "torque_speed_curve":
+        if loss.emitted.startswith("line from "):
+            return lined(law), friction
+        if loss.emitted.startswith("a clip at "):
+            return replace(law, stall_torque=None, no_load_speed=None, curve=None), friction
+    elif loss.field == "friction.viscous" and loss.emitted.startswith("in damping"):
+        return replace(law, kd=law.kd + friction.viscous), replace(friction, viscous=0.0)
+    elif loss.field == "friction.static":
+        return law, replace(friction, static=None)
+    elif loss.field == "delay" and not gone:
+        # Rounded to steps, as the law itself is here.
+        return law, friction
+    elif gone and loss.field in _GONE_LAW:
+        return replace(law, **_GONE_LAW[loss.field]), friction
+    elif gone and loss.field in _GONE_FRICTION:
+        return law, replace(friction, **_GONE_FRICTION[loss.field])
+    return None
+
+
+_GONE_LAW: Mapping[str, dict[str, Any]] = {
+    "command_filter": {"filter_cutoff": None},
+    "delay": {"delay": 0.0},
+    "encoder_bias": {"encoder_bias": 0.0},
+    "command_range": {"command_range": None},
+}
+_GONE_FRICTION: Mapping[str, dict[str, Any]] = {
+    "friction.coulomb": {"coulomb": 0.0, "static": None, "stribeck_velocity": None},
+    "friction.viscous": {"viscous": 0.0},
+    "friction.stribeck_velocity": {"static": None, "stribeck_velocity": None},
+}
+
+
+def reference(plan: Plan, wanted: Iterable[Sequence[Expected]]) -> dict[tuple[int, Lane], Moved]:
+    """Every response that is asked for, all at once: joint and lane to arrays with the courses in columns."""
+    import numpy as np
+
+    lanes = dict.fromkeys(
+        (i, lane) for each in wanted for i, one in enumerate(each) for lane in (one.asked, one.left)
+    )
+    courses = len(COURSES)
+    if not lanes:
+        return {}
+    command = np.concatenate([plan.command[:, :, i] for i, _ in lanes], axis=1)
+    q, qd = (np.concatenate([part[:, i] for i, _ in lanes]) for part in (plan.q, plan.qd))
+    moved = move([lane for _, lane in lanes for _ in range(courses)], command, q, qd, plan.step)
+    whole = (moved.q, moved.qd, moved.torque)
+    return {
+        key: Moved(*(part[:, k * courses : (k + 1) * courses] for part in whole))
+        for k, key in enumerate(lanes)
+    }
+
+
+def response_rows(
+    target: Target,
+    actuators: ActuatorSet,
+    plan: Plan,
+    wanted: Sequence[Expected],
+    moved: Mapping[tuple[int, Lane], Moved],
+    answer: Responded,
+) -> Iterator[Row]:
+    """Rows of an engine's responses, those of joints with the same numbers together.
+
+    Args:
+        target: What was asked.
+        actuators: What the spec asks for.
+        plan: What its joints were told.
+        wanted: Of each joint of the plan.
+        moved: From `reference`.
+        answer: What the engine made of the plan.
+    """
+    place = {name: i for i, name in enumerate(plan.names)}
+    for members in alike(actuators):
+        known = [a.joint for a in members if a.joint in place and a.joint not in answer.errors]
+        for course in range(len(COURSES)):
+            merged: dict[str | None, list[tuple[float, Row]]] = {}
+            for name in known:
+                i = place[name]
+                row = _judge(_Course(target.name, plan, i, course, answer), wanted[i], moved)
+                merged.setdefault(row.code, []).append((_share(row), row))
+            for found in merged.values():
+                _, worst = max(found, key=lambda pair: pair[0])
+                yield replace(worst, joints=len(found))
+
+
+def response_skips(target: Target, plan: Plan, answer: Responded | None = None) -> Iterator[Skip]:
+    """Joints that cannot be let move, and those that an engine could not."""
+    for group, reason in plan.skipped.items():
+        yield Skip(target.name, group, "responses", reason)
+    groups = {actuator.joint: actuator.group for actuator in plan.joints}
+    for joint, reason in ({} if answer is None else answer.errors).items():
+        yield Skip(target.name, groups[joint], "responses", shortened(f"{joint}: {reason}", 300))
+
+
+def broken_response(target: Target, why: EngineRefused) -> Row:
+    """The row of a file that an engine does not let move."""
+    message = f"its simulator does not let it move: {why}"
+    return Row(*(target.name, "", "", 0, "responses", "", None, 0.0, False), code="VFY111", message=message)
+
+
+def _share(row: Row) -> float:
+    return math.inf if row.max_error is None else row.max_error / row.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class _Course:
+    """One joint in one course: what it was told, and what became of it."""
+
+    target: str
+    plan: Plan
+    joint: int
+    course: int
+    answer: Responded
+
+    @property
+    def row(self) -> Row:
+        """A row without numbers."""
+        actuator = self.plan.joints[self.joint]
+        unit = "rad" if actuator.kind is JointKind.HINGE else "m"
+        who = (actuator.group, actuator.joint, 1, COURSES[self.course], unit)
+        return Row(self.target, *who, None, 0.0, False, engine=self.answer.engine)
+
+    @property
+    def q(self) -> tuple[Array, Array]:
+        """Positions in the engine's steps, and in half of them."""
+        whole, halved = (part[:, self.course, self.joint] for part in (self.answer.q, self.answer.halved))
+        return whole, halved
+
+    def at(self, law: Moved, errors: Array) -> At:
+        """Where an error is largest, and the state of a law then."""
+        plan, k = self.plan, int(errors.argmax())
+        now = min(k, len(plan.command) - 1)
+        command, q = float(plan.command[now, self.course, self.joint]), float(law.q[now, self.course])
+        mine = plan.laws[self.joint]
+        torque = self.answer.torque[now, self.course, self.joint] - law.torque[now, self.course]
+        return At(
+            error=command - (q + mine.encoder_bias) if mine.command is Command.POSITION else None,
+            velocity=float(law.qd[now, self.course]),
+            command=command,
+            step=k,
+            time=k * plan.step,
+            torque=float(torque),
+        )
+
+
+def _judge(case: _Course, want: Expected, moved: Mapping[tuple[int, Lane], Moved]) -> Row:
+    """The row of one joint in one course."""
+    import numpy as np
+
+    row, (q, halved) = case.row, case.q
+    if not (np.isfinite(q).all() and np.isfinite(halved).all()):
+        return replace(row, code="VFY113", message="the simulation diverges at its own step")
+    asked, left = moved[case.joint, want.asked], moved[case.joint, want.left]
+    error, rest = (np.abs(q - lane.q[:, case.course]) for lane in (asked, left))
+    changes = np.abs(q - halved)
+    moves = np.ptp(asked.q, axis=0)
+    scale = max(float(moves[case.course]), SMALL * float(moves.max()))
+    change, worst = float(changes.max()), float(error.max())
+    size = scale + float(np.abs(asked.q[0]).max())
+    strict = CHANGES * change + (SINGLE if case.answer.single else DOUBLE) * size
+    row = replace(row, max_error=worst, tolerance=strict, ok=True, at=case.at(asked, error))
+    if change > COARSE * scale:
+        message = (
+            f"half the step changes the response by {change:.3g} {row.unit}, "
+            f"{change / scale:.0%} of how far the law moves the joint"
+        )
+        at = case.at(asked, changes)
+        return replace(
+            row, max_error=change, tolerance=COARSE * scale, ok=False, code="VFY113", message=message, at=at
+        )
+    if worst <= strict:
+        return row
+    row = replace(row, approximations=want.losses)
+    if not want.sized:
+        return replace(row, tolerance=math.inf)
+    if float(rest.max()) <= strict:
+        return replace(row, tolerance=strict + SLACK * float(np.abs(asked.q - left.q)[:, case.course].max()))
+    beside = ", known approximations aside" if want.losses else ""
+    message = f"the response is {float(rest.max()):.3g} {row.unit} off the law's{beside}"
+    at = case.at(left, rest)
+    return replace(row, max_error=float(rest.max()), ok=False, code="VFY112", message=message, at=at)
