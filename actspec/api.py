@@ -169,17 +169,17 @@ def verify(
     targets: Sequence[str | TargetOptions] = (),
     built: str | os.PathLike[str] | None = None,
     engines: bool = True,
+    run_edited: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Compilation, Agreement]:
     """Show by numbers that every target makes what the spec says: see docs/verify.md.
-
-    What a target's Python files say is executed by its simulator's own code, unless `engines` is False.
 
     Args:
         spec: A spec, or the path of one.
         targets: As in `compile`.
         built: Folder of compiled files to verify, as `compile` writes it below `-o`; default: what it writes today.
         engines: Run the simulators that are here; files are only read back without.
+        run_edited: Let them execute Python files of `built` that are not what the spec compiles to.
         progress: Called with how many steps are done, of how many.
 
     Raises:
@@ -196,7 +196,13 @@ def verify(
         found = lay_out(pairs, None if built is None else os.fspath(built))
         path = compilation.spec.document.path
         agreement = verify(
-            compilation.actuators, compilation.robot, found, spec=path, engines=engines, progress=progress
+            compilation.actuators,
+            compilation.robot,
+            found,
+            spec=path,
+            engines=engines,
+            run_edited=run_edited,
+            progress=progress,
         )
         return compilation, relative(agreement, folder)
 

@@ -15,6 +15,7 @@ from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relativ
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.fragments import without_fragments
 from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
@@ -53,7 +54,7 @@ def audit(
     if not isinstance(files, PendingFiles):
         with PendingFiles(files) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
-    case = case_of(files.finish(progress), settings.versions, settings.options, spec)
+    case = case_of(without_fragments(files.finish(progress)), settings.versions, settings.options, spec)
     return judge(case, settings, spec=spec, whole=files.in_folders)
 
 

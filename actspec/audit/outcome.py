@@ -17,6 +17,9 @@ SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
+UNKNOWN = frozenset({"CFG001", "DEPLOY002"})
+"""Codes of information about figures that are unknown, so that no rule looks at them."""
+
 
 @dataclass(frozen=True, slots=True)
 class Reported:
@@ -96,12 +99,20 @@ class Report:
         """What readers and rules have to say; a file that could not be read always has its word."""
         found: list[Diagnostic] = []
         for file in self.case.files:
-            found += file.diagnostics
+            # A deploy file has the notes of its configurations among its own.
+            notes = (note for artifact in file.artifacts if artifact.config for note in artifact.config.notes)
+            found += dict.fromkeys((*file.diagnostics, *notes))
             if not file.readable and not any(item.severity is Severity.ERROR for item in file.diagnostics):
                 message = f"the file cannot be read: {file.reason}"
                 found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
             found += _from_text(file)
         return (*found, *self.problems)
+
+    def told(self) -> tuple[Diagnostic, ...]:
+        """What of it people are told: mere information is for programs, but not what is unknown."""
+        return tuple(
+            item for item in self.diagnostics() if item.severity is not Severity.INFO or item.code in UNKNOWN
+        )
 
 
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:

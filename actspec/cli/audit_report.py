@@ -218,12 +218,11 @@ def _write(path: str, text: str) -> None:
 
 
 def _print_problems(report: Report) -> None:
-    """What readers and rules have to say, the same of many joints once; mere information is for programs."""
+    """What readers and rules have to say, the same of many joints once."""
     groups: dict[tuple[object, ...], list[Diagnostic]] = {}
-    for item in report.diagnostics():
-        if item.severity is not Severity.INFO:
-            place = item.span.path if item.span is not None and item.where else item.span
-            groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
+    for item in report.told():
+        place = item.span.path if item.span is not None and item.where else item.span
+        groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
     print_diagnostics(
         replace(group[0], where=listed(dict.fromkeys(item.where for item in group)))
         for group in groups.values()

@@ -57,6 +57,8 @@ def import_files(
     found = {find_model(file, "") if file.startswith(_SCHEME) else file: file for file in files}
     readings, said = read_robot_files(list(found), robot, versions)
     print_diagnostics(said)
+    if output is not None:
+        check_free(output, [file for r in readings for file in (r.path, *r.includes)], force)
     folder = os.path.dirname(os.path.abspath(output or "spec.yaml"))
     readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
     combined = _placed(combine(readings), folder)
@@ -125,10 +127,10 @@ def _warning(item: Disagreement, more: str) -> Diagnostic:
 
 def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
     joints = sum(spec.groups.values())
-    start = f"wrote {output}: " if output is not None else f"{spec.robot}: "
+    start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (
         f"{start}{joints} joint{'s' * (joints != 1)} in {len(spec.groups)} group{'s' * (len(spec.groups) != 1)} "
-        f"({listed(spec.groups)}), from {', '.join(files)}"
+        f"({listed(spec.groups)}), from {', '.join(map(one_line, dict.fromkeys(files)))}"
     )
     for why, left in combined.reasons().items():
         yield f"  left as they are, {one_line(why)}: {listed(map(one_line, left))}"

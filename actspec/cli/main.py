@@ -139,6 +139,11 @@ def parser() -> argparse.ArgumentParser:
         "--fields-only", action="store_true", help="read the files, run no simulator and no Python file"
     )
     verify.add_argument(
+        "--run-edited",
+        action="store_true",
+        help="with --built: let simulators execute Python files that are not what the spec compiles to",
+    )
+    verify.add_argument(
         "--require-engines", action="store_true", help="exit 2 when an engine is not prepared"
     )
     verify.add_argument(

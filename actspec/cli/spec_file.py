@@ -23,7 +23,9 @@ def check_free(path: str, sources: Sequence[str], force: bool) -> None:
         raise _error("OUT001", "is a folder", path, "name the file to write, e.g. robots/my_robot.yaml")
     if not os.path.lexists(path):
         return
-    if any(os.path.exists(source) and os.path.samefile(path, source) for source in sources):
+    if os.path.exists(path) and any(
+        os.path.exists(source) and os.path.samefile(path, source) for source in sources
+    ):
         raise _error("OUT003", "is the file to import itself", path, "name another file for the spec")
     if not os.path.isfile(path):
         raise _error("OUT001", "is there and is no regular file", path)
@@ -43,6 +45,9 @@ def write_spec(path: str, text: str) -> None:
         replace_file(path, text.encode("utf-8"))
     except OSError as err:
         raise _error("OUT002", f"cannot be written: {err.strerror}", path) from err
+    except ValueError as err:
+        # A name with a NUL in it.
+        raise _error("OUT002", f"cannot be written: {err}", path) from err
 
 
 def commands(path: str, *names: str) -> list[str]:

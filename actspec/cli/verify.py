@@ -42,6 +42,14 @@ def _check(arguments: argparse.Namespace) -> None:
         collector.error("CLI001", "one folder of files is of one spec", where="--built", help="name one spec")
     if arguments.require_engines and arguments.fields_only:
         collector.error("CLI001", "no engine is run with --fields-only", where="--require-engines")
+    if arguments.run_edited and (arguments.built is None or arguments.fields_only):
+        collector.error(
+            "CLI001",
+            "no edited file is run without --built"
+            if arguments.built is None
+            else "nothing is run with --fields-only",
+            where="--run-edited",
+        )
     collector.raise_if_failed(SpecError)
 
 
@@ -52,6 +60,7 @@ def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation
             targets=arguments.target,
             built=arguments.built,
             engines=not arguments.fields_only,
+            run_edited=arguments.run_edited,
             progress=progress.step,
         )
 

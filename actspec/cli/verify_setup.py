@@ -50,9 +50,9 @@ def set_up(arguments: argparse.Namespace) -> int:
         return EXIT_FAILED
     try:
         for version in releases:
-            print(f"installed: {prepare_release('mujoco', version, folder)}")
+            print(f"installed: {prepare_release('mujoco', version, folder, _say)}")
         if frameworks:
-            print(f"installed: {prepare(folder).folder}")
+            print(f"installed: {prepare(folder, say=_say).folder}")
     except EngineUnavailableError as err:
         collector.error(
             "VFY003",
@@ -62,6 +62,11 @@ def set_up(arguments: argparse.Namespace) -> int:
         )
         raise VerifyError(collector.sorted()) from err
     return EXIT_CLEAN
+
+
+def _say(text: str) -> None:
+    """What is done now, on stderr; it may take minutes."""
+    print(f"  {text} ...", file=sys.stderr, flush=True)
 
 
 def _targets(arguments: argparse.Namespace) -> list[TargetOptions]:

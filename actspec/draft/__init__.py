@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import actspec
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed
 from actspec.draft.combine import Combined
-from actspec.draft.groups import Group, best_groups, motors_of
+from actspec.draft.groups import Group, groups_of, motors_of
 from actspec.draft.lines import (
     group_lines,
     line,
@@ -68,9 +68,7 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
     if not actuators.joints:
         raise _nothing(combined)
     try:
-        groups = best_groups(
-            actuators.joints, combined.kinds, combined.above, combined.names, actuators.robot
-        )
+        groups = groups_of(actuators.joints, combined.kinds, combined.above, combined.names, actuators.robot)
         unmanaged, pose = list(unmanaged_lines(combined)), pose_lines(combined)
         motors, named = motors_of(groups)
         written = [group_lines(group, named, combined) for group in groups]

@@ -91,15 +91,14 @@ class Cell:
         self.all_rows = [self.all_rows[at] for at in places]
 
 
-def cells_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind], *, by_limb: bool) -> list[Cell]:
-    """Sort joints by what their lines say.
+def cells_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind]) -> list[Cell]:
+    """Sort joints by limb and by what their lines say.
 
     Joints with the same lines are told apart where a file has other limits for them, which may give a gear away.
 
     Args:
         joints: In the robot's order, with keys of `sources` in their quantities.
         kinds: What the files are.
-        by_limb: Tell legs, arms, hands and torso apart too.
     """
     cells: dict[tuple[object, ...], Cell] = {}
     speeds = any(j.velocity_limit.span is not None or stated(j.velocity_limit) for j in joints)
@@ -111,7 +110,7 @@ def cells_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind], *, by_l
             tuple((name, row.value) for name, row in rows.items()),
             tuple((name, row.value) for name, row in motor.items()),
         )
-        key = (written, body_part([joint.joint]) if by_limb else None, tuple(limits.items()))
+        key = (written, body_part([joint.joint]), tuple(limits.items()))
         cell = cells.get(key)
         if cell is None:
             cell = cells[key] = Cell(written, [], rows, [], {}, motor, network, ranges, limits)
@@ -141,17 +140,15 @@ def find_motors(cells: Sequence[Cell], above: Mapping[str, frozenset[str]]) -> N
                     break
 
 
-def joined(cells: Sequence[Cell], by_limb: bool) -> list[Cell]:
-    """Cells with the same lines put together again where one motor, or none, drives them.
+def joined(cells: Sequence[Cell]) -> list[Cell]:
+    """Cells of a limb with the same lines put together again where one motor, or none, drives them.
 
     Args:
         cells: With their motors found.
-        by_limb: Keep limbs apart.
     """
     kept: dict[tuple[object, ...], Cell] = {}
     for cell in sorted(cells, key=lambda cell: cell.base is not None):
-        part = body_part(cell.names) if by_limb else None
-        key = (cell.written, part, id(cell.base), cell.ratio, cell.lends)
+        key = (cell.written, body_part(cell.names), id(cell.base), cell.ratio, cell.lends)
         home = kept.setdefault(key, cell)
         if home is not cell:
             join(home, cell, cells)

@@ -133,21 +133,23 @@ def combine(readings: Sequence[Reading]) -> Combined:
     )
     keys = source_keys(readings)
     ranked = [keyed(reading, keys) for reading in in_order(readings)]
+    every = [(r.kind, joint) for r in ranked for joint in r.lifted.actuators.joints]
+    # Gains that a configuration has and that could not be read are no torque motor's.
+    drives = frozenset(id(joint) for kind, joint in every if kind is FileKind.CFG or _has_drive(joint))
     # Gains for the robot say nothing of the motor that a simulator has behind them.
-    deploy = frozenset(id(j) for r in ranked if r.kind is FileKind.DEPLOY for j in r.lifted.actuators.joints)
+    deploy = frozenset(id(joint) for kind, joint in every if kind is FileKind.DEPLOY)
     base = next((r for r in ranked if model is not None and r.path == model.path), None)
     order = _joint_order(ranked, base)
-    alone = _left_alone(ranked, base, order)
-    driven = any(_drives(j) for r in ranked for j in r.lifted.actuators.joints)
+    alone = _left_alone(ranked, base, order, drives)
     joints = []
     for name in order:
         said = [j for r in ranked for j in r.lifted.actuators.joints if j.joint == name]
         if name in alone or not said:
             continue
-        if driven and not any(map(_drives, said)):
+        if drives and not any(id(joint) in drives for joint in said):
             alone[name] = _reason(ranked, name) or LeftAlone(name, NO_DRIVE, said[0].span, undriven=True)
             continue
-        joints.append(_joint(said, deploy))
+        joints.append(_joint(said, drives, deploy))
     sets = [reading.lifted.actuators for reading in ranked]
     step = _first([actuators.physics_dt for actuators in sets])
     assert step is not None
@@ -184,7 +186,7 @@ def in_order(readings: Sequence[Reading]) -> list[Reading]:
     return sorted(readings, key=lambda r: rank.index(r.kind) if r.kind in rank else len(rank))
 
 
-def _drives(joint: JointActuator) -> bool:
+def _has_drive(joint: JointActuator) -> bool:
     """Whether a file says what drives a joint."""
     return (
         joint.command is Command.EFFORT
@@ -220,20 +222,20 @@ def _above(reading: Reading) -> dict[str, frozenset[str]]:
 
 
 def _left_alone(
-    ranked: Sequence[Reading], base: Reading | None, order: Sequence[str]
+    ranked: Sequence[Reading], base: Reading | None, order: Sequence[str], drives: frozenset[int]
 ) -> dict[str, LeftAlone]:
     """Joints that a file gives a reason to leave alone, the spec's own robot file first.
 
     What the robot file cannot say no other file mends; a joint that it merely does not drive, another may.
     """
     found: dict[str, LeftAlone] = {}
-    drives = {j.joint for r in ranked for j in r.lifted.actuators.joints if _drives(j)}
-    said = {j.joint for r in ranked for j in r.lifted.actuators.joints}
+    every = [joint for r in ranked for joint in r.lifted.actuators.joints]
+    said, driven = {j.joint for j in every}, {j.joint for j in every if id(j) in drives}
     for reading in ([base] if base is not None else []) + [r for r in ranked if r is not base]:
         for item in reading.lifted.left_alone:
             if item.joint not in order or item.joint in found:
                 continue
-            mended = item.joint in (drives if item.undriven else said if reading is not base else ())
+            mended = item.joint in (driven if item.undriven else said if reading is not base else ())
             if not mended:
                 found[item.joint] = item
     return found
@@ -244,16 +246,17 @@ def _reason(ranked: Sequence[Reading], joint: str) -> LeftAlone | None:
     return next((item for r in ranked for item in r.lifted.left_alone if item.joint == joint), None)
 
 
-def _joint(said: Sequence[JointActuator], deploy: frozenset[int]) -> JointActuator:
+def _joint(said: Sequence[JointActuator], drives: frozenset[int], deploy: frozenset[int]) -> JointActuator:
     """One joint out of what the files say of it, the most believed first.
 
     Args:
         said: At least one.
+        drives: Identities of those that say what drives a joint.
         deploy: Identities of those from deploy files.
     """
-    lead = next((joint for joint in said if _drives(joint)), said[0])
+    lead = next((joint for joint in said if id(joint) in drives), said[0])
     if id(lead) in deploy:
-        lead = _with_line(lead, [joint for joint in said if id(joint) not in deploy])
+        lead = _with_line(lead, [j for j in said if id(j) in drives and id(j) not in deploy])
     alike = [joint for joint in said if joint.command is lead.command]
     numbers: dict[str, Quantity | None] = {}
     for name in _PASSIVE:
@@ -281,7 +284,7 @@ def _joint(said: Sequence[JointActuator], deploy: frozenset[int]) -> JointActuat
 
 def _with_line(lead: JointActuator, others: Sequence[JointActuator]) -> JointActuator:
     """Gains without a word of the motor, with the torque-speed line that the next drive of the same kind has."""
-    other = next((joint for joint in others if _drives(joint) and joint.command is lead.command), None)
+    other = next((joint for joint in others if joint.command is lead.command), None)
     if other is None or other.level is not Level.DC_MOTOR:
         return lead
     return replace(

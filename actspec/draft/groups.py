@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from actspec.audit.artifact import FileKind
 from actspec.draft.cells import Cell, cells_of, find_motors, join, joined, one_limb, one_row
-from actspec.draft.names import body_part, given_name, group_name, joint_patterns, one_pattern
+from actspec.draft.names import given_name, group_name, joint_patterns, one_pattern
 from actspec.draft.rows import Row, same
 from actspec.ir import JointActuator
 
@@ -56,7 +56,7 @@ class Motor:
     inferred: bool = False
 
 
-def best_groups(
+def groups_of(
     joints: Sequence[JointActuator],
     kinds: Sequence[FileKind],
     above: Mapping[str, frozenset[str]],
@@ -65,9 +65,9 @@ def best_groups(
 ) -> list[Group]:
     """Sort joints into the groups that read best, each with its name and patterns.
 
-    Equal joints of several limbs are one group or one a limb, whichever takes fewer groups; a group of several
-    limbs counts as two. So one motor in hips, waist and shoulders stays one group, and knees and ankles do not
-    become exceptions of a group that has half of the arms in it.
+    Limb by limb, and then equal joints of several limbs together, unless one of the limbs has exceptions: so one
+    motor in hips, waist and shoulders stays one group, and knees and ankles do not become exceptions of a group
+    that has half of the arms in it.
 
     Args:
         joints: In the robot's order, with keys of `sources` in their quantities.
@@ -80,13 +80,9 @@ def best_groups(
         PatternError: a joint's name is too long.
     """
     order = {name: place for place, name in enumerate(names)}
-    plans = []
-    for by_limb in (True, False):
-        cells = cells_of(joints, kinds, by_limb=by_limb)
-        find_motors(cells, above)
-        plan = _grouped(joined(cells, by_limb), above, order)
-        plans.append(_without_twins(plan, order) if by_limb else plan)
-    groups = min(plans, key=_size)
+    cells = cells_of(joints, kinds)
+    find_motors(cells, above)
+    groups = _without_twins(_grouped(joined(cells), above, order), order)
     groups.sort(key=lambda group: min(order[name] for name in group.names))
     given = {joint.joint: joint.group for joint in joints}
     taken: list[str] = []
@@ -170,11 +166,6 @@ def _without_twins(groups: Sequence[Group], order: Mapping[str, int]) -> list[Gr
 def _twins(one: Cell, other: Cell) -> bool:
     motors = [(id(cell.base), cell.ratio, cell.lends) for cell in (one, other)]
     return one.written == other.written and motors[0] == motors[1]
-
-
-def _size(groups: Sequence[Group]) -> int:
-    """Number of groups; one of several limbs counts as two."""
-    return sum(2 if len({body_part([name]) for name in group.names}) > 1 else 1 for group in groups)
 
 
 def differing(base: Cell, cell: Cell) -> list[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -20,6 +21,7 @@ _WIDTH = 100
 """Chosen: a list of joints that is longer is written one to a line."""
 _COLUMNS = 120
 """Chosen: a remark that would end beyond is written above its line."""
+_COMMENT = _COLUMNS - len("    # ")
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +92,9 @@ def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> 
         _add_clamps(overrides, clamps, group, combined)
     return {
         "name": group.name,
-        "comments": [comment(text) for text in _comments(group, combined)],
+        "comments": [
+            row for text in _comments(group, combined) for row in textwrap.wrap(comment(text), _COMMENT)
+        ],
         "joints": joints,
         "joints_line": joined if len(joined) <= _WIDTH else "",
         "rows": nested([*head, *rows]),

@@ -41,7 +41,9 @@ def read_robot_files(
         if os.path.isdir(path):
             out.error("DRF004", "is a folder: name the files", span=Span(path))
         elif not os.path.exists(path):
-            out.error("DRF004", "there is no such file", span=Span(path), help=_near(path))
+            broken = os.path.islink(path)
+            message = "is a link to no file" if broken else "there is no such file"
+            out.error("DRF004", message, span=Span(path), help=None if broken else _near(path))
     out.raise_if_failed(AuditError)
     found = lift_files(list(dict.fromkeys(paths)), versions=versions)
     for reading in found.readings:
@@ -56,6 +58,7 @@ def read_robot_files(
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in found.readings}
     said = [item for reading in found.readings for item in reading.diagnostics]
+    said += [item for part in parts for item in part.actuators.diagnostics]
     return tuple(_reading(part, files) for part in parts), tuple(dict.fromkeys(said))
 
 
@@ -63,7 +66,7 @@ def _near(path: str) -> str | None:
     """The file of the folder that may be meant."""
     folder, name = os.path.split(path)
     try:
-        guess = nearest(name, sorted(os.listdir(folder or os.curdir)))
+        guess = nearest(name, sorted(set(os.listdir(folder or os.curdir)) - {name}))
     except (OSError, ValueError):
         return "its folder does not exist"
     return None if guess is None else f"did you mean {os.path.join(folder, guess)!r}?"
@@ -210,7 +213,9 @@ def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
                 f"{one_line(artifact.name)} selects its joints by patterns ({listed(map(one_line, patterns))}), and "
                 "no file names them",
                 span=Span(artifact.path),
-                help=f"name {one_line(asset)} too, which it reads" if asset else "name the robot's MJCF or URDF too",
+                help=f"name {one_line(asset)} too, which it reads"
+                if asset
+                else "name the robot's MJCF or URDF too",
             )
 
 

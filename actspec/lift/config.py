@@ -23,6 +23,7 @@ from actspec.lift.config_randomized import randomizations
 from actspec.lift.config_unsaid import unsaid
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.quantities import stated, unknown
+from actspec.patterns import PatternError, compile_pattern
 from actspec.robot.view import JointView
 
 _NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
@@ -158,6 +159,7 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
     for group in config.groups:
         if group.joints is None:
             yield f"group {one_line(group.name)}: which joints it is for could not be read"
+        yield from _refused(config, group)
     if config.framework is not Framework.ISAACLAB:
         return
     fields = ("friction", "dynamic_friction", "viscous_friction")
@@ -167,6 +169,17 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
             "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), "
             "which nobody says: it is left unknown"
         )
+
+
+def _refused(config: RobotConfig, group: ActuatorGroup) -> Iterator[str]:
+    """Patterns that select nothing because they are refused."""
+    if config.framework not in (Framework.ISAACLAB, Framework.MJLAB):
+        return
+    for pattern in group.joints or ():
+        try:
+            compile_pattern(pattern)
+        except PatternError as err:
+            yield f"group {one_line(group.name)}: {err.message}, so it selects no joint"
 
 
 def _physics_dt(config: RobotConfig) -> Quantity:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 
 from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig
@@ -92,7 +93,7 @@ class ConfigJoint:
         curve = self._curve()
         stall = None if curve is not None else self._line("stall_torque", units.torque)
         speed = None if curve is not None else self._line("no_load_speed", units.speed)
-        if stall is None or speed is None:
+        if stall is None or speed is None or not self._is_line(stall, speed):
             stall = speed = None
         level = Level.IDEAL_PD
         if network is not None:
@@ -243,7 +244,15 @@ class ConfigJoint:
                 ("no_load_speed", speed),
             )
         ]
-        return AsymmetricCurve(*parts)
+        return AsymmetricCurve(*parts) if self._is_line(*parts) else None
+
+    def _is_line(self, *points: Quantity) -> bool:
+        """Whether all points of a torque-speed line are known and above 0; says so where they are not."""
+        wrong = next((p for p in points if p.value is None or not 0.0 < p.value < math.inf), None)
+        if wrong is not None:
+            why = wrong.note or "not known" if wrong.value is None else f"{wrong.value:g} {wrong.unit}"
+            self.notes.append(f"its torque-speed line is left out: a point of it is {why}")
+        return wrong is None
 
     def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
         """Sliding friction, and the static one where it is another number."""

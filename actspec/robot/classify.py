@@ -8,12 +8,15 @@ Source: MuJoCo 3.7, 3.11, 3.12 and 4.0, measured on 23 forms of actuator.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from actspec.robot.model_lists import ModelLists
+
+NAN = math.nan
 
 _TRANSMISSIONS = {
     "mjTRN_JOINT": "joint",
@@ -39,8 +42,9 @@ class Control:
 
     Attributes:
         kind: As `ActuatorView.control`.
-        kp: [N*m/rad before the gear]; negative where the file has the wrong sign.
-        kd: [N*m*s/rad before the gear].
+        kp: [N*m/rad before the gear]; negative where the file has the wrong sign, nan where the control or a
+            plugin decides on it, as in a muscle.
+        kd: [N*m*s/rad before the gear]; nan likewise, as in a damper.
         gain: gainprm[0] as compiled.
         time_constant: Of the activation's filter [s]; 0 without one.
         offset: Constant force beside gain and feedback [N*m or N].
@@ -83,24 +87,27 @@ def control(model: ModelLists, index: int, tag: str) -> Control:
         return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset)
 
     if model.actuator_plugin[index] >= 0:
-        return is_("plugin")
+        return is_("plugin", NAN, NAN)
     if gain_type == "mjGAIN_DCMOTOR":
         kp, kd, back_emf = _dcmotor_gains(model, index, gain)
         line = _dcmotor_line(model, index, gain, bias)
         return replace(is_("dcmotor", kp, kd), line=line, back_emf=back_emf)
     if gain_type == "mjGAIN_PID":
         return is_("pid", -bias[1], -bias[2])
+    told = gain_type == "mjGAIN_FIXED" and bias_type in ("mjBIAS_NONE", "mjBIAS_AFFINE")
+    feedback = (-bias[1], -bias[2]) if bias_type == "mjBIAS_AFFINE" else (0.0, 0.0)
+    other = is_("other", *(feedback if told else (NAN, NAN)))
     if tag in ("cylinder", "adhesion") or dynamics in ("mjDYN_MUSCLE", "mjDYN_USER"):
-        return is_("other")
+        return other
     integrated = dynamics == "mjDYN_INTEGRATOR"
     # A class may leave numbers in biasprm that no biastype uses.
     if bias_type == "mjBIAS_NONE":
         if gain_type == "mjGAIN_FIXED" and not integrated:
             return is_("motor")
         if gain_type == "mjGAIN_AFFINE" and gain[0] == gain[1] == 0.0:
-            return is_("damper")
+            return is_("damper", 0.0, NAN)
     elif bias_type == "mjBIAS_AFFINE" and gain_type == "mjGAIN_FIXED":
-        kp, kd = -bias[1], -bias[2]
+        kp, kd = feedback
         if integrated:
             return is_("intvelocity" if gain[0] == kp else "other", kp, kd)
         if kp == 0.0:
@@ -108,7 +115,7 @@ def control(model: ModelLists, index: int, tag: str) -> Control:
             return is_("velocity" if velocity else "motor", 0.0, kd)
         # A gain that is not kp is a position servo with the wrong equilibrium: `gain` tells.
         return is_("position", kp, kd)
-    return is_("other")
+    return other
 
 
 def _dcmotor_gains(model: ModelLists, index: int, gain: list[float]) -> tuple[float, float, float]:

@@ -309,25 +309,28 @@ class ActuatorText:
             return Control(kind, kp, kd, gain[0], tau, offset)
 
         if tag == "plugin":
-            return is_("plugin")
+            return is_("plugin", NAN, NAN)
         if self.gain_type == "dcmotor":
             return self._dcmotor_control(tau, offset)
         if self.gain_type == "pid":
             return is_("pid", kp, kd)
+        told = self.gain_type == "fixed" and self.bias_type in ("none", "affine")
+        feedback = (kp, kd) if self.bias_type == "affine" else (0.0, 0.0)
+        other = is_("other", *(feedback if told else (NAN, NAN)))
         if tag in ("cylinder", "adhesion") or self.dynamics_type in ("muscle", "user"):
-            return is_("other")
+            return other
         if self.bias_type == "none":
             if self.gain_type == "fixed" and self.dynamics_type != "integrator":
                 return is_("motor")
             if self.gain_type == "affine" and gain[0] == gain[1] == 0.0:
-                return is_("damper")
+                return is_("damper", 0.0, NAN)
         elif self.bias_type == "affine" and self.gain_type == "fixed":
             if self.dynamics_type == "integrator":
                 return is_("intvelocity" if gain[0] == kp else "other", kp, kd)
             if kp == 0.0:
                 return is_("velocity" if kd != 0.0 and gain[0] == kd else "motor", 0.0, kd)
             return is_("position", kp, kd)
-        return is_("other")
+        return other
 
     def _dcmotor_control(self, tau: float, offset: float) -> Control:
         resistance, constant, kp, ki, kd, voltage = (self.gain[i] for i in (0, 1, 4, 5, 6, 7))

@@ -75,4 +75,4 @@ def unequal(first: Any, second: Any) -> str | None:
     if not bad.any():
         return None
     where = tuple(int(i) for i in np.argwhere(bad)[0]) if a.ndim else ()
-    return f"{a[where]!r} against {b[where]!r} at {list(where)}"
+    return f"{a[where].item()!r} against {b[where].item()!r} at {list(where)}"

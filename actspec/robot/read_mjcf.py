@@ -313,8 +313,8 @@ def _actuator(
         target=target,
         control=kind.kind,
         gear=gear,
-        kp=gear**2 * kind.kp,
-        kd=gear**2 * kind.kd,
+        kp=0.0 if isnan(kind.kp) else gear**2 * kind.kp,
+        kd=0.0 if isnan(kind.kd) else gear**2 * kind.kd,
         gain=kind.gain,
         force_range=_pair(model.actuator_forcerange[index]) if model.actuator_forcelimited[index] else None,
         control_range=_pair(model.actuator_ctrlrange[address]) if limited else None,
@@ -328,6 +328,7 @@ def _actuator(
         back_emf=gear**2 * kind.back_emf,
         stated=frozenset(stated),
         places=places,
+        unknown=frozenset(name for name in ("kp", "kd") if isnan(getattr(kind, name))),
         disabled="ACTUATION" in switched_off or _is_disabled(model.model, group),
     )
 

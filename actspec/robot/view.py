@@ -128,7 +128,8 @@ class ActuatorView:
         back_emf: Part of `kd` that is back-EMF of a dcmotor in voltage or passive mode; 0 for others.
         stated: Attributes that the element or its default class states, by their names in the file.
         places: Attribute to the default class's element that states it; the others are at `span`.
-        unknown: Fields whose value the text alone does not tell; what stands in them means nothing.
+        unknown: Fields whose value the text alone does not tell, and gains that the control or a plugin decides on;
+            what stands in them means nothing.
         disabled: Whether the file's `option` switches it off: it gives no force, but its damping and
             armature stay. Source: MuJoCo 3.7, 3.11 and 4.0, measured.
     """

@@ -14,6 +14,7 @@ from actspec.targets.isaaclab.versions import FrictionUnit, isaaclab_dialect
 from actspec.verify.agreement import Row, keys
 from actspec.verify.classify import Difference, classify
 from actspec.verify.layout import TOLERANCE, driven, figure_text, layout_rows
+from actspec.verify.overlay import FIELDS
 from actspec.verify.readback import ABSENT, Figures, Reading
 from actspec.verify.target import Target, alike
 
@@ -33,7 +34,7 @@ HELD: Mapping[str, tuple[str, ...]] = {
         *("kp", "kd", "effort_limit", "velocity_limit", "delay_low", "delay_high"),
         *("command_low", "command_high", "position_low", "position_high", "default_position", "action_scale"),
     ),
-    "newton": (*_PASSIVE, "velocity_limit"),
+    "newton": FIELDS,
     "urdf": ("effort_limit", "velocity_limit", "joint_damping", "frictionloss"),
 }
 """Kind of target to the fields that it can hold, which are held to the spec; all others are held to what actspec

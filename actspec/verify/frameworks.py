@@ -15,16 +15,15 @@ import os
 import shutil
 import sys
 import sysconfig
-import tempfile
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from actspec.verify.probing import ProbeAnswer, run_probe
-from actspec.verify.releases import EngineUnavailableError, cache_folder, locked, pip, run
+from actspec.verify.releases import EngineUnavailableError, cache_folder, pip, quiet, run, whole
 
 HERE = Path(__file__).parent
 REQUIREMENTS = HERE / "requirements.txt"
@@ -117,16 +116,19 @@ def find(folder: Path | None = None) -> Frameworks | None:
     return None
 
 
-def prepare(folder: Path | None = None, extra: Sequence[str] = ()) -> Frameworks:
+def prepare(
+    folder: Path | None = None, extra: Sequence[str] = (), say: Callable[[str], None] = quiet
+) -> Frameworks:
     """Make the environment unless it is there already; minutes, the first time.
 
     Args:
         folder: Where to keep it; default `cache_folder()`.
         extra: Requirements beyond those of actspec's own.
+        say: Told what is done next.
 
     Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
     """
-    got = _attempt(folder or cache_folder(), tuple(extra))
+    got = _attempt(folder or cache_folder(), tuple(extra), say)
     if isinstance(got, str):
         raise EngineUnavailableError(got)
     return Frameworks(got)
@@ -161,39 +163,28 @@ def _made(folder: Path, extra: Sequence[str]) -> Path:
 
 
 @cache
-def _attempt(folder: Path, extra: tuple[str, ...]) -> Path | str:
+def _attempt(folder: Path, extra: tuple[str, ...], say: Callable[[str], None]) -> Path | str:
     """The environment's folder, or why there is none: a registry that said no is not asked again."""
     why = unusable()
     if why is not None:
         return why
-    made = _made(folder, extra)
-    if made.is_dir():
-        return made
-    folder.mkdir(parents=True, exist_ok=True)
-    with locked(folder / f"{made.name}.lock"):
-        if not made.is_dir():
-            work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=folder))
-            try:
-                _install(work / "made", extra)
-                # The rename is the sign that it is whole: a killed run leaves only the work folder.
-                (work / "made").rename(made)
-            except EngineUnavailableError as err:
-                return str(err)
-            finally:
-                shutil.rmtree(work, ignore_errors=True)
-    return made
+    return whole(_made(folder, extra), lambda made: _install(made, extra, say), say)
 
 
-def _install(made: Path, extra: Sequence[str]) -> None:
+def _install(made: Path, extra: Sequence[str], say: Callable[[str], None]) -> None:
     made.mkdir()
+    say("a virtual environment")
     run([sys.executable, "-m", "venv", str(made / "venv")], "a virtual environment", TIMEOUT)
     # By its path, because the commands of an environment that moves stay behind; `python -m` does not.
     command = pip(Frameworks(made).python())
+    say("torch, MuJoCo, Newton: most of it")
     run([*command, "install", "-r", str(REQUIREMENTS), *extra], "torch, mujoco, warp", TIMEOUT)
+    say("mjlab")
     run([*command, "install", "--no-deps", "-r", str(BARE)], "mjlab", TIMEOUT)
     for name, versions, options in UNPACKED:
         for version in versions:
             wheels = made / "wheels"
+            say(f"{name} {version}")
             fetch = [*command, "download", "--no-deps", *options, "--dest", str(wheels)]
             run([*fetch, f"{name}=={version}"], f"{name} {version}", TIMEOUT)
             (wheel,) = wheels.glob("*.whl")

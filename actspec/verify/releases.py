@@ -15,7 +15,7 @@ import sys
 import sysconfig
 import tempfile
 import zipfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
@@ -70,52 +70,85 @@ def release_folder(project: str, version: str, folder: Path | None = None) -> Pa
     return (folder or cache_folder()) / name
 
 
-def prepare(project: str, version: str, folder: Path | None = None) -> Path:
+def quiet(text: str) -> None:
+    """Nobody is told what is done."""
+
+
+def prepare(
+    project: str, version: str, folder: Path | None = None, say: Callable[[str], None] = quiet
+) -> Path:
     """Fetch and unpack a release, without what it depends on, unless it is there already.
 
     Args:
         project: Name of the distribution.
         version: Its version.
         folder: Where to keep it; default `cache_folder()`.
+        say: Told what is done next.
 
     Returns: The folder to put on PYTHONPATH.
     Raises: EngineUnavailableError: no wheel for this Python and platform, or no registry.
     """
-    got = _attempt(project, version, folder or cache_folder())
+    got = _attempt(project, version, folder or cache_folder(), say)
     if isinstance(got, str):
         raise EngineUnavailableError(got)
     return got
 
 
 @cache
-def _attempt(project: str, version: str, folder: Path) -> Path | str:
+def _attempt(project: str, version: str, folder: Path, say: Callable[[str], None]) -> Path | str:
     """The unpacked release, or why there is none: a registry that said no is not asked again."""
-    made = release_folder(project, version, folder)
+
+    def make(made: Path) -> None:
+        say(f"{project} {version}")
+        _unpack(project, version, made)
+
+    return whole(release_folder(project, version, folder), make, say)
+
+
+def whole(made: Path, make: Callable[[Path], None], say: Callable[[str], None]) -> Path | str:
+    """A folder that appears whole or not at all, whoever else wants it at the same time; or why it cannot be had.
+
+    Args:
+        made: The folder.
+        make: Makes it, at another place.
+        say: Told what is done next.
+    """
     if made.is_dir():
         return made
-    folder.mkdir(parents=True, exist_ok=True)
-    with locked(folder / f"{made.name}.lock"):
-        if not made.is_dir():
-            work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=folder))
-            try:
-                _unpack(project, version, work)
-                # The rename is the sign that it is whole: a killed run leaves only the work folder.
-                (work / "unpacked").rename(made)
-            except EngineUnavailableError as err:
-                return str(err)
-            finally:
-                shutil.rmtree(work, ignore_errors=True)
+    try:
+        made.parent.mkdir(parents=True, exist_ok=True)
+        with _locked(made.parent / f"{made.name}.lock", say):
+            if not made.is_dir():
+                if os.name == "posix":
+                    # What a killed run has left: who holds the lock is alone.
+                    for left in made.parent.glob(f".{made.name}-*"):
+                        shutil.rmtree(left, ignore_errors=True)
+                work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=made.parent))
+                try:
+                    make(work / "made")
+                    # The rename is the sign that it is whole: a killed run leaves only the work folder.
+                    (work / "made").rename(made)
+                finally:
+                    shutil.rmtree(work, ignore_errors=True)
+    except EngineUnavailableError as err:
+        return str(err)
+    except OSError as err:
+        return f"{made.parent}: {err.strerror or err}"
     return made
 
 
 @contextmanager
-def locked(path: Path) -> Iterator[None]:
+def _locked(path: Path, say: Callable[[str], None]) -> Iterator[None]:
     """Hold a file's lock; the system lets go of it when the process dies."""
     with open(path, "w", encoding="utf-8") as file:
         if os.name == "posix":
             import fcntl
 
-            fcntl.flock(file, fcntl.LOCK_EX)
+            try:
+                fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                say("waiting for another actspec, which installs the same")
+                fcntl.flock(file, fcntl.LOCK_EX)
         yield
 
 
@@ -151,17 +184,17 @@ def run(command: Sequence[str], what: str, timeout: float) -> None:
         raise EngineUnavailableError(f"{what}: {last.strip()[:300]}")
 
 
-def _unpack(project: str, version: str, work: Path) -> None:
-    wheels = work / project
+def _unpack(project: str, version: str, made: Path) -> None:
+    wheels = made.parent / project
     command = [*pip(sys.executable), "download", "--no-deps", "--only-binary=:all:", "--dest", str(wheels)]
     run([*command, f"{project}=={version}"], f"{project} {version}", TIMEOUT)
     found = sorted(wheels.glob("*.whl"))
     if not found:
         raise EngineUnavailableError(f"{project} {version}: pip left no wheel")
     with zipfile.ZipFile(found[0]) as wheel:
-        wheel.extractall(work / "unpacked")
+        wheel.extractall(made)
         metadata = next(n for n in wheel.namelist() if n.endswith(".dist-info/METADATA"))
         header = wheel.read(metadata).decode("utf-8").split("\n\n", 1)[0]
     # From 4.0 the `mujoco` wheel is a shell: the engine is in mujoco-core.
     for core in re.findall(r"^Requires-Dist: mujoco-core==([\d.]+)", header, re.MULTILINE):
-        _unpack("mujoco-core", core, work)
+        _unpack("mujoco-core", core, made)

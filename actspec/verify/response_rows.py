@@ -28,14 +28,15 @@ CHANGES = 3.0
 """Times the engine's own change from h to h/2 that it may be off the law. An engine of first order is off by twice the
 change, to within a few per cent either way (2.00 to 2.02 for a step of the A1, up to 2.4 where a joint comes to stand):
 the change itself, and what is left from h/2 on, which is another one. Chosen: that rest is doubled."""
-COARSE = 0.25
-"""Most change from h to h/2, of how far the law moves the joint. Beyond, the step decides the response: a drive that is
-unstable at its step changes by all of it and more, one that is only coarse by 14 % in the worst case seen (a fast joint
-that an explicit drive brakes). Chosen in between."""
+COARSE = 0.5
+"""Most change from h to h/2, of how far the law moves the joint. Beyond, the step decides the response. Chosen: an
+explicit drive that brakes a joint changes it by h kd / (2 J), so this is a drive that stops its joint within one step;
+at twice that it is unstable, and the response changes by all of it and more."""
 SMALL = 0.01
 """Of the largest movement of a joint in any course: a course that moves it less is not looked at closer. Chosen."""
-DOUBLE, SINGLE = 1e-7, 1e-5
-"""Of the largest position: what rounding and the reference may add. Source: measured 1e-9 and 1e-6."""
+DOUBLE, SINGLE = 1e-6, 1e-5
+"""Of how far the joint moves: what the reference and rounding may add. Source: measured, 3e-7 for the reference where a
+filtered command breaks a joint away, 1e-6 for single precision."""
 SLACK = 1.05
 """Times the size of an approximation, as in `actspec.verify.torque`."""
 

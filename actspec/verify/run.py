@@ -11,7 +11,6 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from importlib import import_module
-from pathlib import Path
 
 from actspec.audit.dynamics import Figure
 from actspec.diagnostics import Collector, Span
@@ -20,9 +19,17 @@ from actspec.robot.view import RobotView
 from actspec.targets.base import Emission, TargetOptions
 from actspec.verify.agreement import Agreement, Row, Skip
 from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Question
+from actspec.verify.execution import (
+    CONSENT,
+    EXECUTED,
+    code_rows,
+    other_rows,
+    withheld,
+)
 from actspec.verify.fields import broken, engine_rows, field_rows, without_repeats
 from actspec.verify.motion import Motion, motions
 from actspec.verify.orders import order_rows
+from actspec.verify.overlay import read_overlay
 from actspec.verify.readback import Asked, Reading, read_back, spec_figures
 from actspec.verify.response_run import responses
 from actspec.verify.target import Target, VerifyError
@@ -44,7 +51,7 @@ NO_ENGINE = {
 """Why a kind has none."""
 
 READ = ("mujoco", "isaaclab", "mjlab", "deploy", "urdf")
-"""Kinds whose main file is read back joint by joint."""
+"""Kinds whose main file the audit's readers read back joint by joint; Newton's has a reader of its own."""
 
 Told = EngineAnswer | EngineMissing | EngineRefused
 """What came of asking an engine."""
@@ -57,6 +64,7 @@ def verify(
     *,
     spec: str,
     engines: bool = True,
+    run_edited: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Agreement:
     """Verify targets against the spec that they are compiled from.
@@ -67,6 +75,7 @@ def verify(
         targets: Their files, which are there.
         spec: Path of the spec, for places.
         engines: Ask the engines too; files are only read back without.
+        run_edited: Let simulators execute Python files that are not what the spec compiles to.
         progress: Called with how many steps are done, of how many.
     """
     from actspec.verify.ranges import range_rows
@@ -92,8 +101,14 @@ def verify(
     told: Mapping[str, Told] = {}
     moved: Mapping[str, list[Row]] = {}
     if moves:
-        questions = _questions(targets, readings, actuators, robot, laws)
-        told = _ask(questions, moves, step)
+        refused = {
+            target.name: EngineMissing(reason, CONSENT)
+            for target in targets
+            if (reason := withheld(target, run_edited=run_edited)) is not None
+        }
+        asked_of = [target for target in targets if target.name not in refused]
+        questions = _questions(asked_of, readings, actuators, robot, laws, run_edited=run_edited)
+        told = {**refused, **_ask(questions, moves, step)}
         asks = {
             name: partial(import_module(ENGINES[questions[name].options.kind]).respond, questions[name])
             for name, answer in told.items()
@@ -112,10 +127,9 @@ def verify(
                 rows += order_rows(target)
         elif target.options.kind == "randomization":
             rows += range_rows(target, actuators, robot)
-        elif not isinstance(told.get(target.name), EngineAnswer):
-            found, missed = _unread(target)
-            rows += found
-            skipped += missed
+        if not isinstance(told.get(target.name), EngineAnswer):
+            rows += code_rows(target)
+        rows += other_rows(target)
     losses = tuple(loss for target in targets for loss in target.losses)
     return Agreement(without_repeats(rows), tuple(skipped), losses)
 
@@ -189,7 +203,13 @@ def _read(
             for folder in (target.fresh, target.folder)
         ]
     found = read_back(asked, actuators, robot)
-    return {target.name: (found[2 * i], found[2 * i + 1]) for i, target in enumerate(chosen)}
+    readings = {target.name: (found[2 * i], found[2 * i + 1]) for i, target in enumerate(chosen)}
+    for target in (target for target in targets if target.options.kind == "newton"):
+        ours, theirs = (os.path.join(folder, target.files[0]) for folder in (target.fresh, target.folder))
+        fresh = read_overlay(ours, target.options, actuators, robot)
+        built = fresh if ours == theirs else read_overlay(theirs, target.options, actuators, robot)
+        readings[target.name] = (fresh, built)
+    return readings
 
 
 def _questions(
@@ -198,6 +218,8 @@ def _questions(
     actuators: ActuatorSet,
     robot: RobotView,
     laws: Laws,
+    *,
+    run_edited: bool,
 ) -> dict[str, Question]:
     """What is asked of each target that has an engine."""
     known = replace(actuators, joints=tuple(a for a in actuators.joints if a.joint in laws.laws))
@@ -205,7 +227,10 @@ def _questions(
     for target in targets:
         if target.options.kind in ENGINES:
             refusal = readings[target.name][1].refusal if target.name in readings else None
-            found[target.name] = Question(target.options, target.folder, target.files, known, robot, refusal)
+            # Equal to the file that is verified, and nobody has changed it since, or put anything beside it.
+            ours = target.options.kind in EXECUTED and not run_edited
+            folder = target.fresh if ours else target.folder
+            found[target.name] = Question(target.options, folder, target.files, known, robot, refusal)
     return found
 
 
@@ -256,20 +281,3 @@ def _torques(
     written = fresh or Reading(target.path(target.files[0]))
     rows += engine_rows(target, actuators, asked, written, told.figures, told.engine)
     return rows, skipped
-
-
-def _unread(target: Target) -> tuple[list[Row], list[Skip]]:
-    """A file that nobody but its engine reads, which was not asked: it is right only as actspec writes it."""
-    ours, theirs = (Path(folder, target.files[0]) for folder in (target.fresh, target.folder))
-    try:
-        same = ours.read_bytes() == theirs.read_bytes()
-    except OSError as err:
-        return [broken(target, f"{theirs} cannot be read: {err.strerror}")], []
-    if same:
-        return [], [
-            Skip(target.name, "", "fields", "the file is as actspec writes it; its engine alone reads it")
-        ]
-    row = broken(
-        target, f"{theirs} is not what actspec writes, and its engine, which alone reads it, was not asked"
-    )
-    return [replace(row, code="VFY110")], []

@@ -8,7 +8,7 @@ import pytest
 
 from actspec.audit.case import Versions
 from actspec.audit.engine import audit
-from actspec.audit.readers.head import written_for
+from actspec.audit.readers.head import step_of, written_for
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
 
@@ -78,6 +78,46 @@ def test_what_the_target_of_ranges_writes() -> None:
 def test_other_heads(text: str) -> None:
     """Nothing is known of a file with another head."""
     assert written_for(text.encode()) == {}
+
+
+TIMED = (
+    SPEC.replace("actuators:", "timing: {physics_dt: 4 ms, decimation: 5}\nactuators:")
+    .replace("VERSION", "2.3")
+    .replace("SIM", "5.1")
+    .replace("    armature", "    delay: 8 ms\n    armature")
+    .replace("targets: {", "targets: {mjlab: {version: '1.6'}, ")
+)
+
+
+@pytest.mark.parametrize("target", ["isaaclab", "mjlab"])
+def test_the_step_that_lags_count(target: str) -> None:
+    """A configuration that actspec wrote says how long its steps are: 2 steps of 4 ms are 8 ms."""
+    Path("leg.yaml").write_text(TIMED, encoding="utf-8")
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    path = Path(f"out/{target}/leg_cfg.py")
+    found = step_of(path.read_bytes())
+    assert found is not None
+    step, line = found
+    assert step == 0.004
+    assert "0.004" in path.read_text(encoding="utf-8").splitlines()[line - 1]
+    report = audit([str(path)], Settings())
+    assert [row.delay for row in report.case.rows] == [0.008]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "# physics_dt 0.004 s\n",
+        "# Written by actspec 0.1.0\n",
+        "# Written by actspec 0.1.0\n# physics_dt 1e-9e-9 s\n",
+        "# Written by actspec 0.1.0\n# physics_dt 0 s\n",
+        "# Written by actspec 0.1.0\nx = 1 # physics_dt 0.004 s\n",
+    ],
+    ids=["by hand", "silent", "no number", "zero", "not a line of its own"],
+)
+def test_no_step(text: str) -> None:
+    """Only a head that actspec wrote, with a time above 0, says the step."""
+    assert step_of(text.encode()) is None
 
 
 HEAD = (

@@ -345,6 +345,29 @@ DOG_CFG = ArticulationCfg(
     ]
 
 
+def test_refused_patterns(tmp_path: Path) -> None:
+    """A pattern that could hang selects nothing, of which the group's note says why."""
+    config = read(
+        tmp_path,
+        """
+from isaaclab.actuators import IdealPDActuatorCfg
+from isaaclab.assets import ArticulationCfg
+DOG_CFG = ArticulationCfg(
+    actuators={"legs": IdealPDActuatorCfg(joint_names_expr=[".*", "(a+)+$"], stiffness={"(b*)*": 2.0, ".*": 1.0})},
+)
+""",
+    )["DOG_CFG"]
+    assert [(note.code, note.where, note.message) for note in config.notes] == [
+        (
+            "CFG001",
+            where,
+            f"not matched: '{pattern}' has a repeat inside a repeat, which can take forever (catastrophic "
+            "backtracking)",
+        )
+        for where, pattern in (("legs.stiffness", "(b*)*"), ("legs.joints", "(a+)+$"))
+    ]
+
+
 MJLAB = """
 from mjlab.actuator import BuiltinPositionActuatorCfg, XmlActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg, EntityCfg

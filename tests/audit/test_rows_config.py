@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import pytest
 from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.audit.case import Versions
 from actspec.audit.ledger import LedgerRow
+from actspec.audit.readers.python import read_python
 from actspec.audit.rows.config import rows_of_config
 from actspec.audit.rows.figures import control_of
 from actspec.diagnostics import Span
@@ -195,6 +197,29 @@ def test_a_value_that_could_not_be_folded_is_unknown() -> None:
     """It is not the engine's default either."""
     settings = {"stiffness": Setting(None, AT, "built in a loop"), "damping": 0.5}
     assert _rows("DCMotorCfg", settings, _model())["hip"].kp is None
+
+
+def test_gains_in_volts_are_none_at_the_joint(tmp_path: Path) -> None:
+    """The gains of mjlab's BuiltinDcMotorActuatorCfg are in volts: unknown, and the reading says so."""
+    path = tmp_path / "cfg.py"
+    path.write_text(
+        "from mjlab.actuator import BuiltinDcMotorActuatorCfg, DcMotorDatasheetParams\n"
+        'LEG = BuiltinDcMotorActuatorCfg(target_names_expr=("hip",), stiffness=80.0, damping=2.0, effort_limit=20.0,\n'
+        "    voltage_limit=24.0, motor_params=DcMotorDatasheetParams(24.0, 20.0, 30.0))\n",
+        encoding="utf-8",
+    )
+    (artifact,) = read_python(str(path)).artifacts
+    (row,) = rows_of_config(artifact, 0, (), Versions())
+    assert (row.control, row.kp, row.kd, row.effort_limit) == ("dcmotor", None, None, 20.0)
+    assert artifact.config is not None
+    notes = [(note.where, note.message) for note in artifact.config.notes][:2]
+    assert notes == [
+        (
+            f"LEG.{gain}",
+            f"{gain} is unknown at the joint: it is in volts: constant and resistance of the motor make a torque of it",
+        )
+        for gain in ("stiffness", "damping")
+    ]
 
 
 def test_a_delay_has_one_value_only_when_it_is_fixed() -> None:

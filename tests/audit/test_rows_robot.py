@@ -89,8 +89,28 @@ SHORTCUTS = [
         {"control": "position", "kp": 50.0, "kd": 2.0, "effort_limit": 6.0, "kd_clamped": True},
     ),
     ('<intvelocity joint="j" kp="4" kv="1" actrange="-1 1"/>', {"control": "other", "kp": 4.0, "kd": 1.0}),
-    ('<damper joint="j" kv="2" ctrlrange="0 1"/>', {"control": "other", "kp": 0.0, "kd": 0.0}),
-    ('<cylinder joint="j" area="2"/>', {"control": "other", "effort_limit": math.inf}),
+    # How much a damper and a muscle brake, their control decides; what bounds a muscle, it does itself.
+    (
+        '<damper joint="j" kv="2" ctrlrange="0 1"/>',
+        {"control": "other", "kp": 0.0, "kd": None, "total_damping": None, "effort_limit": math.inf},
+    ),
+    (
+        '<muscle joint="j" force="30"/>',
+        {"control": "other", "kp": None, "kd": None, "total_damping": None, "effort_limit": None},
+    ),
+    (
+        '<muscle joint="j" force="30" forcerange="-40 0"/>',
+        {"control": "other", "kp": None, "effort_limit": 40.0},
+    ),
+    (
+        '<general joint="j" gaintype="affine" gainprm="1 2 3"/>',
+        {"control": "other", "kp": None, "kd": None, "effort_limit": None},
+    ),
+    # gear^2 = 4.
+    (
+        '<cylinder joint="j" area="2" bias="0 -3 -5" gear="2"/>',
+        {"control": "other", "kp": 12.0, "kd": 20.0, "effort_limit": math.inf},
+    ),
     # K = 24/30 = 0.8, R = 0.8 * 24 / 6 = 3.2; K^2/R = 0.2, at the joint 4 * 0.2.
     (
         '<dcmotor joint="j" gear="2" nominal="24 6 30" saturation="5 0 0"/>',

@@ -156,6 +156,32 @@ def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]
     ]
 
 
+def test_what_is_unknown_is_said(capsys: pytest.CaptureFixture[str]) -> None:
+    """A gain from a loop and a list without names cost the comparison, so both are told with place and reason."""
+    Path("dog_cfg.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\n"
+        "from isaaclab.assets import ArticulationCfg\n"
+        "GAINS = {}\n"
+        'for name in ("hip", "knee"):\n'
+        "    GAINS[name] = 4.0\n"
+        "DOG_CFG = ArticulationCfg(\n"
+        '    actuators={"legs": ImplicitActuatorCfg(joint_names_expr=[".*"], stiffness=GAINS, damping=1.0)}\n'
+        ")\n"
+        "SLOW_CFG = DOG_CFG.copy()\n"
+    )
+    Path("dog.yaml").write_text("kps: [4, 5]\n")
+    told = [
+        "dog_cfg.py:3:9: CFG001 [info] legs.stiffness: not folded: built in a loop",
+        "dog.yaml:1:6: DEPLOY002 [info] kps: kps is a list without joint names: which joint a value belongs to is not "
+        "guessed",
+    ]
+    assert run("audit", "dog_cfg.py", "dog.yaml") == 0
+    assert [line for line in capsys.readouterr().err.splitlines() if "help:" not in line] == told
+    run("audit", "dog_cfg.py", "dog.yaml", "--output-format", "json")
+    found = json.loads(capsys.readouterr().out)["diagnostics"]
+    assert [item["code"] for item in found] == ["CFG001", "DEPLOY002"]
+
+
 def test_a_limit_of_zero_is_told_once(capsys: pytest.CaptureFixture[str]) -> None:
     """By the rule, which can be set aside, and not by the reader too."""
     Path("r.urdf").write_text(

@@ -45,7 +45,6 @@ def test_to_a_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert said.out == (
         "wrote specs/robot.yaml: 1 joint in 1 group (swing), from robot.xml, deploy.yaml\n"
         "  left as they are, no actuator: free_end\n"
-        "  no file says velocity_limit: swing\n"
         "  no file says armature: swing\n"
         "  no file says friction.coulomb: swing\n"
         "next: check it, then\n"
@@ -252,7 +251,7 @@ def test_what_no_spec_can_say(folder: Path, capsys: pytest.CaptureFixture[str]) 
         "left as they are, 2 actuators (motor, motor): two",
         "left as they are, driven through the tendon 'cable': pulled",
         "left as they are, follows 'plain' (equality): follower",
-        "left as they are, no actuator: looped",
+        "left as they are, no actuator, in the closed loop of two_body and looped_body (connect): looped",
         "left as they are, an actuator of another kind (muscle): muscle",
     ):
         assert line in out
@@ -267,6 +266,152 @@ def test_names_of_a_stranger(folder: Path, capsys: pytest.CaptureFixture[str]) -
     said = capsys.readouterr()
     assert "\u202e" not in said.out + said.err
     assert "free\\nend \\u202e" in said.err
+
+
+FOLLOWERS = "".join(
+    f'<link name="{side}{n}"/><joint name="{side}_finger{n}" type="revolute"><parent link="{parent}"/>'
+    f'<child link="{side}{n}"/><limit lower="-1" upper="1" effort="1" velocity="2"/>{mimic}</joint>'
+    for side in ("L", "R")
+    for n, parent, mimic in (
+        (1, "base", ""),
+        (2, f"{side}1", f'<mimic joint="{side}_finger1"/>'),
+    )
+)
+
+
+def test_followers_are_one_line(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Joints that each follow another one have one reason, and the spec one pattern."""
+    (folder / "hand.urdf").write_text(
+        f'<robot name="hand"><link name="base"/>{FOLLOWERS}</robot>', encoding="utf-8"
+    )
+    assert main(["import", "hand.urdf", "-o", "spec.yaml"]) == 0
+    assert "left as they are, follow other joints (mimic): L_finger2, R_finger2\n" in capsys.readouterr().out
+    assert '    - ".*_finger2"    # follow other joints (mimic)\n' in Path("spec.yaml").read_text(
+        encoding="utf-8"
+    )
+
+
+def test_poses_are_one_warning(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of two files with other poses, one joint stands for all; the spec has each."""
+    names = ("hip", "knee", "ankle")
+    joints = "".join(f'<body>{INERTIAL}<joint name="{name}"/>' for name in names)
+    servos = "".join(f'<position joint="{name}" kp="20" kv="1"/>' for name in names)
+    (folder / "leg.xml").write_text(
+        f"<mujoco><worldbody>{joints}{'</body>' * 3}</worldbody><actuator>{servos}</actuator>"
+        '<keyframe><key qpos="0.1 0.2 0.3"/></keyframe></mujoco>',
+        encoding="utf-8",
+    )
+    (folder / "leg.yaml").write_text(
+        "joint_names: [hip, knee, ankle]\nkp: [20, 20, 20]\nkd: [1, 1, 1]\ndefault_joint_pos: [0.1, 0.5, 0.6]\n",
+        encoding="utf-8",
+    )
+    assert main(["import", "leg.xml", "leg.yaml", "-o", "spec.yaml"]) == 0
+    assert capsys.readouterr().err == (
+        "leg.yaml:4:26: DRF010 [warning]: knee: default_pose is 0.5 rad here, which is taken, and 0.2 rad in "
+        "leg.xml:1:435; the poses of 1 other joints differ too\n"
+    )
+    assert '    "ankle": {value: 0.6 rad, source: leg_deploy}    # leg.xml:1 has 0.3 rad\n' in (
+        Path("spec.yaml").read_text(encoding="utf-8")
+    )
+
+
+CFG = """from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+"""
+
+
+def test_gains_that_cannot_be_read(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A drive whose gains cannot be folded stays a position drive beside a torque motor, and what failed is said."""
+    (folder / "robot.xml").write_text(
+        ROBOT.replace('<position name="a" joint="swing" kp="20" kv="1"', '<motor joint="swing"'),
+        encoding="utf-8",
+    )
+    (folder / "cfg.py").write_text(
+        CFG + 'A_CFG = ArticulationCfg(actuators={"all": ImplicitActuatorCfg(\n'
+        '    joint_names_expr=["swing", "(a+)+$"], stiffness=elsewhere(), damping=elsewhere())})\n',
+        encoding="utf-8",
+    )
+    assert main(["import", "robot.xml", "cfg.py", "-o", "spec.yaml"]) == 0
+    said = capsys.readouterr()
+    assert "cfg.py:4:53: CFG001 [info] all.stiffness: not folded:" in said.err
+    assert "cfg.py: group all: '(a+)+$' has a repeat" in said.out and "so it selects no joint" in said.out
+    group = load_spec("spec.yaml").model.actuators["all"]
+    assert group.command == "position" and group.kp is not None and group.kp.written == "unknown"
+
+
+def test_robot_file_that_a_configuration_reads(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A configuration alone names the file to name too, where it reads one that is there."""
+    text = """import mujoco
+from mjlab.actuator import BuiltinPositionActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg, EntityCfg
+
+def get_spec():
+    return mujoco.MjSpec.from_file("robot.xml")
+
+A = EntityArticulationInfoCfg(
+    actuators=(BuiltinPositionActuatorCfg(target_names_expr=("PATTERN",), stiffness=1.0, damping=1.0),)
+)
+def get_cfg():
+    return EntityCfg(spec_fn=get_spec, articulation=A)
+"""
+    (folder / "cfg.py").write_text(text.replace("PATTERN", "sw.*"), encoding="utf-8")
+    assert main(["import", "cfg.py"]) == 2
+    assert "help: name robot.xml too, which it reads" in capsys.readouterr().err
+    (folder / "cfg.py").write_text(text.replace("PATTERN", "swing"), encoding="utf-8")
+    assert main(["import", "cfg.py"]) == 0
+    assert (
+        "all are taken for hinges (the configuration reads robot.xml: name it too)\n"
+        in capsys.readouterr().err
+    )
+
+
+def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Of very many robots some are listed, and the one that is meant is found; nothing of the file is run."""
+    robots = "".join(
+        f'R{i}_CFG = ArticulationCfg(actuators={{"legs": ImplicitActuatorCfg(joint_names_expr=["a{i}"], '
+        f"stiffness={i}.0, damping=1.0)}})\n"
+        for i in range(200)
+    )
+    (folder / "many.py").write_text('open("ran", "w").write("x")\n' + CFG + robots, encoding="utf-8")
+    assert main(["import", "many.py"]) == 2
+    assert "R19_CFG and 180 more\n" in capsys.readouterr().err
+    assert main(["import", "many.py", "--robot", "R7_CFG"]) == 0
+    assert "kp: {value: 7 N*m/rad, source: many_cfg}" in capsys.readouterr().out
+    assert not (folder / "ran").exists()
+
+
+def test_where_nothing_can_be_written(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Links that lead nowhere, in a circle or to an imported file, and impossible names, are refused."""
+    os.symlink("nowhere/spec.yaml", "dangling.yaml")
+    os.symlink("circle", "circle")
+    os.symlink("robot.xml", "link.yaml")
+    (folder / "part.xml").write_text("<mujoco><worldbody/></mujoco>", encoding="utf-8")
+    (folder / "whole.xml").write_text(
+        ROBOT.replace("<option", '<include file="part.xml"/><option'), encoding="utf-8"
+    )
+    before = {name: os.lstat(name).st_mtime_ns for name in os.listdir(folder)}
+    for source, output, code in (
+        ("robot.xml", "dangling.yaml", "OUT001"),
+        ("robot.xml", "circle", "OUT001"),
+        ("robot.xml", "link.yaml", "OUT003"),
+        ("whole.xml", "part.xml", "OUT003"),
+        ("robot.xml", "a\0b", "OUT002"),
+        ("circle", "spec.yaml", "DRF004"),
+    ):
+        assert main(["import", source, "-o", output, "--force"]) == 2
+        assert code in capsys.readouterr().err, output
+    assert {name: os.lstat(name).st_mtime_ns for name in os.listdir(folder)} == before
+
+
+def test_file_names_of_a_stranger(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file may be called anything: the spec is valid, names it, and the terminal gets one line."""
+    name = "{{ 7*7 }} #'\"\n\u202e.xml"
+    (folder / name).write_text(ROBOT, encoding="utf-8")
+    assert main(["import", name, "-o", "spec.yaml"]) == 0
+    said = capsys.readouterr()
+    assert "\u202e" not in said.out + said.err and "from {{ 7*7 }} #'\"\\n\\u202e.xml\n" in said.out
+    assert load_spec("spec.yaml").model.robot.model == name
+    assert main(["compile", "spec.yaml", "-o", "out"]) == 0
 
 
 def test_import_stays_light() -> None:

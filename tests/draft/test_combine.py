@@ -104,6 +104,86 @@ def test_motor_without_gains(tmp_path: Path) -> None:
     assert "kp" not in hip
 
 
+def test_gains_of_a_deploy_file_leave_the_motor(tmp_path: Path) -> None:
+    """A deploy file has gains for the robot; the torque-speed line is the next drive's, a torque motor has none."""
+    dcmotor = mjcf(
+        '<joint name="hip"/>\n<joint name="knee"/>',
+        "".join(
+            f'<dcmotor joint="{name}" nominal="24 20 10" saturation="24 0 0" input="pos" controller="30 0 2 0 0 24"/>'
+            for name in ("hip", "knee")
+        ),
+    )
+    found = imported(write(tmp_path, leg_xml=dcmotor, deploy_yaml=DEPLOY), tmp_path)
+    hip = joint(found, "hip")
+    assert (hip["level"], hip["kp"], hip["kd"]) == ("dc_motor", "45 N*m/rad", "1.5 N*m*s/rad")
+    (motor,) = bare(found.data["motors"]).values()
+    assert motor["no_load_speed"] == "10 rad/s"
+    plain = imported(write(tmp_path, leg_xml=MOTORS, deploy_yaml=DEPLOY), tmp_path)
+    assert joint(plain, "hip")["level"] == "ideal_pd"
+
+
+def test_nominal_delay_of_another_file(tmp_path: Path) -> None:
+    """A range of delays gets its nominal from another file that has one within it; one outside stays away."""
+    cfg = ISAACLAB.replace("IdealPD", "DelayedPD").replace(
+        "damping", "min_delay=0, max_delay=4, damping"
+    ) + "\n".join(
+        [
+            "from isaaclab.envs import ManagerBasedRLEnvCfg",
+            "class SceneCfg:",
+            "    robot = LEG_CFG",
+            "class LegEnvCfg(ManagerBasedRLEnvCfg):",
+            "    scene = SceneCfg()",
+            "    def __post_init__(self):",
+            "        self.sim.dt = 0.002",
+            "",
+        ]
+    )
+    for delay, nominal in (("0.006", "6 ms"), ("0.02", "unknown")):
+        servos = "".join(
+            f'<position joint="{n}" kp="1" delay="{delay}" nsample="20"/>' for n in ("hip", "knee")
+        )
+        model = mjcf('<joint name="hip"/>\n<joint name="knee"/>', servos, '<option timestep="0.002"/>')
+        found = imported(write(tmp_path, leg_xml=model, leg_py=cfg), tmp_path, robot="LegEnvCfg")
+        assert joint(found, "hip")["delay"] == {
+            "nominal": nominal,
+            "range": ["0 ms", "8 ms"],
+            "sampling": "episode",
+        }
+
+
+@pytest.mark.parametrize("number", ["1e999", "-1e999", 'float("nan")'], ids=["inf", "-inf", "nan"])
+def test_numbers_that_are_none(tmp_path: Path, number: str) -> None:
+    """What is not finite is unknown, wherever it stands, and says so."""
+    cfg = ISAACLAB.replace(
+        "actuators=", f'init_state=ArticulationCfg.InitialStateCfg(joint_pos={{".*": {number}}}), actuators='
+    )
+    for word, value in (("stiffness", 40.0), ("damping", 1.0), ("effort_limit", 24.0)):
+        cfg = cfg.replace(f"{word}={value}", f"{word}={number}")
+    found = imported(write(tmp_path, leg_xml=mjcf('<joint name="hip"/>'), leg_py=cfg), tmp_path)
+    hip = joint(found, "hip")
+    assert (hip["kp"], hip["kd"], hip["effort_limit"]) == ("unknown",) * 3
+    assert "default_pose" not in found.data["robot"]
+    assert ("# no limit" if number == "1e999" else "# the file has") in found.draft.text
+
+
+def test_equality_that_a_configuration_drives(tmp_path: Path) -> None:
+    """Of two fingers that an equality holds together, the one that a configuration drives is the spec's."""
+    fingers = mjcf(
+        '<joint name="hip" type="slide"/>\n<joint name="knee" type="slide"/>',
+        tail='<equality><joint joint1="hip" joint2="knee"/></equality>',
+    )
+    paths = write(tmp_path, leg_xml=fingers, leg_py=ISAACLAB.replace('".*"', '"hip"'))
+    found = imported(paths, tmp_path)
+    assert [actuator.joint for actuator in found.combined.actuators.joints] == ["hip"]
+    assert [(item.joint, item.why) for item in found.combined.left_alone] == [
+        ("knee", "no group of the configuration selects it")
+    ]
+    alone = imported(paths[:1], tmp_path)
+    assert [(item.joint, item.why) for item in alone.combined.left_alone] == [
+        ("hip", "follows 'knee' (equality)")
+    ]
+
+
 @pytest.mark.parametrize(
     "config, effort, viscous",
     [({}, 30.0, 0.3), ({"leg_py": ISAACLAB}, 24.0, 0.05), ({"leg_py": MJLAB}, 24.0, 0.3)],

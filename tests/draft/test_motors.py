@@ -125,8 +125,12 @@ def test_torque_speed_line_behind_a_gear(tmp_path: Path, speed: float, shared: b
     line = {"side": "joint", "stall_torque": "24 N*m", "no_load_speed": "30 rad/s"}
     assert next(iter(motors.values())) == line
     assert (len(motors) == 1) is shared
-    assert (len(found.draft.inferred) == 1) is shared
-    assert ("one motor? 48 N*m x" in found.draft.text) is not shared
+    (told,) = found.draft.inferred
+    assert ("inferred: " in told) is shared
+    question = (
+        ".*_calf_joint: the motor of FL_hip_joint behind 2 times the gear? 48 N*m x 15.05 rad/s are its"
+    )
+    assert (question in found.draft.text) is not shared
     (tmp_path / "spec.yaml").write_text(found.draft.text, encoding="utf-8")
     calf = api.resolve(tmp_path / "spec.yaml").joint("FL_calf_joint")
     assert calf is not None and calf.stall_torque is not None and calf.no_load_speed is not None

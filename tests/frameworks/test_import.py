@@ -184,7 +184,7 @@ def test_isaaclab_robots(frameworks: Frameworks, tmp_path: Path) -> None:
     [
         ("unitree_go1/go1_constants.py", "unitree_go1/xmls/go1.xml", "GO1_ARTICULATION", 12),
         ("unitree_g1/g1_constants.py", "unitree_g1/xmls/g1.xml", "G1_ARTICULATION", 29),
-        ("i2rt_yam/yam_constants.py", "i2rt_yam/xmls/yam.xml", "ARTICULATION", 6),
+        ("i2rt_yam/yam_constants.py", "i2rt_yam/xmls/yam.xml", "ARTICULATION", 7),
     ],
     ids=["go1", "g1", "yam"],
 )

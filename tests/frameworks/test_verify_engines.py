@@ -135,8 +135,8 @@ def test_fault_in_an_overlay_is_found(name: str, newton: Built) -> None:
     assert (code, quantity) in {(row.code, row.quantity) for row in agreement.faults}
 
 
-def test_edited_overlay_that_nobody_reads(newton: Built) -> None:
-    """Without its engine an overlay is right only as actspec writes it."""
-    assert newton.verified("newton").faults == ()
-    (row,) = newton.verified("newton", replaced("kp = 40.0", "kp = 20.0", 0)).faults
-    assert (row.code, row.quantity) == ("VFY110", "file")
+def test_kp_is_found_without_the_engine(newton: Built) -> None:
+    """A gain that the torque shows too is told as the field that it is, at its place."""
+    agreement = newton.verified("newton", replaced("kp = 40.0", "kp = 20.0", 0), engines=True)
+    (row,) = [row for row in agreement.faults if row.quantity == "kp"]
+    assert (row.code, row.engine, row.expected, row.got) == ("VFY110", None, 40.0, 20.0)

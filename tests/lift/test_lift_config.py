@@ -138,6 +138,29 @@ def test_dc_motor_and_limits(tmp_path: Path) -> None:
     assert (lift.effort_limit.value, lift.velocity_limit.value) == (5.0, None)
 
 
+@pytest.mark.parametrize(
+    "stall, speed, why",
+    [
+        ("elsewhere()", "30.0", "elsewhere is not defined here"),
+        ("45.0", "-30.0", "-30 rad/s"),
+        ("0.0", "30.0", "0 N*m"),
+        ('float("nan")', "30.0", "nan N*m"),
+    ],
+    ids=["unknown", "negative", "zero", "nan"],
+)
+def test_line_that_is_none(tmp_path: Path, stall: str, speed: str, why: str) -> None:
+    """A torque-speed line with a point that is unknown or not above 0 is left out with the reason; the PD stays."""
+    group = (
+        f'DCMotorCfg(["hip"], saturation_effort={stall}, velocity_limit={speed}, effort_limit=24.0, stiffness=1.0, '
+        "damping=1.0)"
+    )
+    found = isaaclab(tmp_path, group)
+    hip = by_name(found)["hip"]
+    assert (hip.level, hip.stall_torque, hip.no_load_speed) == (Level.IDEAL_PD, None, None)
+    assert hip.effort_limit.value == 24.0
+    assert found.notes["hip"] == (f"its torque-speed line is left out: a point of it is {why}",)
+
+
 def test_delay_in_steps(tmp_path: Path) -> None:
     """2 to 6 steps of 5 ms are 10 to 30 ms; in 3.0 the largest; without a step they are unknown, and noted."""
     group = 'DelayedPDActuatorCfg(["hip"], min_delay=2, max_delay=6, stiffness=1.0, damping=1.0)'
@@ -401,6 +424,59 @@ def test_legged_gym(tmp_path: Path, control: str) -> None:
     assert [item.joint for item in found.left_alone] == ["lift"]
 
 
+TRAINED = """from legged_gym.envs.base.legged_robot_config import LeggedRobotCfg, LeggedRobotCfgPPO
+
+class BotRoughCfg( LeggedRobotCfg ):
+    class env( LeggedRobotCfg.env ):
+        num_observations = 48
+    class init_state( LeggedRobotCfg.init_state ):
+        pos = [0.0, 0.0, 0.5] # x,y,z [m]
+        default_joint_angles = { # = target angles [rad] when action = 0.0
+            'FL_hip_joint': 0.1,   # [rad]
+            'FR_hip_joint': -0.1 ,
+            'FL_calf_joint': -1.5,
+            'FR_calf_joint': -1.5,
+        }
+    class control( LeggedRobotCfg.control ):
+        control_type = 'P'
+        stiffness = {'hip': 20., 'joint': 30.}  # [N*m/rad]
+        damping = {'joint': 0.5}     # [N*m*s/rad]
+        # action scale: target angle = actionScale * action + defaultAngle
+        action_scale = 0.25
+        decimation = 4
+    class asset( LeggedRobotCfg.asset ):
+        file = '{LEGGED_GYM_ROOT_DIR}/resources/robots/bot/urdf/bot.urdf'
+        penalize_contacts_on = ["thigh", "calf"]
+        self_collisions = 1 # 1 to disable, 0 to enable...bitwise filter
+    class rewards( LeggedRobotCfg.rewards ):
+        class scales( LeggedRobotCfg.rewards.scales ):
+            torques = -0.0002
+
+class BotRoughCfgPPO( LeggedRobotCfgPPO ):
+    class algorithm( LeggedRobotCfgPPO.algorithm ):
+        entropy_coef = 0.01
+"""
+
+
+def test_legged_gym_as_it_is_written(tmp_path: Path) -> None:
+    """A cfg in the style of the real ones: bases of another package, nested classes, a second class for the trainer."""
+    names = [f"{side}_{part}_joint" for part in ("hip", "calf") for side in ("FL", "FR")]
+    found = lift_config(artifact_of(tmp_path, TRAINED), names)
+    said = [
+        (a.joint, a.kp and a.kp.value, a.kd and a.kd.value, a.default_position.value)
+        for a in found.actuators.joints
+    ]
+    # The first key that is a part of the name counts: 'hip' before 'joint'.
+    assert said == [
+        ("FL_hip_joint", 20.0, 0.5, 0.1),
+        ("FR_hip_joint", 20.0, 0.5, -0.1),
+        ("FL_calf_joint", 30.0, 0.5, -1.5),
+        ("FR_calf_joint", 30.0, 0.5, -1.5),
+    ]
+    assert (found.actuators.decimation, found.actuators.physics_dt.value) == (4, None)
+    assert found.left_alone == ()
+
+
 def test_legged_gym_other_controls(tmp_path: Path) -> None:
     """Control V acts on accelerations, which the law does not; control T is a torque."""
     speed = lift_config(artifact_of(tmp_path, LEGGED.replace("CONTROL", 'control_type = "V"')), joints())
@@ -442,6 +518,42 @@ BOT = {
     assert [(item.joint, item.why) for item in found.left_alone] == [
         (".*_arm", "a pattern, and no file names the joints: name the robot's MJCF or URDF too")
     ]
+
+
+def test_patterns_beside_a_name(tmp_path: Path) -> None:
+    """A pattern does not vanish because its group names one joint, too."""
+    text = """from isaaclab.actuators import IdealPDActuatorCfg
+BOT = {"a": IdealPDActuatorCfg(joint_names_expr=["hand_(FF|MF)J[1-3]", "hand_THJ0"], stiffness=1.0, damping=1.0)}
+"""
+    found = lift_config(artifact_of(tmp_path, text))
+    assert [actuator.joint for actuator in found.actuators.joints] == ["hand_THJ0"]
+    assert [item.joint for item in found.left_alone] == ["hand_(FF|MF)J[1-3]"]
+
+
+def test_refused_patterns_are_said(tmp_path: Path) -> None:
+    """A pattern that could hang selects nothing, and the group says so."""
+    found = isaaclab(tmp_path, 'IdealPDActuatorCfg(["hip", "(k+)+$"], stiffness=1.0, damping=1.0)')
+    assert [actuator.joint for actuator in found.actuators.joints] == ["hip"]
+    (told,) = found.notes[""]
+    assert told.startswith("group g0: '(k+)+$' has a repeat") and told.endswith(", so it selects no joint")
+
+
+@pytest.mark.parametrize("low, high", [(-1, 2), (3, 2), (0, "1e999"), (-2, -1)])
+def test_delays_that_are_none(tmp_path: Path, low: float, high: float | str) -> None:
+    """A delay below 0, without end or from high to low is left out with a remark."""
+    group = f'DelayedPDActuatorCfg(["hip"], min_delay={low}, max_delay={high}, stiffness=1.0, damping=1.0)'
+    found = isaaclab(tmp_path, group, dt=0.005)
+    assert by_name(found)["hip"].delay is None
+    (told,) = found.notes["hip"]
+    assert told.startswith("delay: ") and told.endswith("physics steps, which is none")
+
+
+@pytest.mark.parametrize("step", ["0.0", "-0.005", "1e999"])
+def test_step_that_is_none(tmp_path: Path, step: str) -> None:
+    """A physics step that is not above 0 is unknown, at its place."""
+    text = LEGGED.replace("CONTROL", "").replace("dt = 0.005", f"dt = {step}")
+    found = lift_config(artifact_of(tmp_path, text), joints()).actuators.physics_dt
+    assert (found.value, found.origin, found.span and found.span.line) == (None, Origin.UNKNOWN, 13)
 
 
 def test_what_could_not_be_folded(tmp_path: Path) -> None:

@@ -293,6 +293,64 @@ def test_left_alone(joint: str, actuators: str, head: str, tail: str, why: str, 
     assert found.actuators.unmanaged == ("j",)
 
 
+LOOP = """<mujoco><worldbody>
+<body name="base">INERTIAL<joint name="root"/>
+<body name="crank"><joint name="crank"/>INERTIAL
+<frame><body name="rod"><joint name="rod"/>INERTIAL<site name="tip"/></body></frame></body>
+<body name="rocker"><joint name="rocker"/>INERTIAL<site name="pin"/></body>
+<body name="tail"><joint name="tail"/>INERTIAL</body></body>
+<body name="ball"><freejoint/>INERTIAL</body><body name="hand" mocap="true"/>
+</worldbody><equality>EQUALITY</equality>ACTUATORS</mujoco>""".replace("INERTIAL", INERTIAL)
+
+
+@pytest.mark.parametrize(
+    "equality, members, loop",
+    [
+        (
+            '<connect name="bar" body1="rod" body2="rocker" anchor="0 0 0"/>',
+            ["crank", "rod", "rocker"],
+            "the closed loop 'bar' (connect)",
+        ),
+        (
+            '<weld body1="rod" body2="rocker"/>',
+            ["crank", "rod", "rocker"],
+            "the closed loop of rod and rocker (weld)",
+        ),
+        (
+            '<connect site1="pin" site2="tip"/>',
+            ["crank", "rod", "rocker"],
+            "the closed loop of pin and tip (connect)",
+        ),
+        (
+            '<connect body1="rod" body2="crank" anchor="0 0 0"/>',
+            ["rod"],
+            "the closed loop of rod and crank (connect)",
+        ),
+        ('<connect active="false" body1="rod" body2="rocker" anchor="0 0 0"/>', [], ""),
+        ('<connect body1="rod" anchor="0 0 0"/>', [], ""),
+        ('<weld body1="rod" body2="ball"/>', [], ""),
+        ('<weld body1="hand" body2="tail"/>', [], ""),
+    ],
+    ids=["named", "weld", "sites", "parent", "off", "to the world", "floating", "mocap"],
+)
+def test_closed_loops(equality: str, members: list[str], loop: str) -> None:
+    """Joints between the two bodies of a loop are left alone by its name where nothing drives them; no others are."""
+    text = LOOP.replace("EQUALITY", equality)
+    bare = lift_robot(view_of(text.replace("ACTUATORS", ""), folder=""))
+    assert [(item.joint, item.why, item.undriven) for item in bare.left_alone] == [
+        (name, f"in {loop}", True) for name in members
+    ]
+    assert [a.joint for a in bare.actuators.joints] == [
+        name for name in ("root", "crank", "rod", "rocker", "tail") if name not in members
+    ]
+    motors = "".join(f'<motor joint="{name}"/>' for name in ("root", "crank", "tail"))
+    driven = lift_robot(view_of(text.replace("ACTUATORS", f"<actuator>{motors}</actuator>"), folder=""))
+    assert [a.joint for a in driven.actuators.joints] == ["root", "crank", "tail"]
+    assert [item.why for item in driven.left_alone] == [
+        f"no actuator, in {loop}" if name in members else "no actuator" for name in ("rod", "rocker")
+    ]
+
+
 def test_what_is_no_joint_of_ours() -> None:
     """Balls, free joints and joints without a name are in neither list."""
     text = """<mujoco><worldbody><body><freejoint name="base"/><geom size="0.1"/>

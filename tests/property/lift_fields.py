@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
+from actspec.ir import ActuatorSet, Command, Delay, JointActuator, Origin, Quantity
 from actspec.targets.base import Approximation
 
 EXACT = 1e-9
@@ -199,11 +199,40 @@ HOLDS: dict[str, dict[str, Entry]] = {
         "physics_dt": Held(),
         "decimation": Held(),
     },
+    "newton": {
+        "kind": Held(),
+        "level": Held(),
+        "command": Held(),
+        "kp": Held(),
+        "kd": Held(),
+        "effort_limit": Held((LINE,)),
+        "velocity_limit": Held(("velocity_limit",)),
+        "stall_torque": Held((LINE,)),
+        "no_load_speed": Held((LINE,)),
+        "curve": Lost(LINE),
+        "armature": Held(),
+        "friction_coulomb": Held(),
+        "friction_static": Lost("friction.static"),
+        "friction_viscous": Held((VISCOUS,)),
+        "stribeck_velocity": Lost("friction.stribeck_velocity"),
+        "filter_cutoff": Lost("command_filter"),
+        "command_range": Lost("command_range"),
+        "delay": Held(("delay",)),
+        "delay_range": Lost("delay.range"),
+        "delay_sampling": Lost("delay.range"),
+        "encoder_bias": Held(),
+        "action_scale": POLICY,
+        "default_position": POLICY,
+        "position_range": OF_THE_ROBOT,
+        "network": Held(),
+        "randomize": RANDOMIZED,
+        "physics_dt": Held(),
+        "decimation": TASK,
+    },
 }
 """Target to field to whether its files hold it. A field that goes missing without an approximation fails."""
 
 UNREAD = {
-    "newton": "nobody reads a .usda yet; its row goes into HOLDS with its reader",
     "randomization": "ranges alone; tests/property/test_targets_property.py reads them",
 }
 """Kinds of target that are not lifted, and why."""
@@ -256,7 +285,7 @@ def values(actuators: ActuatorSet, actuator: JointActuator) -> dict[str, Any]:
         "filter_cutoff": _number(actuator.filter_cutoff),
         "command_range": None if ends is None or _is_idle(actuator) else (ends[0].value, ends[1].value),
         # A range that is drawn from has no nominal in a simulator.
-        "delay": (delay.nominal.value or None) if delay is not None else None,
+        "delay": None if delay is None else _nominal(delay) or None,
         "delay_range": (delay.low, delay.high) if delay is not None and delay.low != delay.high else None,
         "delay_sampling": delay.sampling if delay is not None and delay.low != delay.high else None,
         "encoder_bias": bias or None,
@@ -281,6 +310,12 @@ def _is_idle(actuator: JointActuator) -> bool:
 def _lasts(actuator: JointActuator) -> bool:
     delay = actuator.delay
     return delay is not None and (delay.high > 0.0 or not delay.nominal.known)
+
+
+def _nominal(delay: Delay) -> float | None:
+    """The delay that is meant; ends that are one say what an unknown nominal does not."""
+    known = delay.nominal.known or delay.low != delay.high
+    return delay.nominal.value if known else delay.high
 
 
 def _number(quantity: Quantity | None) -> float | None:

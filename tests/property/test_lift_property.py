@@ -16,9 +16,10 @@ from actspec.audit.readers.deploy import read_deploy
 from actspec.audit.readers.python import read_python
 from actspec.diagnostics import EmitError, Severity
 from actspec.ir import ActuatorSet, JointActuator
-from actspec.lift import Lifted, lift_config, lift_robot
+from actspec.lift import Lifted, lift_config, lift_newton, lift_robot
 from actspec.robot.read_mjcf_text import read_mjcf_text
 from actspec.robot.read_urdf import read_urdf
+from actspec.robot.read_usda import read_usda
 from actspec.robot.view import ModelFile, RobotView
 from actspec.robot.xml import parse_document
 from actspec.targets.choose import EMITTERS
@@ -28,7 +29,7 @@ from tests.property.targets_oracle import DIALECTS, STEP, Drive, drives, emitted
 from tests.property.test_plan_property import Robot
 from tests.property.test_plan_property import robots as mjcf_robots
 
-SPECS = {"mujoco": 200, "urdf": 180, "isaaclab": 250, "mjlab": 180, "deploy": 190}
+SPECS = {"mujoco": 170, "urdf": 150, "isaaclab": 210, "mjlab": 150, "deploy": 160, "newton": 160}
 """Random specs of each target: 1,000."""
 
 RELEASES = ("3.2", "3.5", "3.7", "3.9", "3.11", "3.12", "3.17", "4.0")
@@ -155,6 +156,23 @@ def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
     lifted = lift_config(artifact)
     assert lifted.left_alone == ()
     check("deploy", actuators, lifted.actuators, emission.approximations)
+
+
+@given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
+@many("newton")
+def test_newton(groups: list[Drive], version: str) -> None:
+    """Newton's overlay, without USD: joints by the paths of their prims, their kind and the step from the text itself."""
+    actuators, robot = resolved(groups)
+    names = [actuator.joint for actuator in actuators.joints]
+    paths = {name: f"/World/bot/joints/j{k}" for k, name in enumerate(names)}
+    stated = tuple((re.escape(name), path) for name, path in paths.items())
+    emission = emitted(
+        actuators, robot, kind="newton", version=version, root="/World/bot", joint_paths=stated
+    )
+    layer = read_usda(emission.files[0].data, "bot_newton.usda")
+    lifted = lift_newton(layer, names, prims=paths)
+    assert lifted.left_alone == ()
+    check("newton", actuators, lifted.actuators, emission.approximations)
 
 
 # --- robot files ----------------------------------------------------------------------------------

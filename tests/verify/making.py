@@ -186,7 +186,13 @@ class Built:
     folder: Path
 
     def verified(
-        self, name: str, edit: Edit | None = None, *, file: str = "", engines: bool = False
+        self,
+        name: str,
+        edit: Edit | None = None,
+        *,
+        file: str = "",
+        engines: bool = False,
+        run_edited: bool = True,
     ) -> Agreement:
         """Verify a target, one of its files edited.
 
@@ -195,6 +201,7 @@ class Built:
             edit: What is done to a file of it.
             file: End of that file's name; default: the main one.
             engines: Whether its engine is asked too.
+            run_edited: Whether it may execute the edited file, which is ours.
         """
         target = self.targets[name]
         if edit is not None:
@@ -205,7 +212,9 @@ class Built:
             path.write_text(edit(path.read_text("utf-8")), "utf-8")
             target = replace(target, folder=str(copy))
         done = self.compilation
-        return verify(done.actuators, done.robot, [target], spec="spec.yaml", engines=engines)
+        return verify(
+            done.actuators, done.robot, [target], spec="spec.yaml", engines=engines, run_edited=run_edited
+        )
 
 
 def build(folder: Path, spec: str = SPEC, model: str = MODEL, name: str = "rich.xml") -> Built:

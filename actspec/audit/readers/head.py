@@ -14,7 +14,8 @@ _HEAD = re.compile(
 
 _WRITTEN = "Written by actspec "
 _STEP = re.compile(
-    r"^# (?:physics_dt (?P<isaaclab>[0-9.e-]+) s|with SimulationCfg\(mujoco=MujocoCfg\(timestep=(?P<mjlab>[0-9.e-]+)\)\).*)$",
+    r"^# (?:physics_dt (?P<isaaclab>[0-9.e-]+) s$"
+    r"|with SimulationCfg\(mujoco=MujocoCfg\(timestep=(?P<mjlab>[0-9.e-]+)\)\))",
     re.MULTILINE,
 )
 """Source: `actspec.targets.isaaclab.text` and `actspec.targets.mjlab.text`; held to them as above."""

@@ -23,6 +23,7 @@ from actspec.audit.readers.python_values import (
     reason_of,
 )
 from actspec.diagnostics import Collector, Span, shortened
+from actspec.patterns import PatternError, compile_pattern
 
 UNFOLDED = "CFG001"
 """Code of what could not be folded."""
@@ -172,8 +173,20 @@ class Draft:
         for key, one in settings.items():
             if one.unknown is not None:
                 self.note(f"{name}.{key}", one.unknown, one.span)
+            elif isinstance(one.value, Mapping):
+                self._patterns(f"{name}.{key}", one.value, one.span)
+        self._patterns(f"{name}.joints", patterns or (), obj.span)
         bases = tuple(class_names(obj.cls)[1:])
         self.groups.append(ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases))
+
+    def _patterns(self, where: str, patterns: Iterable[object], span: Span) -> None:
+        """Say which patterns are not matched, and so select nothing."""
+        for pattern in patterns:
+            try:
+                if isinstance(pattern, str):
+                    compile_pattern(pattern)
+            except PatternError as err:
+                self.notes.info(UNFOLDED, f"not matched: {err}", where=where, span=span)
 
     def range(
         self,

@@ -23,10 +23,9 @@ def render(report: Report, options: ReportOptions) -> str:
         if item.finding.help:
             text += f"\nhelp: {one_line(item.finding.help)}"
         lines.append(_command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
-    for problem in report.diagnostics():
-        if problem.severity is not Severity.INFO:
-            text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
-            lines.append(_command(problem.severity, problem.code, problem.span, text))
+    for problem in report.told():
+        text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
+        lines.append(_command(problem.severity, problem.code, problem.span, text))
     return "".join(f"{line}\n" for line in lines)
 
 

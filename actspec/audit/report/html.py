@@ -91,7 +91,7 @@ def _fold(title: str, lines: Iterator[str], *, shown: bool) -> Iterator[str]:
 
 def _head(report: Report) -> Iterator[str]:
     yield f"<h1>actspec audit: {_text(counted(report))}</h1>"
-    problems = [item for item in report.diagnostics() if item.severity is not Severity.INFO]
+    problems = report.told()
     if problems:
         lines = "".join(f"<li>{_text(str(item).partition(chr(10))[0])}</li>" for item in problems)
         yield f"<ul>{lines}</ul>"

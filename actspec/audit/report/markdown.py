@@ -82,11 +82,10 @@ def _findings(report: Report) -> Iterator[str]:
 
 
 def _problems(report: Report) -> Iterator[str]:
-    for item in report.diagnostics():
-        if item.severity is not Severity.INFO:
-            place = f"{item.span}: " if item.span is not None else ""
-            where = f"{item.where}: " if item.where else ""
-            yield f"- **{item.code}** {escaped(place + where + item.message)}"
+    for item in report.told():
+        place = f"{item.span}: " if item.span is not None else ""
+        where = f"{item.where}: " if item.where else ""
+        yield f"- **{item.code}** {escaped(place + where + item.message)}"
 
 
 def _comparison(report: Report) -> Iterator[str]:

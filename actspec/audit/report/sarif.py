@@ -129,7 +129,9 @@ def _message(group: Group) -> str:
     """Message and help: services show nothing else of a result."""
     text = group.headline(most=8)
     help = group.first.finding.help
-    text = f"{text}. {help[0].upper()}{help[1:]}." if help else f"{text}."
+    text = f"{text}."
+    if help:
+        text += f" {help[0].upper()}{help[1:]}{'' if help.endswith('?') else '.'}"
     # `[words](address)` is a link in SARIF, and a joint may be called that.
     return text.replace("[", "\\[").replace("]", "\\]") if "](" in text else text
 

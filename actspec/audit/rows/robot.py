@@ -275,6 +275,13 @@ class _Joint:
         if {"force_range", "gear"} & actuator.unknown:
             return None
         gear = abs(actuator.gear)
+        if (
+            actuator.force_range is None
+            and actuator.control in ("plugin", "other")
+            and "kp" in actuator.unknown
+        ):
+            # A plugin or a muscle has bounds of its own.
+            return None
         bounds = [] if actuator.force_range is None else [gear * _largest(actuator.force_range)]
         if self._is_torque(actuator):
             if "control_range" in actuator.unknown:

@@ -172,11 +172,12 @@ class SamplesDoNotFit(Rule):
             delay = found.view.delay
             exact = delay / step
             steps = math.ceil(exact - _ALMOST)
+            samples = f"{kept} sample{'s' * (kept != 1)}"
             owner = found.owner("nsample") or found.element
             if kept < steps:
                 yield Finding(
                     self.code,
-                    f"{kept} samples cannot hold a delay of {_ms(delay)}, {steps} steps of {_ms(step)}: the command "
+                    f"{samples} cannot hold a delay of {_ms(delay)}, {steps} steps of {_ms(step)}: the command "
                     f"comes {_ms(kept * step)} late",
                     found.document.span(owner),
                     found.joint,
@@ -189,7 +190,7 @@ class SamplesDoNotFit(Rule):
             elif kept > steps and abs(exact - steps) <= _ALMOST and not _is_interpolated(found):
                 yield Finding(
                     self.code,
-                    f"with {kept} samples for a delay of {steps} steps the command comes {steps} or {steps + 1} steps "
+                    f"with {samples} for a delay of {steps} steps the command comes {steps} or {steps + 1} steps "
                     f"late, by rounding: {_ms(delay)} or {_ms(delay + step)}",
                     found.document.span(owner),
                     found.joint,
@@ -231,7 +232,9 @@ def _samples_fix(found: WrittenActuator, steps: int) -> Fix | None:
         return None
     path = found.document.files[found.element.file].path
     edit = TextEdit(path, attribute.value_start, attribute.value_end, format_number(steps).encode())
-    return Fix(f'Set nsample="{steps}"', Safety.UNSAFE, (edit,), ("actuator_history", "nhistory"))
+    # What the histories of other actuators hold stays, but they move.
+    fields = ("actuator_history", "actuator_historyadr", "nhistory")
+    return Fix(f'Set nsample="{steps}"', Safety.UNSAFE, (edit,), fields)
 
 
 def _ms(seconds: float) -> str:

@@ -15,6 +15,7 @@ from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import Group, groups_of
 from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.meant_for import release
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 
@@ -127,13 +128,17 @@ class FrictionUnit(Rule):
         versions = case.versions_of(row.artifact)
         meaning, place = friction_meaning(versions), _place(versions)
         if meaning is None:
+            by_backend = versions.isaaclab is not None and release(versions.isaaclab) >= (3,)
+            named = "backend" if by_backend else "version"
             yield Finding(
                 self.code,
                 "this friction is a dimensionless coefficient on Isaac Sim 4.5 and OVPhysX, and a torque in "
-                f"{unit(row, 'frictionloss')} from Isaac Lab 2.3 on Isaac Sim 5: no version is named that tells which",
+                f"{unit(row, 'frictionloss')} from Isaac Lab 2.3 on Isaac Sim 5: no {named} is named that tells which",
                 span,
                 row.joint,
-                help="name them: --target isaaclab==2.3 --target isaac_sim==5.1",
+                help="name it: --target backend==physx (or ovphysx, newton)"
+                if by_backend
+                else "name them: --target isaaclab==2.3 --target isaac_sim==5.1",
                 severity=Severity.INFO,
                 confidence=Confidence.HIGH,
             )

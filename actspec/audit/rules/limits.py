@@ -22,7 +22,8 @@ class NoLimit(Rule):
 
     ## What it does
     Reports an MJCF actuator that has no `forcerange`, whose joint has no `actuatorfrcrange`, and whose control range
-    does not bound the torque either. Silent where a configuration of the same robot limits the joint.
+    or voltage does not bound the torque either. Silent where a configuration of the same robot limits the joint, and
+    of muscles, dampers and plugins, which have bounds of their own.
 
     ## Why it matters
     The simulated motor gives whatever it is asked for. A policy trained on it learns to ask for torques that the
@@ -81,7 +82,7 @@ class NoLimit(Rule):
                 if row.control == "none" or not row.joint:
                     continue
                 looked = True
-                if row.effort_limit == math.inf and row.joint not in limited:
+                if row.effort_limit == math.inf and row.joint not in limited and not _is_bounded(row):
                     yield Finding(
                         self.code,
                         "no force range, joint limit or control range limits this actuator: it gives every "
@@ -170,6 +171,13 @@ class PlaceholderLimit(Rule):
                     )
         if not looked:
             yield Skipped(self.code, "no file states an effort or velocity limit")
+
+
+def _is_bounded(row: LedgerRow) -> bool:
+    """Whether the voltage of a dcmotor bounds its torque, or the actuator is no motor that could give any."""
+    # Only a dcmotor whose control is its voltage has back-EMF beside no other gain.
+    voltage = row.stall_torque is not None or (bool(row.back_emf) and row.command_range is not None)
+    return voltage if row.control == "dcmotor" else row.control == "other" and row.kd is None
 
 
 def _limited_elsewhere(case: Case, artifact: int) -> set[str]:

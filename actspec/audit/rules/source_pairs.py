@@ -201,11 +201,18 @@ def _of_robot(
 
 
 def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, tuple[str, Figure]]:
-    """What an artifact states, by joint; nothing for a spec."""
-    if case.artifacts[index].kind is FileKind.SPEC:
+    """What an artifact states, by joint; nothing for a spec, or of a joint that two groups of a configuration have."""
+    kind = case.artifacts[index].kind
+    if kind is FileKind.SPEC:
         return {}
     joints = dict.fromkeys(row.joint for row in case.rows_of(index) if row.joint)
-    found = {joint: _stated(case.joints[index, joint], fields) for joint in joints}
+    # Actuators of one joint add up in an MJCF; of a configuration's groups one wins, or none (ORD103).
+    rows = {joint: case.joints[index, joint] for joint in joints}
+    found = {
+        joint: _stated(own, fields)
+        for joint, own in rows.items()
+        if len(own) == 1 or kind is not FileKind.CFG
+    }
     return {joint: stated for joint, stated in found.items() if stated is not None}
 
 

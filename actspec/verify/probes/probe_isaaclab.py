@@ -29,6 +29,7 @@ import json
 import sys
 import types
 from collections.abc import Callable
+from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any
 
@@ -92,9 +93,20 @@ def enable(root: str) -> None:
         stand_in("pxr", Usd=types.SimpleNamespace(Prim=object), UsdGeom=types.SimpleNamespace())
 
 
+class Source(SourceFileLoader):
+    """Executes a file's own text, whatever compiled code lies beside it."""
+
+    def get_code(self, fullname: str) -> types.CodeType:
+        """The text, compiled."""
+        code: types.CodeType = self.source_to_code(self.get_data(self.path), self.path)
+        return code
+
+
 def load(path: Path) -> dict[str, Any]:
     """Import a module from its file, as a user would; its names."""
-    spec = importlib.util.spec_from_file_location("emitted_cfg", path)
+    spec = importlib.util.spec_from_file_location(
+        "emitted_cfg", path, loader=Source("emitted_cfg", str(path))
+    )
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules["emitted_cfg"] = module
@@ -183,6 +195,9 @@ def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], di
             )
             _, mine, build = builder(cfg, job["joints"], q.shape[1], 0.0)
             there = [i for i, joint in enumerate(mine) if joint in columns]
+            if not there:
+                # Nobody asks; of a network, which is a program in TorchScript, nothing is loaded then.
+                break
             taken = [columns.index(mine[i]) for i in there]
             # Lags that are drawn are the same each time.
             torch.manual_seed(0)

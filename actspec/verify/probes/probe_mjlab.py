@@ -21,7 +21,9 @@ actuators do at each joint in each step, the joints put back before every one. F
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import re
 import runpy
 import sys
 from pathlib import Path
@@ -160,7 +162,9 @@ class Simulated:
 def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Every motion."""
     columns = job["columns"]
-    robot = Robot(runpy.run_path(job["module"]), job["model"], columns)
+    names = runpy.run_path(job["module"])
+    choose(names, columns)
+    robot = Robot(names, job["model"], columns)
     missing = [name for name in columns if name not in robot.actuators]
     if missing:
         raise ValueError(f"{missing[0]} has no actuator")
@@ -196,6 +200,7 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
     out = {}
     for parts in job["parts"]:
         names = runpy.run_path(job["module"])
+        choose(names, columns)
         divide(names, columns, lags, parts)
         robot = Robot(names, job["model"], columns)
         simulated = Simulated(robot, commands, job["step"] / parts, command.shape[1], alone=True)
@@ -210,6 +215,22 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
             q.append(simulated.positions())
         out[f"q{parts}"], out[f"torque{parts}"] = np.stack(q), np.stack(torque)
     return {}, out
+
+
+def choose(names: dict[str, Any], joints: list[str]) -> None:
+    """Leave actuators out of the articulation that drive none of the joints.
+
+    Nobody asks for them; of a network, which is a program in TorchScript, nothing is loaded then.
+    """
+    key = next(key for key in names if key.endswith("_ARTICULATION"))
+    names[key] = dataclasses.replace(
+        names[key],
+        actuators=tuple(
+            cfg
+            for cfg in names[key].actuators
+            if any(re.fullmatch(pattern, name) for pattern in cfg.target_names_expr for name in joints)
+        ),
+    )
 
 
 def divide(names: dict[str, Any], joints: list[str], lags: dict[str, int], parts: int) -> None:

@@ -114,6 +114,11 @@ def composed(stage: str, overlay: str) -> Any:
         file.write(stage)
     opened = Usd.Stage.Open("stage.usda")
     opened.GetSessionLayer().subLayerPaths.append(os.path.abspath(overlay))
+    for prim in opened.Traverse():
+        network = prim.GetAttribute("newton:modelPath")
+        if network and network.HasAuthoredValue():
+            # No torque of a network is asked for.
+            prim.SetActive(False)
     return opened
 
 
@@ -148,6 +153,8 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
     out = {}
     for parts in job["parts"]:
         stage = composed(job["stage"], job["overlay"])
+        # The overlay is a part of the session's layer: what is set in the stage's own is below it.
+        stage.SetEditTarget(stage.GetSessionLayer())
         for prim in stage.Traverse():
             late = prim.GetAttribute("newton:delaySteps")
             if late and late.HasAuthoredValue():
@@ -191,6 +198,8 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
         arrays = {key: found[key] for key in found.files}
     # Before `newton`: an older release stands beside the installed one.
     sys.path[:0] = job["path"]
+    # Newton runs what a checkpoint of torch says; an overlay that names one cannot have it loaded.
+    sys.modules["torch"] = None  # type: ignore[assignment]  # the documented way to make an import fail
     warnings.simplefilter("ignore")
     try:
         said, out = (respond if "parts" in job else run)(job, arrays)

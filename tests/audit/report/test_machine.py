@@ -277,6 +277,17 @@ def test_sarif(made: Report) -> None:
     assert notes == [("ROBOT113", "note"), ("ROBOT004", "error"), ("AUD008", "error")]
 
 
+def test_sarif_help_is_a_sentence() -> None:
+    """Help that asks keeps its question mark, with nothing behind it."""
+    from actspec.audit.engine import judge
+    from actspec.audit.settings import Settings
+    from tests.audit.making import case_of, finding, rule_of
+
+    rule = rule_of("LIM901", "first-rule", finding("LIM901", help="did you mean 'kp'?"))
+    data = json.loads(render(judge(case_of(), Settings(), (rule,)), "sarif", ReportOptions()))
+    assert data["runs"][0]["results"][0]["message"]["text"] == "wrong. Did you mean 'kp'?"
+
+
 def test_sarif_fingerprints_do_not_know_lines(made: Report, monkeypatch: pytest.MonkeyPatch) -> None:
     """A finding keeps its fingerprint when it moves, and two equal ones of a file differ."""
     from actspec.audit.engine import judge

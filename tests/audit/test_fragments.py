@@ -1,0 +1,63 @@
+"""Files that are parts of another audited one."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.engine import audit
+from actspec.audit.outcome import Report
+from actspec.audit.read import PendingFiles
+from actspec.audit.settings import Settings
+
+MAIN = """<mujoco>
+  <worldbody><body><joint name="knee" armature="0.01"/><geom size="0.1"/></body></worldbody>
+  <include file="leg_actuators.xml"/>
+</mujoco>"""
+FRAGMENT = '<mujoco><actuator><motor name="knee" joint="knee"/></actuator></mujoco>'
+MODEL = """<mujoco>
+  <worldbody><body><joint name="knee"/><geom size="0.1"/></body></worldbody>
+  <actuator><motor name="knee" joint="knee" ctrlrange="-1 1"/></actuator>
+</mujoco>"""
+
+
+@pytest.fixture(autouse=True)
+def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+
+
+def audited(*paths: str) -> Report:
+    """The report on files."""
+    with PendingFiles(paths) as pending:
+        return audit(pending, Settings(select=("LIM101",)))
+
+
+@pytest.mark.parametrize("paths", [(".",), ("leg_actuators.xml", "./leg.xml")], ids=["folder", "named"])
+def test_a_fragment_is_judged_in_its_model(paths: tuple[str, ...]) -> None:
+    """An include that is no model alone is neither a file that MuJoCo refuses nor a second robot."""
+    Path("leg.xml").write_text(MAIN)
+    Path("leg_actuators.xml").write_text(FRAGMENT)
+    report = audited(*paths)
+    assert [Path(file.path).name for file in report.case.files] == ["leg.xml"]
+    assert report.diagnostics() == ()
+    (found,) = report.findings
+    assert (Path(found.finding.span.path).name, found.finding.joint) == ("leg_actuators.xml", "knee")
+
+
+def test_what_stays() -> None:
+    """A fragment that nobody includes is judged from its text, and a model that another file includes is one."""
+    Path("alone.xml").write_text(FRAGMENT)
+    Path("model.xml").write_text(MODEL)
+    Path("scene.xml").write_text('<mujoco><include file="model.xml"/></mujoco>')
+    report = audited("alone.xml", "model.xml", "scene.xml")
+    assert [file.path for file in report.case.files] == ["alone.xml", "model.xml", "scene.xml"]
+    assert [item.code for item in report.diagnostics()] == ["AUD013"]
+
+
+def test_a_broken_model_keeps_its_word() -> None:
+    """Where the including file is refused too, that is said of it, once."""
+    Path("leg.xml").write_text(MAIN.replace('name="knee"', 'name="ankle"'))
+    Path("leg_actuators.xml").write_text(FRAGMENT)
+    report = audited(".")
+    assert [(item.code, str(item.span)) for item in report.diagnostics()] == [("AUD013", "./leg.xml")]

@@ -1,0 +1,226 @@
+"""How joints are sorted into groups: limbs, motors, names that a configuration has, and gears that limits give away."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec import api
+from actspec.draft.names import given_name, one_pattern
+from tests.importing import Imported, bare, imported, write
+
+LINK = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+
+HUMANOID = ("hip_yaw", "hip_pitch", "knee", "ankle", "shoulder_pitch", "shoulder_yaw", "elbow")
+"""Joints of one side, the leg's and the arm's a chain each, from the torso."""
+
+
+def humanoid(limits: dict[str, tuple[float, float]], torso: tuple[float, float] = (200, 23)) -> str:
+    """A URDF with (effort, velocity) of each joint."""
+
+    def joint(name: str, parent: str, effort: float, speed: float) -> str:
+        return (
+            f'<link name="{name}">{LINK}</link><joint name="{name}_joint" type="revolute"><parent link="{parent}"/>'
+            f'<child link="{name}"/><limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>'
+        )
+
+    text = '<robot name="h1"><link name="pelvis"/>' + joint("torso", "pelvis", *torso)
+    for side in ("left", "right"):
+        parent = "pelvis"
+        for part in HUMANOID:
+            parent = "torso" if part == "shoulder_pitch" else parent
+            text += joint(f"{side}_{part}", parent, *limits[part])
+            parent = f"{side}_{part}"
+    return text + "</robot>"
+
+
+def groups(found: Imported) -> dict[str, tuple[list[str], dict[str, Any]]]:
+    """Group to its patterns and the limits in its overrides."""
+    return {
+        name: (group["joints"], {p: o.get("effort_limit") for p, o in group.get("overrides", {}).items()})
+        for name, group in bare(found.data["actuators"]).items()
+    }
+
+
+def test_limbs_that_share_limits(tmp_path: Path) -> None:
+    """The H1's limits, 200 N*m at hips and torso and 40 at ankles and shoulders, give legs, torso and arms."""
+    limits: dict[str, tuple[float, float]] = {
+        "hip_yaw": (200, 23),
+        "hip_pitch": (200, 23),
+        "knee": (300, 14),
+        "ankle": (40, 9),
+        "shoulder_pitch": (40, 9),
+        "shoulder_yaw": (18, 7),
+        "elbow": (18, 7),
+    }
+    found = imported(write(tmp_path, h1_urdf=humanoid(limits)), tmp_path)
+    assert groups(found) == {
+        "torso": (["torso_joint"], {}),
+        "legs": (
+            [".*_hip_.*", ".*_knee_joint", ".*_ankle_joint"],
+            {".*_knee_joint": "300 N*m", ".*_ankle_joint": "40 N*m"},
+        ),
+        "arms": (
+            [".*_shoulder_.*", ".*_elbow_joint"],
+            {".*_pitch_joint": "40 N*m"},
+        ),
+    }
+
+
+def test_one_group_where_one_is_enough(tmp_path: Path) -> None:
+    """A robot whose joints are all the same is one group, also over several limbs."""
+    found = imported(write(tmp_path, h1_urdf=humanoid(dict.fromkeys(HUMANOID, (200.0, 23.0)))), tmp_path)
+    assert [joints for joints, _ in groups(found).values()] == [[".*"]]
+
+
+MJLAB = """from mjlab.actuator import BuiltinPositionActuatorCfg
+from mjlab.entity import EntityArticulationInfoCfg
+
+H1_BIG_ACTUATOR_CFG = BuiltinPositionActuatorCfg(
+    target_names_expr=(".*_hip_.*", "torso_joint"), stiffness=80.0, damping=4.0, effort_limit=200.0, armature=0.06
+)
+H1_SMALL_ACTUATOR_CFG = BuiltinPositionActuatorCfg(
+    target_names_expr=(".*_knee_joint", ".*_ankle_joint", ".*_shoulder_.*", ".*_elbow_joint"),
+    stiffness=40.0, damping=2.0, effort_limit=40.0, armature=0.01
+)
+H1_ARTICULATION = EntityArticulationInfoCfg(actuators=(H1_BIG_ACTUATOR_CFG, H1_SMALL_ACTUATOR_CFG))
+"""
+
+
+def test_motors_over_limbs_stay_one_group(tmp_path: Path) -> None:
+    """What a configuration drives alike in several limbs is one group, with the configuration's name for it."""
+    model = humanoid(dict.fromkeys(HUMANOID, (500.0, 23.0)), (500, 23))
+    found = imported(write(tmp_path, h1_urdf=model, h1_py=MJLAB), tmp_path)
+    assert {name: len(joints) for name, (joints, _) in groups(found).items()} == {"big": 2, "small": 4}
+    assert groups(found)["big"][0] == ["torso_joint", ".*_hip_.*"]
+
+
+@pytest.mark.parametrize(
+    "given, robot, expected",
+    [
+        ("legs", "a1", "legs"),
+        ("GO1_HIP_ACTUATOR_CFG", "unitree_go1", "hip"),
+        ("G1_ACTUATOR_5020", "g1_29dof", "actuator_5020"),
+        ("ACTUATOR_DM_4310", "yam", "dm_4310"),
+        ("actuators[0]", "yam", ""),
+        ("null", "a1", ""),
+        ("", "a1", ""),
+        ("x: {{ y }}", "a1", ""),
+    ],
+    ids=["plain", "constant", "number", "prefix", "no name", "reserved", "none", "hostile"],
+)
+def test_given_names(given: str, robot: str, expected: str) -> None:
+    """A configuration's name for a group becomes its key, without the robot's and without `actuator`."""
+    assert given_name(["a", "b"], {"a": given, "b": given, "c": "other"}, robot) == expected
+
+
+def test_given_name_of_part_of_a_group() -> None:
+    """Half of a configuration's group has not its name, nor have two groups together."""
+    assert given_name(["a"], {"a": "legs", "b": "legs"}, "bot") == ""
+    assert given_name(["a", "b"], {"a": "hips", "b": "knees"}, "bot") == ""
+
+
+@pytest.mark.parametrize(
+    "wanted, expected",
+    [
+        (["l_wrist_pitch_joint", "l_wrist_yaw_joint"], ("l_wrist_(pitch|yaw)_joint",)),
+        (["l_wrist_pitch_joint"], ("l_wrist_pitch_joint",)),
+        (["l_elbow_joint", "l_hip_yaw_joint"], ("l_elbow_joint", "l_hip_yaw_joint")),
+    ],
+    ids=["one word", "one joint", "other words"],
+)
+def test_one_pattern(wanted: list[str], expected: tuple[str, ...]) -> None:
+    """Joints that differ in one word have one pattern; others as many as they need."""
+    names = [
+        "l_wrist_pitch_joint",
+        "l_wrist_roll_joint",
+        "l_wrist_yaw_joint",
+        "l_elbow_joint",
+        "l_hip_yaw_joint",
+    ]
+    assert one_pattern(wanted, names) == expected
+
+
+def test_numbered_joints_are_one_row(tmp_path: Path) -> None:
+    """Without a robot file, joint1 to joint3 are taken for one limb: a group with overrides, not three groups."""
+    drives = "".join(
+        f'"{name}": ImplicitActuatorCfg(joint_names_expr=["{name}"], stiffness={kp}, damping=1.0),\n'
+        for name, kp in (("joint1", 10.0), ("joint2", 20.0), ("joint3", 30.0))
+    )
+    text = (
+        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        f"ARM_CFG = ArticulationCfg(actuators={{{drives}}})\n"
+    )
+    found = imported(write(tmp_path, arm_py=text), tmp_path)
+    (group,) = bare(found.data["actuators"]).values()
+    assert group["joints"] == [".*"]
+    assert group["overrides"] == {"joint2": {"kp": "20 N*m/rad"}, "joint3": {"kp": "30 N*m/rad"}}
+
+
+LEG = """<robot name="leg"><link name="base"/><link name="a">LINK</link><link name="b">LINK</link>
+<link name="c">LINK</link>
+<joint name="hip" type="revolute"><parent link="base"/><child link="a"/><limit lower="-1" upper="1" HIP/></joint>
+<joint name="knee" type="revolute"><parent link="a"/><child link="b"/><limit lower="-1" upper="1" KNEE/></joint>
+<joint name="ankle" type="revolute"><parent link="b"/><child link="c"/><limit lower="-1" upper="1" ANKLE/></joint>
+</robot>""".replace("LINK", LINK)
+
+
+def leg(hip: tuple[float, float], knee: tuple[float, float], ankle: tuple[float, float]) -> str:
+    """A leg with (effort, velocity) of its joints."""
+    text = LEG
+    for part, (effort, speed) in (("HIP", hip), ("KNEE", knee), ("ANKLE", ankle)):
+        text = text.replace(part, f'effort="{effort}" velocity="{speed}"')
+    return text
+
+
+def test_motor_that_not_all_joints_have(tmp_path: Path) -> None:
+    """A joint without the inferred motor is no override of those that have it; the motor is called after these."""
+    # 10 x 40 and 20 x 20 are one power, 60 x 9 is another.
+    found = imported(write(tmp_path, leg_urdf=leg((60, 9), (20, 20), (10, 40))), tmp_path)
+    assert list(bare(found.data["motors"])) == ["legs_motor"]
+    made = bare(found.data["actuators"])
+    assert {name: ("motor" in group, group["joints"]) for name, group in made.items()} == {
+        "hip": (False, ["hip"]),
+        "legs": (True, ["knee", "ankle"]),
+    }
+    (tmp_path / "spec.yaml").write_text(found.draft.text, encoding="utf-8")
+    limits = {joint.joint: joint.effort_limit.value for joint in api.resolve(tmp_path / "spec.yaml").joints}
+    assert limits == {"hip": 60.0, "knee": 20.0, "ankle": 10.0}
+
+
+def config(cls: str, more: str = "") -> str:
+    """A configuration that gives all three joints 10 N*m."""
+    return f"""from isaaclab.actuators import {cls}
+from isaaclab.assets import ArticulationCfg
+
+LEG_CFG = ArticulationCfg(
+    actuators={{"leg": {cls}(joint_names_expr=[".*"], effort_limit=10.0, stiffness=40.0, damping=1.0{more})}},
+)
+"""
+
+
+def test_gear_that_only_another_file_gives_away(tmp_path: Path) -> None:
+    """A URDF's 24 x 12 and 12 x 24 are one motor, though the configuration that counts has 10 N*m at both joints."""
+    model = leg((12, 24), (24, 12), (12, 24))
+    found = imported(write(tmp_path, leg_urdf=model, leg_py=config("IdealPDActuatorCfg")), tmp_path)
+    assert bare(found.data["motors"]) == {"leg_motor": {"side": "joint", "peak_torque": "10 N*m"}}
+    (group,) = bare(found.data["actuators"]).values()
+    assert group["effort_limit"] == "10 N*m"
+    assert group["overrides"] == {"knee": {"reduction": 2, "velocity_limit": "12 rad/s"}}
+    assert found.draft.inferred == (
+        "knee: inferred: 24 N*m x 12 rad/s are the 12 N*m x 24 rad/s of hip behind 2 times the gear in leg_urdf",
+    )
+
+
+def test_gear_that_a_line_speaks_against(tmp_path: Path) -> None:
+    """Where the configuration's torque-speed line is the hip's at the knee too, the gear is a question, no number."""
+    model = leg((12, 24), (24, 12), (12, 24))
+    line = config("DCMotorCfg", ", saturation_effort=12.0, velocity_limit=24.0")
+    found = imported(write(tmp_path, leg_urdf=model, leg_py=line), tmp_path)
+    (group,) = bare(found.data["actuators"]).values()
+    assert group["overrides"] == {"knee": {"velocity_limit": "12 rad/s"}}
+    told = "knee: the motor of hip behind 2 times the gear? 24 N*m x 12 rad/s are its 12 N*m x 24 rad/s in leg_urdf"
+    assert found.draft.inferred == (told,)
+    assert f"    # {told}\n" in found.draft.text

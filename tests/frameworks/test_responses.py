@@ -1,0 +1,84 @@
+"""Time responses of the real frameworks: they agree with the law, and mistakes in their files do not."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.verify.response import SOFT
+from tests.frameworks.prepare import Frameworks
+from tests.verify.making import SPEC, Edit, both, replaced
+from tests.verify.responding import Bench
+
+NEWTONS = {"newton": "1.8", "newton4": "1.4"}
+pytestmark = pytest.mark.slow
+
+TARGETS = ("custom", "isaaclab", "il45", "mjlab", *NEWTONS)
+
+
+@pytest.fixture(scope="module")
+def bench(frameworks: Frameworks, tmp_path_factory: pytest.TempPathFactory) -> Bench:
+    """The rich spec for all of them."""
+    paths = '{".*": "joints/{joint}"}'
+    lines = [
+        f'  {name}: {{target: newton, version: "{version}", joint_paths: {paths}}}\n'
+        for name, version in NEWTONS.items()
+    ]
+    return Bench.of(tmp_path_factory.mktemp("responses"), SPEC + "".join(lines), *TARGETS)
+
+
+@pytest.mark.parametrize("name", TARGETS)
+def test_every_course_of_every_joint_agrees(bench: Bench, name: str) -> None:
+    """16 rows; known approximations are marked where they show, and what they do not explain agrees beside them."""
+    rows = bench.rows(name)
+    assert len(rows) == 16
+    assert [(row.joint, row.quantity, row.message) for row in rows if not row.ok] == []
+    marked = {key for row in rows for key in row.approximations}
+    losses = {loss.key for loss in bench.built.targets[name].losses}
+    assert marked <= {*losses, SOFT}
+    assert bool(marked) == (name != "custom")
+
+
+def test_a_class_that_holds_the_whole_law_needs_no_approximation(bench: Bench) -> None:
+    """Isaac Lab's `class: custom` filters, delays, clamps and reads a bias as the law does."""
+    assert {row.approximations for row in bench.rows("custom")} == {()}
+
+
+FAULTS: dict[str, tuple[str, Edit, str]] = {
+    "custom three steps more of delay": (
+        "custom",
+        both(replaced("min_delay=2,", "min_delay=5,"), replaced("max_delay=2,", "max_delay=5,")),
+        "hips",
+    ),
+    "custom armature twice": ("custom", replaced("armature=0.018225", "armature=0.03645"), "knees"),
+    "custom filter for another step": ("custom", replaced("physics_dt=0.005", "physics_dt=0.02"), "knees"),
+    "custom kd of half": ("custom", replaced("damping=1.5,", "damping=0.75,"), "hips"),
+    "isaaclab armature left out": ("isaaclab", replaced("armature=0.018225", "armature=0.0"), "knees"),
+    "mjlab three steps more of delay": (
+        "mjlab",
+        both(
+            replaced("delay_min_lag=2,", "delay_min_lag=5,"), replaced("delay_max_lag=2,", "delay_max_lag=5,")
+        ),
+        "hips",
+    ),
+    "mjlab armature twice": ("mjlab", replaced("armature=0.3,", "armature=3.0,"), "lift"),
+    "newton four steps more of delay": (
+        "newton",
+        replaced("newton:delaySteps = 2", "newton:delaySteps = 6", 0),
+        "hips",
+    ),
+    "newton armature ten times": (
+        "newton",
+        replaced("newton:armature = 0.3 ", "newton:armature = 3.0 "),
+        "lift",
+    ),
+}
+"""What is done, to whose file, and a group that shows it."""
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_a_mistake_shows_in_the_response(bench: Bench, fault: str) -> None:
+    """In its group."""
+    name, edit, group = FAULTS[fault]
+    wrong = [row for row in bench.rows(name, edit) if not row.ok]
+    assert group in {row.group for row in wrong}
+    assert {row.code for row in wrong} <= {"VFY112", "VFY113"}

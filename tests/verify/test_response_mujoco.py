@@ -1,0 +1,213 @@
+"""MuJoCo's own responses: they agree, and mistakes that no field and no torque shows are found."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from actspec.verify.response import COURSES, SOFT
+from tests.verify.making import SPEC, Edit, both, replaced
+from tests.verify.responding import Bench
+
+ONLY = 'targets: {mujoco: {version: "3.12"}}\n'
+RICH = SPEC.split("targets:")[0] + ONLY
+FREE = RICH.replace("    kd: 300\n    effort_limit: 150 N\n", "    kd: 3000\n    effort_limit: unknown\n")
+"""The lift with h kd / J = 3.3 and no limit: stable where its drive is integrated implicitly."""
+
+
+@pytest.fixture(scope="module")
+def rich(tmp_path_factory: pytest.TempPathFactory) -> Bench:
+    """Hips, knees and a slide, with every kind of number."""
+    return Bench.of(tmp_path_factory.mktemp("rich"), RICH, "mujoco")
+
+
+@pytest.fixture(scope="module")
+def free(tmp_path_factory: pytest.TempPathFactory) -> Bench:
+    """The same with a stiff lift."""
+    return Bench.of(tmp_path_factory.mktemp("free"), FREE, "mujoco")
+
+
+def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
+    """16 rows: hips together, knees apart; where it shows, soft friction is the only approximation."""
+    rows = rich.rows("mujoco")
+    assert len(rows) == 16
+    assert [row.message for row in rows if not row.ok] == []
+    assert {key for row in rows for key in row.approximations} <= {SOFT}
+    # The tolerance means something: a few hundredths of the way.
+    assert all(row.tolerance < 0.15 for row in rows)
+
+
+def test_a_first_order_engine_is_off_by_twice_its_change(rich: Bench) -> None:
+    """So twice the change, as an estimate, would fail half of what is right; 1.9 to 2.1 for a step of the hips."""
+    answer = rich.asked("mujoco")
+    q = answer.q[:, 0, 0]
+    error = np.abs(q - rich.moved[0, rich.wanted["mujoco"][0].left].q[:, 0]).max()
+    assert 1.9 < error / np.abs(q - answer.halved[:, 0, 0]).max() < 2.1
+
+
+def option(text: str) -> Edit:
+    """Another `option`, with flags in it."""
+    return replaced('integrator="implicitfast"/>', f'integrator="implicitfast"{text}</option>')
+
+
+UNSEEN: dict[str, tuple[Edit, str]] = {
+    "soft friction made softer": (
+        replaced('frictionloss="0.3"', 'frictionloss="0.3" solreffriction="0.2 1"', 0),
+        "hips",
+    ),
+    "friction switched off": (option('><flag frictionloss="disable"/>'), "lift"),
+    "damping switched off": (option('><flag damper="disable"/>'), "lift"),
+}
+"""Mistakes that leave every field and every torque as it was: what is done, and a group that shows it."""
+
+SEEN: dict[str, tuple[Edit, str]] = {
+    "a finer time step": (replaced('timestep="0.005"', 'timestep="0.004"'), "lift"),
+    "half the time step": (replaced('timestep="0.005"', 'timestep="0.0025"'), "hips"),
+    "too few samples": (replaced('nsample="2"', 'nsample="1"', 0), "hips"),
+    "a step more of delay": (replaced('delay="0.01" nsample="2"', 'delay="0.015" nsample="3"', 0), "hips"),
+    "armature twice": (replaced('armature="0.018225"', 'armature="0.03645"', 0), "knees"),
+    "armature at the actuator too": (
+        replaced('dyntype="filterexact"', 'armature="0.018225" dyntype="filterexact"', 0),
+        "knees",
+    ),
+    "joint damping ten times": (replaced('damping="0.05"', 'damping="0.5"', 0), "hips"),
+    "two mistakes": (
+        both(replaced('nsample="2"', 'nsample="1"', 0), replaced('damping="5"', 'damping="50"')),
+        "lift",
+    ),
+}
+"""Mistakes that fields or torques show too."""
+
+
+@pytest.mark.parametrize("name", [*UNSEEN, *SEEN])
+def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
+    """VFY112 in the group that has it."""
+    edit, group = (UNSEEN | SEEN)[name]
+    rows = rich.rows("mujoco", edit)
+    assert {row.code for row in rows if not row.ok} == {"VFY112"}
+    assert group in {row.group for row in rows if not row.ok}
+
+
+@pytest.mark.parametrize("name", UNSEEN)
+def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
+    """The whole verification: only responses are wrong."""
+    found = rich.built.verified("mujoco", UNSEEN[name][0], engines=True)
+    assert found.faults
+    assert {row.quantity for row in found.faults} <= set(COURSES)
+
+
+def test_an_integrator_that_is_unstable_is_found(free: Bench) -> None:
+    """`Euler` integrates the drive's kd explicitly: 5 ms x 3000 / 4.5 kg is more than 2, and the lift diverges."""
+    assert [row.message for row in free.rows("mujoco") if not row.ok] == []
+    rows = free.rows("mujoco", replaced("implicitfast", "Euler"))
+    assert {(row.group, row.code) for row in rows if not row.ok} == {("lift", "VFY113")}
+    assert {row.message for row in rows if not row.ok} == {"the simulation diverges at its own step"}
+
+
+def test_another_integrator_that_is_as_good_agrees(rich: Bench) -> None:
+    """Runge-Kutta and the discrete integrator are no mistakes."""
+    assert [row.message for row in rich.rows("mujoco", replaced("implicitfast", "RK4")) if not row.ok] == []
+
+
+@pytest.fixture(scope="module")
+def probe() -> Any:
+    """The probe as a module."""
+    import importlib.util
+
+    from actspec.verify.engines.mujoco import RESPONSES
+
+    spec = importlib.util.spec_from_file_location("probe_mujoco_response", RESPONSES)
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+STRANGE = """<mujoco><compiler angle="degree"/>
+<option timestep="0.004" integrator="implicit" impratio="3" tolerance="1e-7">
+  <flag filterparent="disable"/></option>
+<worldbody><geom name="floor" type="plane" size="1 1 1"/><body pos="0 0 0.05"><geom size="0.1"/>
+  <joint name="a" axis="1 2 0" pos="0.1 0 0.2" range="-30 40" armature="0.02" damping="0.1 0.2 0.3" frictionloss="0.1"
+    solreffriction="0.03 1.2" solimpfriction="0.8 0.9 0.002 0.4 3" actuatorfrcrange="-7 8" actuatorgravcomp="true"
+    ref="10" stiffness="4" springref="5" margin="0.01" group="2"
+    solreflimit="0.03 1" solimplimit="0.8 0.9 0.002 0.4 3"/>
+  <body><geom size="0.1"/><joint name="b" type="slide" axis="0 0 1"/></body></body></worldbody>
+<actuator>
+  <dcmotor name="m" joint="b" nominal="24 3 20" saturation="2 0 0" inductance="0.001" input="pos"
+    controller="5 1 0.2 2 3 24"/>
+  <general name="g" joint="a" dyntype="filterexact" dynprm="0.02" gainprm="12" biastype="affine" biasprm="0.1 -11 -0.5"
+    gear="-2" ctrlrange="-1 1.5" forcerange="-3 2" actrange="-1 1" actearly="true" delay="0.008" nsample="2"
+    interp="linear" damping="0.3 0.1 0" armature="0.01" group="1"/>
+</actuator></mujoco>"""
+"""Fields that compiled files seldom have, all with numbers of their own."""
+
+
+@pytest.mark.parametrize("joint", ["a", "b"])
+def test_a_joint_alone_has_every_row_of_the_file_s_model(probe: Any, joint: str) -> None:
+    """`alone` compares them itself; the sums that depend on the body are those of the inertia that is asked for."""
+    import mujoco
+
+    whole = mujoco.MjModel.from_xml_string(STRANGE)
+    alone = probe.alone(whole, joint, 0.07, 1)
+    at = whole.joint(joint).id
+    extra = 0.02 + 4 * 0.01 if joint == "a" else 0.0
+    assert alone.dof_M0[0] == pytest.approx(0.07 + extra)
+    assert alone.nu == 1
+    assert alone.actuator_gear[0, 0] == (-2.0 if joint == "a" else 1.0)
+    assert (alone.opt.timestep, alone.opt.impratio, alone.opt.tolerance) == (0.004, 3.0, 1e-7)
+    assert alone.opt.integrator == whole.opt.integrator
+    assert alone.jnt_stiffness[0] == 0.0
+    assert np.array_equal(alone.dof_solref[0], whole.dof_solref[whole.jnt_dofadr[at]])
+
+
+def test_half_a_step_keeps_the_delay(probe: Any) -> None:
+    """8 ms are 2 steps of 4 and 4 of 2: the buffer is twice as long."""
+    import mujoco
+
+    half = probe.alone(mujoco.MjModel.from_xml_string(STRANGE), "a", 0.07, 2)
+    assert half.opt.timestep == 0.002
+    assert half.actuator_delay[0] == 0.008
+    assert half.actuator_history[0, 0] == 4
+
+
+@pytest.mark.parametrize(
+    "field", ["actuator_gainprm", "jnt_margin", "dof_solimp", "dof_frictionloss", "actuator_dynprm"]
+)
+def test_a_row_that_does_not_come_along_is_an_error(
+    probe: Any, field: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The comparison is no formality: a number that is left behind is found."""
+    import mujoco
+
+    attribute = "solimp_friction" if field == "dof_solimp" else field.split("_")[1]
+    for table in ("JOINT", "ACTUATOR"):
+        kept = {key: row for key, row in getattr(probe, table).items() if key != attribute}
+        monkeypatch.setattr(probe, table, kept)
+    whole = mujoco.MjModel.from_xml_string(STRANGE)
+    with pytest.raises(probe.Refused, match=field):
+        probe.alone(whole, "a", 0.07, 1)
+
+
+def test_what_the_model_does_not_have_is_said(rich: Bench) -> None:
+    """A joint without an actuator has no row, and a reason."""
+    edit = replaced('<velocity name="lift" joint="lift"', '<velocity name="lift" joint="gripper"')
+    answer = rich.asked("mujoco", edit)
+    assert answer.errors == {"lift": "the joint has no actuator"}
+    assert np.isnan(answer.q[1:, :, 4]).all()
+
+
+def test_a_file_that_mujoco_refuses_is_refused(rich: Bench) -> None:
+    """With MuJoCo's own words."""
+    from actspec.verify.engines.question import EngineRefused
+
+    with pytest.raises(EngineRefused, match=r"(?i)gear"):
+        rich.asked("mujoco", replaced('gear="1"', 'gear="x"'))
+
+
+def test_the_lag_of_a_plan_is_in_steps(rich: Bench) -> None:
+    """10 ms are 2 steps of 5; the lift has none."""
+    assert rich.told.lags == [2, 2, 2, 2, 0]
+    assert replace(rich.told, step=0.0025).lags == [4, 4, 4, 4, 0]
