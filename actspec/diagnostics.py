@@ -161,6 +161,8 @@ class Collector:
 
 def one_line(text: str) -> str:
     """Make text from a stranger's file safe to print: one line, no control characters."""
+    if text.isprintable():
+        return text
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
 
 

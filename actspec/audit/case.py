@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TypeVar, cast
 
 from actspec.audit.artifact import Artifact, FileKind, FileReading
 from actspec.audit.ledger import LedgerRow
+
+_T = TypeVar("_T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +68,9 @@ class Case:
         versions: What the files are meant for.
         options: Rule code to its options (thresholds) from the configuration.
         joints: Rows of each joint of each artifact, in their order; rows without a joint are left out.
+        joints_by_artifact: The same, by artifact and then by joint.
         robot_by_artifact: Artifact to its robot.
+        kinds_by_artifact: Artifact to the kinds of file that describe its robot, its own too.
     """
 
     files: tuple[FileReading, ...]
@@ -76,22 +80,41 @@ class Case:
     versions: Versions = Versions()
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     joints: Mapping[tuple[int, str], Sequence[LedgerRow]] = field(init=False, repr=False, compare=False)
+    joints_by_artifact: Mapping[int, Mapping[str, Sequence[LedgerRow]]] = field(
+        init=False, repr=False, compare=False
+    )
     robot_by_artifact: Mapping[int, Robot] = field(init=False, repr=False, compare=False)
+    kinds_by_artifact: Mapping[int, frozenset[FileKind]] = field(init=False, repr=False, compare=False)
+    _rows: Mapping[int, tuple[LedgerRow, ...]] = field(init=False, repr=False, compare=False)
+    _made: dict[Callable[[Case], object], object] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
 
     def __post_init__(self) -> None:
         """Index rows and robots: every rule looks for both."""
+        rows: dict[int, list[LedgerRow]] = {}
         joints: dict[tuple[int, str], list[LedgerRow]] = {}
+        by_artifact: dict[int, dict[str, list[LedgerRow]]] = {}
         for row in self.rows:
+            rows.setdefault(row.artifact, []).append(row)
             if row.joint:
-                joints.setdefault((row.artifact, row.joint), []).append(row)
-        robots = {index: robot for robot in self.robots for index in robot.artifacts}
+                own = joints.setdefault((row.artifact, row.joint), [])
+                own.append(row)
+                by_artifact.setdefault(row.artifact, {})[row.joint] = own
+        robots, kinds = {}, {}
+        for robot in self.robots:
+            beside = frozenset(self.artifacts[index].kind for index in robot.artifacts)
+            for index in robot.artifacts:
+                robots[index], kinds[index] = robot, beside
+        object.__setattr__(self, "_rows", {index: tuple(own) for index, own in rows.items()})
         object.__setattr__(self, "joints", joints)
+        object.__setattr__(self, "joints_by_artifact", by_artifact)
         object.__setattr__(self, "robot_by_artifact", robots)
+        object.__setattr__(self, "kinds_by_artifact", kinds)
 
     def rows_of(self, artifact: int) -> tuple[LedgerRow, ...]:
         """The rows of one artifact."""
-        start = bisect_left(self.rows, artifact, key=_artifact)
-        return self.rows[start : bisect_right(self.rows, artifact, lo=start, key=_artifact)]
+        return self._rows.get(artifact, ())
 
     def of_kind(self, *kinds: FileKind) -> Iterator[tuple[int, Artifact]]:
         """Artifacts of these kinds, with their indices."""
@@ -107,10 +130,16 @@ class Case:
         """The robot that an artifact belongs to."""
         return self.robot_by_artifact[artifact]
 
+    def once(self, make: Callable[[Case], _T]) -> _T:
+        """What a function makes of this case, made once for all rules that ask for it.
+
+        Args:
+            make: Pure; a function of a module, by which it is known again.
+        """
+        if make not in self._made:
+            self._made[make] = make(self)
+        return cast(_T, self._made[make])
+
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""
         return self.options.get(code, {}).get(name, default)
-
-
-def _artifact(row: LedgerRow) -> int:
-    return row.artifact

@@ -39,6 +39,7 @@ class LedgerRow:
         joint: Name of the joint; a pattern in a configuration whose robot is not at hand; "" for a tendon or site.
         actuator: Name of the actuator, or of the cfg group.
         control: One of `CONTROLS`.
+        drives: What it drives that is no hinge or slide with a name: `tendon spine`, `site tip`; "" for a joint.
         kind: hinge or slide; None when nobody says.
         kp: Drive stiffness, gear included.
         kd: The drive's velocity gain in its linear region, gear included; back-EMF is in it.
@@ -80,6 +81,7 @@ class LedgerRow:
     joint: str
     actuator: str
     control: str
+    drives: str = ""
     kind: JointKind | None = None
     kp: float | None = None
     kd: float | None = None

@@ -10,6 +10,7 @@ from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
+from actspec.audit.strangers import strangers
 from actspec.diagnostics import Diagnostic, Severity, Span
 
 SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
@@ -17,8 +18,8 @@ SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
-UNKNOWN = frozenset({"CFG001", "DEPLOY002"})
-"""Codes of information about figures that are unknown, so that no rule looks at them."""
+UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002"})
+"""Codes of information about figures that no rule looks at, or that are not compared."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,10 +107,10 @@ class Report:
                 message = f"the file cannot be read: {file.reason}"
                 found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
             found += _from_text(file)
-        return (*found, *self.problems)
+        return (*found, *strangers(self.case), *self.problems)
 
     def told(self) -> tuple[Diagnostic, ...]:
-        """What of it people are told: mere information is for programs, but not what is unknown."""
+        """What of it people are told: mere information is for programs, but not what nobody looked at."""
         return tuple(
             item for item in self.diagnostics() if item.severity is not Severity.INFO or item.code in UNKNOWN
         )

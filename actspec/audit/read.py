@@ -9,7 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.artifact import FileKind, FileReading
-from actspec.audit.workers import FAULT, Task, Workers
+from actspec.audit.workers import FAULT, Task, Workers, cores, process_context
 from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFile
@@ -22,6 +22,10 @@ YAML = (".yaml", ".yml")
 
 MOST_YAML_BYTES = 8 * 1024 * 1024
 """Chosen: the largest deploy file seen has 30 kB."""
+
+FILES_TO_PRELOAD = 25
+"""Robot files a process from which on MuJoCo is imported once, before the processes are forked. Chosen: they take 0.15 s
+to read, as the caller's own imports do; with fewer, those would be waited for instead of going on beside MuJoCo's."""
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
 
@@ -77,6 +81,7 @@ class PendingFiles:
         keep_matrices: bool | None = None,
         skip_other: bool = False,
         jobs: int | None = None,
+        preload: bool = False,
     ) -> None:
         """Begin to read.
 
@@ -85,12 +90,17 @@ class PendingFiles:
             keep_matrices: Likewise.
             skip_other: Likewise.
             jobs: Likewise.
+            preload: MuJoCo may be imported here for all processes; for a process that is the audit's own.
         """
         self._paths = tuple(paths)
         self._skip_other = skip_other
         self._files = expand(paths, skip_other=skip_other)
         if keep_matrices is None:
             keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
+        if preload and self._is_worth_preloading(jobs or cores()):
+            from actspec.audit.readers.robot import preload_readers
+
+            preload_readers()
         tasks = [Task(index, file.path, keep_matrices) for index, file in enumerate(self._files)]
         self._workers = Workers(tasks, jobs, read_file)
 
@@ -101,6 +111,11 @@ class PendingFiles:
     def __exit__(self, *_: object) -> None:
         """Stop reading."""
         self._workers.__exit__()
+
+    def _is_worth_preloading(self, jobs: int) -> bool:
+        """Whether forked processes would read so many robot files that MuJoCo may first be imported for all."""
+        robots = sum(file.path.lower().endswith(ROBOT) for file in self._files)
+        return robots >= FILES_TO_PRELOAD * jobs and process_context().get_start_method() == "fork"
 
     @property
     def in_folders(self) -> frozenset[str]:
@@ -222,7 +237,7 @@ def _read_yaml(path: str) -> FileReading:
     except TooLarge:
         return FileReading(path, None, f"it is larger than {MOST_YAML_BYTES >> 20} MiB")
     except (OSError, ValueError) as err:
-        return FileReading(path, None, f"it cannot be read: {getattr(err, 'strerror', None) or 'bad path'}")
+        return FileReading(path, None, (getattr(err, "strerror", None) or "bad path").lower())
     if not is_spec(data):
         from actspec.audit.readers.deploy import read_deploy
 

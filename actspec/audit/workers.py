@@ -254,14 +254,15 @@ def pickled(item: object) -> bytes:
 @lru_cache(maxsize=1)
 def _by_fields() -> dict[type, Callable[[Any], tuple[type, tuple[Any, ...]]]]:
     """Classes of which there are many, with a function that takes one apart for its constructor."""
+    from actspec.audit.artifact import Artifact
     from actspec.audit.finding import Finding, Fix, Skipped, TextEdit
     from actspec.diagnostics import Diagnostic, Span
     from actspec.ir import InertiaRange
     from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFile, RobotView
 
     many = (
-        ActuatorView, Diagnostic, Finding, Fix, InertiaRange, JointInertia, JointView, ModelFile, RobotView,
-        Skipped, Span, TextEdit,
+        ActuatorView, Artifact, Diagnostic, FileReading, Finding, Fix, InertiaRange, JointInertia, JointView,
+        ModelFile, RobotView, Skipped, Span, TextEdit,
     )  # fmt: skip
     return {cls: _taking_apart(cls, attrgetter(*(one.name for one in fields(cls)))) for cls in many}
 

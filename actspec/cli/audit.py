@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 
 from actspec.audit.read import PendingFiles
 
@@ -19,4 +20,6 @@ def run(arguments: argparse.Namespace) -> int:
 def begin(arguments: argparse.Namespace) -> PendingFiles:
     """Begin to read the files, each once, the spec too."""
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
-    return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)
+    # Without threads of numpy's linear algebra this process can be forked; it needs none.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs, preload=True)

@@ -124,8 +124,9 @@ def dof_inertia(model: mujoco.MjModel, poses: int = POSES) -> dict[int, JointIne
     import numpy as np
 
     qpos = _poses(model, poses)
-    kinds = (int(mujoco.mjtJoint.mjJNT_HINGE), int(mujoco.mjtJoint.mjJNT_SLIDE))
-    dofs = model.jnt_dofadr[np.isin(model.jnt_type, kinds)]
+    kinds = model.jnt_type
+    scalar = (kinds == int(mujoco.mjtJoint.mjJNT_HINGE)) | (kinds == int(mujoco.mjtJoint.mjJNT_SLIDE))
+    dofs = model.jnt_dofadr[scalar]
     units, ones = np.eye(model.nv)[dofs], np.ones(model.nv)
     # Columns of L^-T, then 1/(M^-1)_jj = 1 / sum_k (L^-T)_kj^2 / D_k.
     columns = np.empty((len(qpos), len(dofs), model.nv))

@@ -110,6 +110,8 @@ def read_elements(document: XmlDocument) -> Written:
     joints: dict[str, JointElement] = {}
     replicated: list[tuple[str, JointElement]] = []
     attached: list[tuple[str, str, Span]] = []
+    # Many models have none, and hundreds of bodies need not be looked into.
+    handed_on = any(b"childclass" in file.data for file in document.files)
     # An explicit stack, in document order: (element, inherited class, outermost replicate).
     stack: list[tuple[Element, str, Element | None]] = [
         (section, _MAIN, None) for section in reversed(document.sections("worldbody"))
@@ -133,7 +135,8 @@ def read_elements(document: XmlDocument) -> Written:
             prefix, suffix = element.get("prefix") or "", element.get("suffix") or ""
             attached.append((prefix, suffix, document.span(element)))
             continue
-        inherited = element.get("childclass") or inherited
+        if handed_on:
+            inherited = element.get("childclass") or inherited
         if element.tag == "replicate" and copied is None:
             copied = element
         stack += [(child, inherited, copied) for child in reversed(element.children) if child.tag in _WALKED]

@@ -8,6 +8,17 @@ if TYPE_CHECKING:
     import mujoco
 
 
+_ADDRESSES = {
+    "mjOBJ_ACTUATOR": "name_actuatoradr",
+    "mjOBJ_BODY": "name_bodyadr",
+    "mjOBJ_JOINT": "name_jntadr",
+    "mjOBJ_KEY": "name_keyadr",
+    "mjOBJ_SITE": "name_siteadr",
+    "mjOBJ_TENDON": "name_tendonadr",
+}
+"""Kind of an object to the array that says where its names begin."""
+
+
 class ModelLists:
     """A model's arrays by name, each turned into a list when it is first asked for.
 
@@ -21,6 +32,7 @@ class ModelLists:
             model: Compiled; not to be changed afterwards.
         """
         self.model = model
+        self.names: bytes = model.names
 
     def __getattr__(self, name: str) -> Any:
         """The array as a list, of lists where it has several columns."""
@@ -32,9 +44,9 @@ class ModelLists:
         """Name of an object; "" when it has none.
 
         Args:
-            kind: `mjOBJ_JOINT`, say.
+            kind: One of `_ADDRESSES`.
             index: Of the object.
         """
-        import mujoco
-
-        return mujoco.mj_id2name(self.model, getattr(mujoco.mjtObj, kind), index) or ""
+        start = getattr(self, _ADDRESSES[kind])[index]
+        names = self.names
+        return names[start : names.index(b"\0", start)].decode()

@@ -48,7 +48,7 @@ def without_shapes(document: XmlDocument) -> tuple[ModelFile, ...]:
     assets = [element for section in document.sections("asset") for element in section.children]
     for tags in _ASSETS:
         named = _named(files, tags)
-        files = _blank(files, [e for e in assets if e.tag in tags and _name(e) not in named])
+        files = _blank(files, [e for e in assets if e.tag in tags and (not named or _name(e) not in named)])
     return files
 
 

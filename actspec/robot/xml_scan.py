@@ -45,8 +45,8 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
     """
     data = file.data
     check_encoding(file.path, data)
-    # Counted before anything is made of them: two million take seconds.
-    count = _start_tags(data, most - before)
+    # Counted before anything is made of them: two million take seconds. A file has no more tags than bytes.
+    count = _start_tags(data, most - before) if len(data) > most - before else 0
     if count > most - before:
         have = f"{before} elements before, and this file {count}" if before else f"{count} elements"
         message = f"the model has {have}, which is more than {most}"

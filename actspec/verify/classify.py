@@ -27,7 +27,7 @@ LIMITS = (
     "curve.brake_torque",
     "curve.knee_speed",
 )
-DELAYS = ("delay", "delay_low", "delay_high")
+DELAYS = ("delay", "delay_nominal", "delay_low", "delay_high")
 FRICTIONS = ("frictionloss", "friction_static", "friction_setting", "dynamic_friction_setting")
 _SPEEDS = ("velocity_limit", "no_load_speed", "curve.knee_speed")
 _GEARED = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature", "kp", "kd")

@@ -13,13 +13,11 @@ from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.targets.isaaclab.versions import FrictionUnit, isaaclab_dialect
 from actspec.verify.agreement import Row, keys
 from actspec.verify.classify import Difference, classify
-from actspec.verify.layout import TOLERANCE, driven, figure_text, layout_rows
+from actspec.verify.compiled import compiled_rows
+from actspec.verify.layout import NOTHING, TOLERANCE, driven, figure_text, layout_rows
 from actspec.verify.overlay import FIELDS
 from actspec.verify.readback import ABSENT, Figures, Reading
 from actspec.verify.target import Target, alike
-
-NOTHING = 1e-12
-"""What counts as 0."""
 
 _DRIVE = ("kp", "kd", "effort_limit", "stall_torque", "no_load_speed", "delay_low", "delay_high")
 _PASSIVE = ("joint_damping", "frictionloss", "armature")
@@ -31,7 +29,7 @@ HELD: Mapping[str, tuple[str, ...]] = {
     "isaaclab": (*_DRIVE, *_PASSIVE, *_COMMAND, *_CURVE, "velocity_limit", "friction_static"),
     "mjlab": (*_DRIVE, *_PASSIVE, "action_scale", "default_position"),
     "deploy": (
-        *("kp", "kd", "effort_limit", "velocity_limit", "delay_low", "delay_high"),
+        *("kp", "kd", "effort_limit", "velocity_limit", "delay_nominal", "delay_low", "delay_high"),
         *("command_low", "command_high", "position_low", "position_high", "default_position", "action_scale"),
     ),
     "newton": FIELDS,
@@ -52,6 +50,7 @@ LOSSES: Mapping[str, tuple[str, ...]] = {
     "stall_torque": ("torque_speed_curve",),
     "no_load_speed": ("torque_speed_curve",),
     **dict.fromkeys(_CURVE, ("torque_speed_curve",)),
+    "delay_nominal": ("delay",),
     "delay_low": ("delay", "delay.range"),
     "delay_high": ("delay", "delay.range"),
     "filter_cutoff": ("command_filter",),
@@ -71,6 +70,7 @@ _NOUNS = {
     "curve.brake_torque": "brake torque of the curve",
     "curve.knee_speed": "knee speed of the curve",
     "solver_effort_limit": "effort limit of the solver",
+    "delay_nominal": "delay",
 }
 
 _FACTOR = re.compile(r"[x/] ([0-9.eE+-]+) \((gear_ratio|reduction|stages?|lead|radius|factor)\w*(\^2)?\)")
@@ -138,6 +138,9 @@ def field_rows(
         for one in _compare(target, actuator, asked, fresh.figures, built.figures[actuator.joint])
     ]
     yield from _rows(target, actuators, asked, built, fresh, compared, None)
+    if target.options.kind == "mujoco" and target.folder != target.fresh and built.refusal is None:
+        told = {one.actuator.joint for one in compared if not one.ok}
+        yield from compiled_rows(target, actuators, built.figures, told)
 
 
 def engine_rows(

@@ -16,6 +16,9 @@ from actspec.verify.target import Target, alike
 TOLERANCE = 1e-6
 """Relative difference of equal figures. Source: MuJoCo's own form has six digits; the others have all."""
 
+NOTHING = 1e-12
+"""What counts as 0."""
+
 
 def layout_rows(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
     """Rows of a file's joints, steps, order and settings; see `fields.field_rows`."""

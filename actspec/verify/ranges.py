@@ -6,16 +6,17 @@ import ast
 import json
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from actspec.audit.artifact import RandomizedRange
-from actspec.diagnostics import one_line
+from actspec.diagnostics import Span, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.robot.view import RobotView
 from actspec.sampling import own_ranges
 from actspec.verify.agreement import Row
+from actspec.verify.classify import Difference, classify
 from actspec.verify.fields import broken
 from actspec.verify.layout import TOLERANCE
 from actspec.verify.readback import Asked, read_back
@@ -23,6 +24,15 @@ from actspec.verify.target import Target
 
 MOST_BYTES = 16 << 20
 """Chosen: the largest such file seen has 100 kB."""
+
+
+FIGURES = {
+    "friction.coulomb": "frictionloss",
+    "friction.static": "friction_static",
+    "friction.viscous": "joint_damping",
+    "delay": "delay_nominal",
+}
+"""Name of a nominal value to that of a figure, where they are two."""
 
 
 class _Unreadable(Exception):
@@ -55,17 +65,93 @@ def _read(path: str) -> bytes:
 
 
 def _json_rows(target: Target, file: str, actuators: ActuatorSet) -> Iterator[Row]:
+    text = _read(target.path(file)).decode("utf-8", "replace")
     try:
-        record = json.loads(_read(target.path(file)))
+        record = json.loads(text)
         joints = {str(entry["joint"]): entry for entry in record["joints"]}
-    except (ValueError, KeyError, TypeError, RecursionError) as err:
+        nominal = {name: _nominal(entry) for name, entry in joints.items()}
+    except (ValueError, KeyError, TypeError, AttributeError, OverflowError, RecursionError) as err:
         raise _Unreadable(f"it is no {file} that actspec writes ({type(err).__name__})") from err
+    fresh = json.loads(_read(os.path.join(target.fresh, file)))
+    ours = {entry["joint"]: entry for entry in fresh["joints"]}
+    asked = {name: _nominal(entry) for name, entry in ours.items()}
     for actuator in actuators.joints:
-        entry = joints.get(actuator.joint)
-        if entry is None:
+        name = actuator.joint
+        if name not in joints:
             yield _fault(target, actuator, "randomize", "VFY109", f"{file} does not have the joint")
             continue
-        yield _range_row(target, actuator, file, entry)
+        ranges = _range_row(target, actuator, file, joints[name])
+        yield ranges
+        values = list(_nominal_rows(target, actuator, file, asked, nominal, text))
+        yield from values
+        if ranges.ok and not values and _rest(joints[name]) != _rest(ours[name]):
+            yield _fault(target, actuator, "randomize", "VFY110", f"{file}: its text is another one")
+    if _rest(record) != _rest(fresh):
+        yield Row(
+            *(target.name, "", "", len(joints), f"randomize ({file})", "", None, 0.0, False),
+            code="VFY110",
+            message=f"{file}: its head is another one",
+            place=Span(target.path(file)),
+        )
+
+
+def _nominal(entry: Any) -> dict[str, float | None]:
+    """Nominal values of a joint, by the words of figures."""
+    found = {}
+    for name, one in entry["nominal"].items():
+        value = one["value"]
+        found[FIGURES.get(name, name)] = None if value is None else float(value)
+    return found
+
+
+def _nominal_rows(
+    target: Target,
+    actuator: JointActuator,
+    file: str,
+    asked: Mapping[str, Mapping[str, float | None]],
+    found: Mapping[str, Mapping[str, float | None]],
+    text: str,
+) -> Iterator[Row]:
+    """Rows of nominal values that are other ones."""
+    joint = actuator.joint
+    wanted, got = asked[joint], found[joint]
+    for field in dict.fromkeys((*wanted, *got)):
+        want, have = wanted.get(field), got.get(field)
+        if want == have or (
+            want is not None and have is not None and math.isclose(want, have, rel_tol=TOLERANCE)
+        ):
+            continue
+        everywhere = {name: (asked[name].get(field), found.get(name, {}).get(field)) for name in asked}
+        code, reason = classify(Difference(field, want, have, wanted, got, everywhere))
+        name = next((name for name, figure in FIGURES.items() if figure == field), field)
+        yield Row(
+            *(target.name, actuator.group, joint, 1, name, ""),
+            *(None if want is None or have is None else abs(have - want), 0.0, False, want, have),
+            code=code,
+            message=one_line(f"the nominal {name} is {_said(have)}, and should be {_said(want)}: {reason}"),
+            place=Span(target.path(file), _line(text, joint, name)),
+        )
+
+
+def _said(value: float | None) -> str:
+    return "unknown" if value is None else f"{value:.6g}"
+
+
+def _line(text: str, joint: str, name: str) -> int:
+    """The line of a joint's value in a file of ours; 0 where it is not there."""
+    start = text.find(f'"joint": {json.dumps(joint)}')
+    place = text.find(f"{json.dumps(name)}:", max(start, 0))
+    return 0 if start < 0 or place < 0 else text.count("\n", 0, place) + 1
+
+
+def _rest(record: Any) -> dict[str, Any]:
+    """What is told neither by ranges nor by nominal values, nor follows from who wrote the file."""
+    told = ("ranges", "nominal", "joints", "tool", "spec_sha256")
+    found = {name: value for name, value in record.items() if name not in told}
+    if "nominal" in record:
+        found["units"] = [one.get("unit") for one in record["nominal"].values()]
+        found["ranges"] = [{**one, "low": None, "high": None} for one in record["ranges"]]
+    return found
 
 
 def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -> Row:
@@ -80,7 +166,7 @@ def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -
             wrong = _difference(want, got)
             if wrong is not None:
                 return _fault(target, actuator, f"randomize.{field}", "VFY110", f"{file}: {wrong}")
-    except (KeyError, TypeError, ValueError) as err:
+    except (KeyError, TypeError, ValueError, OverflowError) as err:
         raise _Unreadable(f"{actuator.joint}: its ranges are none ({type(err).__name__})") from err
     return Row(target.name, actuator.group, actuator.joint, 1, "randomize", "", 0.0, 0.0, True)
 

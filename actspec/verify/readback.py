@@ -24,6 +24,7 @@ NO_LIMIT = 1e9
 """A limit from which on a cfg means that there is none. Source: Isaac Lab's and actspec's own stand-ins."""
 
 ABSENT = {
+    "delay_nominal": 0.0,
     "delay_low": 0.0,
     "delay_high": 0.0,
     "encoder_bias": 0.0,
@@ -39,7 +40,7 @@ ABSENT = {
 }
 """What a field is where there is no such thing: no delay, no filter, no clamp, no line; a joint that no pose names."""
 
-_UNITS = {"delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
+_UNITS = {"delay_nominal": "s", "delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
 
 Figures = Mapping[str, Mapping[str, Figure]]
 """Joint to field to what is said of it."""
@@ -123,6 +124,7 @@ def _of_spec(actuator: JointActuator, path: str) -> Iterator[tuple[str, Figure]]
         return name, Figure(value, _UNITS.get(name, unit), place, True)
 
     delay = actuator.delay
+    yield figure("delay_nominal", 0.0 if delay is None else delay.nominal.value)
     yield figure("delay_low", 0.0 if delay is None else delay.low)
     yield figure("delay_high", 0.0 if delay is None else delay.high)
     bias = actuator.encoder_bias
@@ -266,11 +268,11 @@ _SETTINGS: dict[Framework, dict[str, str]] = {
             "position_high",
             "command_low",
             "command_high",
-            "delay",
             "delay_low",
             "delay_high",
         )
-    },
+    }
+    | {"delay": "delay_nominal"},
 }
 """Settings of a cfg, where no ledger row has them, to fields."""
 

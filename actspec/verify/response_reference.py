@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 
 SUBSTEPS = 64
 """Of a physics step. Source: the design of `verify`; halving it changes nothing that is judged."""
-LANDINGS = 3
-"""Newton steps to the moment at which a joint stands. Each squares an error that starts below a substep."""
 TURNS = 4
 """Most changes of direction within one substep; a joint that is not through then stands."""
 NO_LINE = 1e300
@@ -345,12 +343,8 @@ def _turn(mine: _Numbers, pull: _Pull, now: _State, start: float, time: float) -
         back = (now.direction * qd < 0.0) & (now.go > 0.0)
         if not back.any():
             return _State(q, qd, now.direction, now.go)
+        # A straight line in the speed: it is 0 there to the square of the substep, and so is where it stands.
         until = np.where(back, left * now.qd / np.where(back, now.qd - qd, 1.0), left)
-        for _ in range(LANDINGS):
-            at, speed = _runge_kutta(mine, pull, now, begin, until)
-            slope = mine.acceleration(pull.at(begin + until), at, speed, now.direction)
-            closer = until - speed / np.where(slope == 0.0, 1.0, slope)
-            until = np.where(back & (slope != 0.0), np.clip(closer, 0.0, left), until)
         at, speed = _runge_kutta(mine, pull, now, begin, until)
         begin = begin + until
         now = _pulled(mine, pull.at(begin), _State(at, np.where(back, 0.0, speed), now.direction, now.go))

@@ -139,6 +139,42 @@ def test_the_audit_itself_imports_no_simulator() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
+@pytest.mark.parametrize(
+    ("files", "jobs", "loaded"),
+    [(49, 2, False), (50, 2, True), (50, 3, False)],
+    ids=["few", "many", "many-jobs"],
+)
+def test_mujoco_is_imported_once_for_many_files(files: int, jobs: int, loaded: bool) -> None:
+    """From 25 robot files a process on the command line imports it before it forks, without threads."""
+    Path("d").mkdir()
+    for index in range(files):
+        Path(f"d/{index:02d}.xml").write_text(GOOD)
+    Path("d/x.py").write_text("x = 1")
+    code = (
+        "import os, sys\nfrom actspec.cli.main import main\n"
+        f"main(['audit', '--exit-zero', '--output-format', 'concise', '--jobs', '{jobs}', 'd'])\n"
+        "print('mujoco' in sys.modules, len(os.listdir('/proc/self/task')))"
+    )
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
+    environment.pop("OPENBLAS_NUM_THREADS", None)
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+    )
+    lines = done.stdout.splitlines()
+    assert lines[-1] == f"{loaded} 1"
+    assert lines[-2].endswith(f"in {files} files")
+
+
+def test_a_simulator_that_cannot_be_imported_is_left_to_the_readers(tmp_path: Path) -> None:
+    """Importing it for all of them is no place to fail: each file says why it cannot be read."""
+    Path("mujoco.py").write_text("raise RuntimeError('no AVX here')")
+    Path("m.xml").write_text(GOOD)
+    code = "from actspec.audit.readers.robot import preload_readers\npreload_readers()"
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
+    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
+
+
 BOMB = '<!DOCTYPE x [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]>'
 EXTERNAL = '<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]>'
 BAD = [

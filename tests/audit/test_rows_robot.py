@@ -273,17 +273,17 @@ def test_a_bare_joint_has_one_row_without_a_drive() -> None:
 
 
 def test_what_drives_no_joint_has_a_row_without_one() -> None:
-    """A tendon's and a site's actuators are told by their control alone, after the joints."""
+    """A tendon's and a site's actuators are told by their control and what they drive, after the joints."""
     text = one_joint(
         '<joint name="j"/>',
         '<position name="t" tendon="t" kp="3"/><motor name="s" site="s" gear="1 0 0 0 0 0"/>',
         tail='<tendon><fixed name="t"><joint joint="j" coef="2"/></fixed></tendon>',
     )
     found = rows(text)
-    assert [(r.joint, r.actuator, r.control, r.kp) for r in found] == [
-        ("j", "", "none", None),
-        ("", "t", "position", None),
-        ("", "s", "motor", None),
+    assert [(r.joint, r.actuator, r.control, r.drives, r.kp) for r in found] == [
+        ("j", "", "none", "", None),
+        ("", "t", "position", "tendon t", None),
+        ("", "s", "motor", "site s", None),
     ]
 
 

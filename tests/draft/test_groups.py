@@ -224,3 +224,22 @@ def test_gear_that_a_line_speaks_against(tmp_path: Path) -> None:
     told = "knee: the motor of hip behind 2 times the gear? 24 N*m x 12 rad/s are its 12 N*m x 24 rad/s in leg_urdf"
     assert found.draft.inferred == (told,)
     assert f"    # {told}\n" in found.draft.text
+
+
+def test_other_limits_of_an_overruled_file_are_no_difference(tmp_path: Path) -> None:
+    """Knee and ankle with one figure in the spec are one override, though a file that does not count differs."""
+    model = leg((12, 24), (24, 20), (25, 20)).replace('"knee"', '"l_knee"').replace('"ankle"', '"r_knee"')
+    found = imported(write(tmp_path, leg_urdf=model, leg_py=config("IdealPDActuatorCfg")), tmp_path)
+    (group,) = bare(found.data["actuators"]).values()
+    assert group["overrides"] == {"hip": {"velocity_limit": "24 rad/s"}}
+    wide = model.replace("</robot>", EXTRA + "</robot>")
+    found = imported(write(tmp_path, leg_urdf=wide, leg_py=config("IdealPDActuatorCfg")), tmp_path)
+    (group,) = bare(found.data["actuators"]).values()
+    assert group["overrides"] == {".*_knee": {"velocity_limit": "20 rad/s"}}
+
+
+EXTRA = "".join(
+    f'<link name="{name}">{LINK}</link><joint name="{name}_hip" type="revolute"><parent link="base"/>'
+    f'<child link="{name}"/><limit lower="-1" upper="1" effort="12" velocity="24"/></joint>'
+    for name in ("FL", "FR", "RL")
+)

@@ -224,6 +224,37 @@ def test_unnamed_joints_are_left_out() -> None:
     assert [str(d) for d in view.diagnostics] == ["m.xml: ROBOT113 [info]: 1 joint without a name left out"]
 
 
+def test_names_in_any_script() -> None:
+    """Of joints, bodies, actuators and all that these drive; none is an empty text, also as the last of all."""
+    text = """<mujoco><worldbody><body name="körper"><joint name="膝"/><geom size="0.1"/><site name="ψ"/>
+<body name="b"><joint name="é"/><geom size="0.1"/></body></body></worldbody>
+<tendon><fixed name="сухожилие"><joint joint="é" coef="1"/></fixed></tendon>
+<actuator><motor name="Мотор" joint="膝"/><motor tendon="сухожилие"/><motor name="a" site="ψ"/></actuator>
+<keyframe><key name="стоя"/><key/></keyframe></mujoco>"""
+    view = read(text)
+    assert [(joint.name, joint.body, joint.parent) for joint in view.joints] == [
+        ("膝", "körper", ""),
+        ("é", "b", "膝"),
+    ]
+    assert [(one.name, one.target) for one in view.actuators] == [
+        ("Мотор", "膝"),
+        ("", "сухожилие"),
+        ("a", "ψ"),
+    ]
+    assert view.keyframes == ("стоя", "")
+
+
+def test_a_childclass_in_an_included_file() -> None:
+    """The main file need not have the word."""
+    view = read(
+        """<mujoco><default><default class="leg"><joint armature="0.1"/></default></default>
+<worldbody><include file="leg.xml"/></worldbody></mujoco>""",
+        leg_xml='<mujocoinclude><body childclass="leg"><joint name="j"/><geom size="0.1"/></body></mujocoinclude>',
+    )
+    (joint,) = view.joints
+    assert (joint.armature, joint.stated) == (0.1, frozenset({"armature"}))
+
+
 def test_replicated_joints_point_at_the_replicate() -> None:
     """Copies have the template's statements and the line of the `replicate`."""
     text = """<mujoco><worldbody>

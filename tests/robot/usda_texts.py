@@ -77,6 +77,7 @@ VALUES: dict[str, Any] = {
 REFUSED = (
     "float x = +1", "float x = 0x10", "float x = 1_000", "float x = --1", "float x = ", "float x =\n1", "float x\n= 1",
     "float\nx = 1", "float = 1", 'float "x" = 1', "float x = 1 2", "float x = 1 float y = 2", "float x = 1;;",
+    "float x = 1 /* c\n */ float y = 2",
     "float x = 1,", "float x = 1)", "float x = [1]", "float x = (1)", 'float x = "1"', "float x = 1.0.0",
     "float[] x = 1", "float[] x = [1 2]", "float[] x = [1, 2", "int x = 99999999999", "int x = inf", "uint x = -1",
     "uchar x = 300",

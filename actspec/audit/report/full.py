@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.outcome import Report
 from actspec.audit.report import ReportOptions
-from actspec.audit.report.groups import Group, told
+from actspec.audit.report.groups import Group
 from actspec.audit.report.sources import Sources
 from actspec.audit.report.style import Style
 from actspec.audit.report.text import around
@@ -19,14 +19,14 @@ _MOST_RELATED = 3
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report with excerpts."""
-    return around(report, options, _findings(report, Style(options.colour)))
-
-
-def _findings(report: Report, style: Style) -> Iterator[str]:
     sources = Sources(report.case.files)
-    for group in told(report.findings):
-        yield from _group(group, sources, style)
-        yield ""
+
+    def lines_of(groups: Iterable[Group], style: Style) -> Iterator[str]:
+        for group in groups:
+            yield from _group(group, sources, style)
+            yield ""
+
+    return around(report, options, lines_of)
 
 
 def _group(group: Group, sources: Sources, style: Style) -> Iterator[str]:

@@ -69,6 +69,7 @@ def _row(row: LedgerRow) -> dict[str, Any]:
         "joint": row.joint,
         "actuator": row.actuator,
         "control": row.control,
+        "drives": row.drives or None,
         **{field: number(getattr(row, field)) for field in JSON_FIELDS},
         **{field: getattr(row, field) for field in JSON_FLAGS},
     }

@@ -59,7 +59,9 @@ def _table(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> Led
     merged: dict[tuple[str, tuple[str, ...]], list[str]] = {}
     for row in rows:
         key = (row.control, tuple(marked(row, column) for column in columns))
-        merged.setdefault(key, []).append(row.joint or row.actuator)
+        merged.setdefault(key, []).append(
+            f"{row.actuator} ({row.drives})".lstrip() if row.drives else row.joint
+        )
     lines = tuple((tuple(joints), control, cells) for (control, cells), joints in merged.items())
     told = legend(
         text for _, _, cells in lines for column, text in zip(columns, cells, strict=True) if column.part

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from actspec.audit.outcome import SEVERITIES, Means, Report
 from actspec.audit.report import ReportOptions
-from actspec.audit.report.groups import told
+from actspec.audit.report.groups import Group, told
 from actspec.audit.report.ledger import ledger_lines
 from actspec.audit.report.style import Style
 from actspec.diagnostics import Severity, listed, one_line
@@ -25,20 +25,23 @@ _MEANS = {
 }
 
 
-def around(report: Report, options: ReportOptions, findings: Iterable[str]) -> str:
+def around(
+    report: Report, options: ReportOptions, lines_of: Callable[[Iterable[Group], Style], Iterable[str]]
+) -> str:
     """A whole text report.
 
     Args:
         report: What was found.
         options: How it is to look.
-        findings: Lines of the findings.
+        lines_of: Gives the lines of the findings.
     """
     style = Style(options.colour)
     lines: list[str] = []
     if options.ledger:
         lines += [*ledger_lines(report.case, style), ""]
-    lines += statistics(report) if options.statistics else findings
-    return "".join(f"{line}\n" for line in (*lines, *summary(report, style)))
+    groups = told(report.findings)
+    lines += statistics(report) if options.statistics else lines_of(groups, style)
+    return "".join(f"{line}\n" for line in (*lines, *summary(report, style, len(groups))))
 
 
 def statistics(report: Report) -> list[str]:
@@ -48,8 +51,14 @@ def statistics(report: Report) -> list[str]:
     return table([(str(count), *key) for key, count in rows], "", headings=0)
 
 
-def summary(report: Report, style: Style) -> Iterator[str]:
-    """How much was found, set aside and skipped."""
+def summary(report: Report, style: Style, entries: int) -> Iterator[str]:
+    """How much was found, set aside and skipped.
+
+    Args:
+        report: What was found.
+        style: How it is to look.
+        entries: As what the findings are told: one is of one joint, what is equal is one entry.
+    """
     skipped: dict[str, list[str]] = {}
     for item in report.skipped:
         skipped.setdefault(item.reason, []).append(item.code)
@@ -67,8 +76,6 @@ def summary(report: Report, style: Style) -> Iterator[str]:
     if unread:
         notes.insert(0, f"{many(unread, 'file')} could not be read")
     read = many(len(report.case.files) - unread, "file")
-    # A finding is of one joint; what is equal is one entry above.
-    entries = len(told(report.findings))
     joined = f" ({entries} entr{'y' if entries == 1 else 'ies'})" if entries < len(report.findings) else ""
     yield f"{counted(report)}{joined} in {read}" + "".join(f"; {text}" for text in notes)
 

@@ -208,7 +208,11 @@ class _Joint:
         places = {**places}
         stated = set(places)
         for field, names in _STATED_BY.items():
-            said = next((name for name in names if name in actuator.stated), None)
+            said = None
+            for name in names:
+                if name in actuator.stated:
+                    said = name
+                    break
             if said is None and field == "effort_limit" and "ctrlrange" in actuator.stated:
                 said = "ctrlrange" if self._is_torque(actuator) else None
             if said is None:
@@ -331,6 +335,7 @@ def _loose(file: str, index: int, actuator: ActuatorView) -> LedgerRow:
         joint="",
         actuator=actuator.name,
         control=_CONTROLS.get(actuator.control, "other"),
+        drives=f"{actuator.transmission} {actuator.target}".rstrip(),
         delay=_known(actuator, "delay"),
     )
 

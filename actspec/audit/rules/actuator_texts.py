@@ -58,7 +58,7 @@ def written_actuators(
 ) -> Iterator[WrittenActuator]:
     """Actuators of all MJCF that have an attribute somewhere; copies by `replicate` or `attach` are left out.
 
-    A file is parsed anew for it, which takes longer than a rule: only files with such an actuator are.
+    A file is parsed anew for it, which takes longer than a rule: only files with such an actuator are, once.
 
     Args:
         case: The case.
@@ -66,23 +66,59 @@ def written_actuators(
         two_of: Nor are files with less than two of these, where some are given.
         which: Compiled actuators that are wanted.
     """
-    for _, artifact in case.of_kind(FileKind.MJCF):
+    for index, artifact in case.of_kind(FileKind.MJCF):
         robot = artifact.robot
         wanted = [] if robot is None else [view for view in robot.actuators if which(robot, view)]
         if robot is None or not wanted or not any(attribute in file.data for file in robot.files):
             continue
         if two_of and sum(any(one in file.data for file in robot.files) for one in two_of) < 2:
             continue
-        document = parse_document(robot.files)
-        written = read_elements(document)
-        folded = cache(class_text)
-        elements = {document.span(element): element for element in written.actuators}
+        text = case.once(_Texts).of(index)
         for view in wanted:
-            element = elements.get(view.span)
-            if element is not None:
-                classes = written.defaults_of(element).actuators
-                text = actuator_text(folded(classes), element)
-                yield WrittenActuator(view, text, element, document, artifact, classes)
+            found = text.actuator(view)
+            if found is not None:
+                yield found
+
+
+class _Texts:
+    """The MJCFs of a case as text, each parsed when a rule first looks at it."""
+
+    def __init__(self, case: Case) -> None:
+        self._artifacts = case.artifacts
+        self._found: dict[int, _Text] = {}
+
+    def of(self, index: int) -> _Text:
+        """The text of an artifact, which is an MJCF."""
+        if index not in self._found:
+            self._found[index] = _Text(self._artifacts[index])
+        return self._found[index]
+
+
+class _Text:
+    """One MJCF as text, and its actuators as far as a rule has asked for them."""
+
+    def __init__(self, artifact: Artifact) -> None:
+        assert artifact.robot is not None
+        self._artifact = artifact
+        self._document = parse_document(artifact.robot.files)
+        self._written = read_elements(self._document)
+        self._elements = {self._document.span(element): element for element in self._written.actuators}
+        self._class_text = cache(class_text)
+        self._actuators: dict[int, WrittenActuator | None] = {}
+
+    def actuator(self, view: ActuatorView) -> WrittenActuator | None:
+        """An actuator; None for a copy by `replicate` or `attach`."""
+        if view.index not in self._actuators:
+            self._actuators[view.index] = self._actuator(view)
+        return self._actuators[view.index]
+
+    def _actuator(self, view: ActuatorView) -> WrittenActuator | None:
+        element = self._elements.get(view.span)
+        if element is None:
+            return None
+        classes = self._written.defaults_of(element).actuators
+        text = actuator_text(self._class_text(classes), element)
+        return WrittenActuator(view, text, element, self._document, self._artifact, classes)
 
 
 def drives_in_mjcf(case: Case) -> bool:

@@ -11,9 +11,8 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
-from actspec.audit.rules.damping_parts import Parts, parts_of
+from actspec.audit.rules.damping_parts import Parts, parts_by_joint
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 
 
@@ -80,7 +79,8 @@ class DampingOutsideClamp(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare damping times speed with the limit."""
         looked = False
-        everything = by_joint(case)
+        everything = case.joints
+        speeds: dict[tuple[int, str], float | None] = {}
         for (artifact, joint), rows in everything.items():
             if case.artifacts[artifact].kind not in (FileKind.MJCF, FileKind.URDF):
                 continue
@@ -94,14 +94,27 @@ class DampingOutsideClamp(Rule):
                 looked = looked or own is not None
                 continue
             files = case.robot_of(artifact).artifacts
-            others = [
-                other for file in files if file != artifact for other in everything.get((file, joint), ())
-            ]
-            limit = own or min(filter(None, (_finite(other.effort_limit) for other in others)), default=None)
+            limit = own or min(
+                filter(
+                    None,
+                    (
+                        _finite(row.effort_limit)
+                        for file in files
+                        if file != artifact
+                        for row in everything.get((file, joint), ())
+                    ),
+                ),
+                default=None,
+            )
             if limit is None:
                 continue
             looked = True
-            speed = min(filter(None, map(_speed, (*rows, *others))), default=None)
+            # One for all files of the robot.
+            key = files[0], joint
+            if key not in speeds:
+                every = (_speed(row) for file in files for row in everything.get((file, joint), ()))
+                speeds[key] = min(filter(None, every), default=None)
+            speed = speeds[key]
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
                 yield self._known(row, damping, limit, speed)
             elif (
@@ -226,10 +239,11 @@ class DampingInThreePlaces(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find three places, and slopes that are there twice."""
         looked = False
-        for (artifact, _), rows in by_joint(case).items():
-            row, parts = rows[0], parts_of(rows)
+        everything = case.once(parts_by_joint)
+        for key, rows in case.joints.items():
+            row, parts = rows[0], everything[key]
             slope = _slope(rows)
-            mjcf = case.artifacts[artifact].kind is FileKind.MJCF
+            mjcf = case.artifacts[row.artifact].kind is FileKind.MJCF
             if row.joint_damping is None or not (slope or (mjcf and parts is not None and parts.kd > 0.0)):
                 continue
             looked = True

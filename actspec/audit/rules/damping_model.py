@@ -12,7 +12,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
-from actspec.audit.rules.damping_parts import Parts, parts_of, same
+from actspec.audit.rules.damping_parts import Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
@@ -83,8 +83,9 @@ class DriveAndJointDamping(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find joints with both."""
         looked = False
-        for rows in by_joint(case, FileKind.MJCF).values():
-            parts = parts_of(rows)
+        everything = case.once(parts_by_joint)
+        for key, rows in by_joint(case, FileKind.MJCF).items():
+            parts = everything[key]
             if parts is None or parts.kd <= 0.0:
                 continue
             looked = True
@@ -200,8 +201,9 @@ class GainInJointDamping(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Find servos without kv on damped joints."""
         looked = False
-        for rows in by_joint(case, FileKind.MJCF).values():
-            row, parts = rows[0], parts_of(rows)
+        everything = case.once(parts_by_joint)
+        for key, rows in by_joint(case, FileKind.MJCF).items():
+            row, parts = rows[0], everything[key]
             if parts is None or any(item.control != "position" for item in rows):
                 continue
             kp = sum(item.kp or 0.0 for item in rows)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
 
 SAME = 0.05
@@ -45,16 +46,22 @@ class Parts:
         return min(self.kd, self.joint, self.actuator) >= THIRD * self.total > 0.0
 
 
-def parts_of(rows: Sequence[LedgerRow]) -> Parts | None:
-    """The parts of a joint from all its rows; None when one is unknown or negative."""
+def parts_by_joint(case: Case) -> dict[tuple[int, str], Parts | None]:
+    """The parts of each joint of each artifact, as in `Case.joints`; None when one is unknown or negative."""
+    return {key: _parts_of(rows) for key, rows in case.joints.items()}
+
+
+def _parts_of(rows: Sequence[LedgerRow]) -> Parts | None:
     joint = rows[0].joint_damping
-    kds = [row.kd for row in rows if row.kd is not None]
-    actuators = [row.actuator_damping for row in rows if row.actuator_damping is not None]
-    if joint is None or len(kds) < len(rows) or len(actuators) < len(rows):
+    if joint is None or joint < 0.0:
         return None
-    if min(joint, *kds, *actuators) < 0.0:
-        return None
-    return Parts(sum(kds), joint, sum(actuators))
+    kd = actuator = 0.0
+    for row in rows:
+        if row.kd is None or row.actuator_damping is None or row.kd < 0.0 or row.actuator_damping < 0.0:
+            return None
+        kd += row.kd
+        actuator += row.actuator_damping
+    return Parts(kd, joint, actuator)
 
 
 def same(one: float, other: float) -> bool:

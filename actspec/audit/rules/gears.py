@@ -10,7 +10,16 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.reductions import SAME, Figures, Reduction, figures, joints_above, reductions, same
+from actspec.audit.rules.reductions import (
+    SAME,
+    Figures,
+    Reduction,
+    figures,
+    joints_above,
+    reductions,
+    same,
+    states_speed,
+)
 from actspec.diagnostics import Severity
 from actspec.units import format_quantity
 
@@ -110,8 +119,10 @@ class HiddenGear(Rule):
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare the files of each robot with the reductions that one of them has."""
         looked = False
-        known = figures(case)
+        known = case.once(figures)
         for robot in case.robots:
+            if not states_speed(known, robot):
+                continue
             above = joints_above(case, robot)
             # Several files may have the same reduction: one of them is enough.
             seen: set[tuple[int, str, float]] = set()

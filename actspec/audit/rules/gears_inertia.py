@@ -11,7 +11,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
-from actspec.audit.rules.reductions import figures, joints_above, reductions, same
+from actspec.audit.rules.reductions import figures, joints_above, reductions, same, states_speed
 from actspec.diagnostics import Severity
 from actspec.units import format_quantity
 
@@ -138,9 +138,11 @@ class NotGearSquared(Rule):
                     )
 
     def _against_limits(self, case: Case) -> Iterator[Finding | None]:
-        known = figures(case)
+        known = case.once(figures)
         rows = {key: found[0] for key, found in by_joint(case).items()}
         for robot in case.robots:
+            if not states_speed(known, robot):
+                continue
             above = joints_above(case, robot)
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))

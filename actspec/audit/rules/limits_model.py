@@ -12,7 +12,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointActuator, Quantity
 from actspec.robot.view import ActuatorView, JointView
@@ -128,18 +128,20 @@ class TwoClamps(Rule):
 
 def _single_drives(case: Case) -> Iterator[tuple[LedgerRow, JointView, ActuatorView]]:
     """Joints with a limit of their own and one actuator."""
-    for (index, name), rows in by_joint(case, FileKind.MJCF).items():
-        robot = case.artifacts[index].robot
-        if robot is None or len(rows) != 1:
+    for index, artifact in case.of_kind(FileKind.MJCF):
+        robot = artifact.robot
+        if robot is None:
             continue
-        joint = robot.joint(name)
-        actuator = next(
-            (one for one in robot.actuators if one.target == name and one.span == rows[0].span), None
-        )
-        if joint is None or actuator is None or joint.effort_range is None or "effort_range" in joint.unknown:
-            continue
-        if not actuator.unknown & {"force_range", "gear", "control_range"}:
-            yield rows[0], joint, actuator
+        limited = {joint.name: joint for joint in robot.joints if joint.effort_range is not None}
+        for name, rows in case.joints_by_artifact.get(index, {}).items() if limited else ():
+            joint = limited.get(name)
+            if joint is None or "effort_range" in joint.unknown or len(rows) != 1:
+                continue
+            actuator = next(
+                (one for one in robot.actuators if one.target == name and one.span == rows[0].span), None
+            )
+            if actuator is not None and not actuator.unknown & {"force_range", "gear", "control_range"}:
+                yield rows[0], joint, actuator
 
 
 def _largest(ends: tuple[float, float]) -> float:

@@ -18,6 +18,8 @@ def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[Ledge
         row: Of one artifact.
         kinds: Only of artifacts of these kinds; none: of all.
     """
+    if kinds and case.kinds_by_artifact[row.artifact].isdisjoint(kinds):
+        return
     for other in case.robot_of(row.artifact).artifacts:
         if other != row.artifact and (not kinds or case.artifacts[other].kind in kinds):
             if row.joint:
@@ -36,6 +38,8 @@ def by_joint(case: Case, *kinds: FileKind) -> Mapping[tuple[int, str], Sequence[
     if not kinds:
         return case.joints
     wanted = {index for index, _ in case.of_kind(*kinds)}
+    if len(wanted) == len(case.artifacts):
+        return case.joints
     return {key: rows for key, rows in case.joints.items() if key[0] in wanted}
 
 
@@ -65,7 +69,8 @@ def joint_pairs(
             for place, row in rows:
                 alike.setdefault(figures(row), []).append((place, row))
             for some, others in product(alike.values(), repeat=2):
-                if tells(some[0][1], others[0][1]):
+                # Files are in order, so the last of the others is the latest.
+                if some[0][0][0] < others[-1][0][0] and tells(some[0][1], others[0][1]):
                     found += [
                         (at, there, one, other)
                         for at, one in some
@@ -85,7 +90,6 @@ def _shared(case: Case, robot: Robot) -> Iterator[list[tuple[_Place, LedgerRow]]
         return
     found: dict[str, list[tuple[_Place, LedgerRow]]] = {}
     for file, artifact in enumerate(robot.artifacts):
-        names = dict.fromkeys(row.joint for row in case.rows_of(artifact) if row.joint)
-        for at, joint in enumerate(names):
-            found.setdefault(joint, []).append(((file, at), case.joints[artifact, joint][0]))
+        for at, (joint, own) in enumerate(case.joints_by_artifact.get(artifact, {}).items()):
+            found.setdefault(joint, []).append(((file, at), own[0]))
     yield from (rows for rows in found.values() if len(rows) > 1)

@@ -86,6 +86,18 @@ def reductions(joints: Mapping[str, Figures], above: Mapping[str, frozenset[str]
                 yield Reduction(joint, base, ratio)
 
 
+def states_speed(known: Mapping[int, Mapping[str, Figures]], robot: Robot) -> bool:
+    """Whether a file of a robot has a speed, without which there are no reductions.
+
+    Args:
+        known: From `figures`.
+        robot: The robot.
+    """
+    return any(
+        joint.speed is not None for index in robot.artifacts for joint in known.get(index, {}).values()
+    )
+
+
 def joints_above(case: Case, robot: Robot) -> dict[str, frozenset[str]]:
     """Each joint of a robot with those between it and the base, as its models have them.
 

@@ -133,7 +133,7 @@ def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | 
         fields: Fields of a row.
     """
     found = _stated(rows, fields)
-    return None if found is None else found[1]
+    return None if found is None else figure(rows, found[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,7 +161,7 @@ def _of_robot(
     tolerance: float,
     absolute: float,
 ) -> Iterator[Disagreement]:
-    stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
+    stated = _departing(case, robot, fields)
     everything: dict[tuple[FileKind, str], _Held] = {}
     for index in robot.artifacts:
         for joint, found in stated[index].items():
@@ -200,30 +200,50 @@ def _of_robot(
             own.add(case, index, mine)
 
 
-def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, tuple[str, Figure]]:
-    """What an artifact states, by joint; nothing for a spec, or of a joint that two groups of a configuration have."""
+def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, tuple[str, Figure]]]:
+    """What each artifact of a robot states, by joint, of the joints on which not all agree to the last digit."""
+    stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
+    values: dict[str, set[float]] = {}
+    for joints in stated.values():
+        for joint, (_, value) in joints.items():
+            values.setdefault(joint, set()).add(value)
+    return {
+        index: {
+            joint: (name, figure(case.joints[index, joint], name))
+            for joint, (name, _) in joints.items()
+            if len(values[joint]) > 1
+        }
+        for index, joints in stated.items()
+    }
+
+
+def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
+    """What an artifact states, by joint: field and value.
+
+    Nothing for a spec, or of a joint that two groups of a configuration have.
+    """
     kind = case.artifacts[index].kind
     if kind is FileKind.SPEC:
         return {}
-    joints = dict.fromkeys(row.joint for row in case.rows_of(index) if row.joint)
-    # Actuators of one joint add up in an MJCF; of a configuration's groups one wins, or none (ORD103).
-    rows = {joint: case.joints[index, joint] for joint in joints}
-    found = {
-        joint: _stated(own, fields)
-        for joint, own in rows.items()
-        if len(own) == 1 or kind is not FileKind.CFG
-    }
-    return {joint: stated for joint, stated in found.items() if stated is not None}
+    found = {}
+    for joint, rows in case.joints_by_artifact.get(index, {}).items():
+        if len(rows) > 1 and kind is FileKind.CFG:
+            # Actuators of one joint add up in an MJCF; of a configuration's groups one wins, or none (ORD103).
+            continue
+        stated = _stated(rows, fields)
+        if stated is not None:
+            found[joint] = stated
+    return found
 
 
-def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, Figure] | None:
-    """The first of the fields that a joint's file states, and its finite figure."""
+def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, float] | None:
+    """The first of the fields that a joint's file states, and its finite value."""
     for name in fields:
         for row in rows:
             if name in row.stated:
-                found = figure(rows, name)
-                if found.value is not None and math.isfinite(found.value):
-                    return name, found
+                value = getattr(row, name) if len(rows) == 1 else figure(rows, name).value
+                if value is not None and math.isfinite(value):
+                    return name, value
                 break
     return None
 

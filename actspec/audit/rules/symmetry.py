@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import combinations
+from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.case import Case
@@ -13,7 +14,6 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown
-from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.units import format_quantity
@@ -41,6 +41,8 @@ _DRIVE = (
     "action_scale",
 )
 _PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
+
+_COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
 
 _PD = ("position", "implicit", "ideal_pd", "dc_motor")
 
@@ -133,6 +135,8 @@ class LeftRightDiffer(Rule):
             yield Skipped(self.code, "no joints whose names mirror each other among the files")
 
     def _figures(self, case: Case, left: Sequence[LedgerRow], right: Sequence[LedgerRow]) -> Finding | None:
+        if len(left) == len(right) and all(map(eq, map(_COMPARED, left), map(_COMPARED, right))):
+            return None
         relative = self.option(case, "relative")
         differing: list[tuple[str, float, float]] = []
         idle = all(row.control in _PD and row.kp == 0.0 == row.kd for row in (*left, *right))
@@ -197,9 +201,7 @@ class LeftRightDiffer(Rule):
 
 def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
     """Rows of left and right joints, in one file or in two."""
-    joints: dict[int, dict[str, Sequence[LedgerRow]]] = {}
-    for (artifact, joint), rows in by_joint(case).items():
-        joints.setdefault(artifact, {})[joint] = rows
+    joints = case.joints_by_artifact
     single = []
     for artifact, own in joints.items():
         pairs = _mirrored(own, own)

@@ -231,7 +231,16 @@ def test_the_schema_knows_every_figure() -> None:
     """Ledger entries, the schema and the table's columns speak of the same fields."""
     schema = json.loads(data_path("schemas", "actspec-report-v1.schema.json").read_text("utf-8"))
     entry = schema["properties"]["ledger"]["items"]["properties"]
-    assert list(entry) == ["file", "line", "joint", "actuator", "control", *JSON_FIELDS, *JSON_FLAGS]
+    assert list(entry) == [
+        "file",
+        "line",
+        "joint",
+        "actuator",
+        "control",
+        "drives",
+        *JSON_FIELDS,
+        *JSON_FLAGS,
+    ]
     assert entry["control"]["enum"] == list(CONTROLS)
     assert {column.field for column in COLUMNS} <= set(LedgerRow.__dataclass_fields__)
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
+from dataclasses import replace
 from itertools import combinations
 
 from actspec.audit.artifact import Artifact, FileKind
 from actspec.audit.case import Case, Robot
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules import mujoco_features
-from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.audit.rules.partners import by_joint, joint_pairs, partner_rows, shared_joints
 from actspec.audit.rules.source_pairs import disagreements
 from actspec.diagnostics import Span
 
@@ -80,6 +81,49 @@ def test_shared_joints() -> None:
     assert [[(row.artifact, row.joint) for row in rows] for rows in shared_joints(case)] == [
         [(0, "knee"), (1, "knee")]
     ]
+
+
+def test_partners_are_of_the_kinds_asked_for() -> None:
+    """In the files' order; none where the robot has no file of such a kind, though another robot has."""
+    case = _case([{"hip": 1.0}, {"hip": 2.0}, {"hip": 3.0}, {"hip": 4.0}], (0, 1, 2), (3,))
+    kinds = (FileKind.MJCF, FileKind.CFG, FileKind.URDF, FileKind.DEPLOY)
+    artifacts = tuple(replace(one, kind=kind) for one, kind in zip(case.artifacts, kinds, strict=True))
+    case = replace(case, artifacts=artifacts)
+
+    def partners(*wanted: FileKind) -> list[int]:
+        return [row.artifact for row in partner_rows(case, case.rows[0], *wanted)]
+
+    assert partners() == [1, 2]
+    assert partners(FileKind.URDF, FileKind.CFG) == [1, 2]
+    assert partners(FileKind.URDF) == [2]
+    assert partners(FileKind.DEPLOY) == []
+    # Its own kind is among the robot's, and it is no partner of itself.
+    assert partners(FileKind.MJCF) == []
+    assert by_joint(case, *kinds) == case.joints
+    assert list(by_joint(case, FileKind.CFG, FileKind.DEPLOY)) == [(1, "hip"), (3, "hip")]
+
+
+def test_rows_by_artifact() -> None:
+    """Rows without a joint are in none of its joints; an artifact without rows has neither."""
+    case = _case([{"hip": 1.0}, {}, {"hip": 2.0}], (0, 1, 2))
+    loose = replace(case.rows[1], joint="")
+    case = replace(case, rows=(*case.rows, loose, case.rows[1]))
+    assert [len(case.rows_of(index)) for index in range(3)] == [1, 0, 3]
+    assert case.joints_by_artifact == {0: {"hip": [case.rows[0]]}, 2: {"hip": [case.rows[1]] * 2}}
+    assert case.joints[2, "hip"] is case.joints_by_artifact[2]["hip"]
+
+
+def test_what_rules_share_is_made_once() -> None:
+    """For one case; another case, though equal, has its own."""
+    case = _case([{"hip": 1.0}], (0,))
+    calls: list[Case] = []
+
+    def make(given: Case) -> int:
+        calls.append(given)
+        return len(calls)
+
+    assert [case.once(make), case.once(make), replace(case).once(make)] == [1, 1, 2]
+    assert calls[0] is case
 
 
 def test_a_file_that_agrees_with_one_of_many_is_right() -> None:

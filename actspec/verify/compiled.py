@@ -1,0 +1,217 @@
+"""Static agreement of models: what the compiled model has of a joint that is no figure, and its keyframes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+from actspec.diagnostics import RobotError, Span, one_line
+from actspec.ir import ActuatorSet, JointActuator
+from actspec.robot.view import ModelFormat
+from actspec.robot.xml import read_model_files
+from actspec.verify.agreement import Row
+from actspec.verify.layout import NOTHING, TOLERANCE
+from actspec.verify.readback import Figures
+from actspec.verify.target import Target
+
+if TYPE_CHECKING:
+    import mujoco
+
+OPTIONS = ("integrator", "disableflags", "enableflags", "disableactuator")
+"""Options that change what drives and friction do; those of contacts are the model's own."""
+
+KEYS = ("qpos", "qvel", "act", "ctrl")
+"""Arrays of a keyframe: a robot that starts with other controls jumps."""
+
+FOLLOWING = {
+    *("jnt_bodyid", "jnt_qposadr", "jnt_dofadr", "jnt_actuatorid", "jnt_plasticadr", "jnt_user", "jnt_group"),
+    *("dof_bodyid", "dof_jntid", "dof_parentid", "dof_treeid", "dof_Madr", "dof_simplenum"),
+    *("dof_M0", "dof_invweight0", "dof_length"),
+    *("actuator_trnid", "actuator_actadr", "actuator_ctrladr", "actuator_historyadr", "actuator_outadr"),
+    *("actuator_acc0", "actuator_length0", "actuator_lengthrange", "actuator_plugin", "actuator_user"),
+    "actuator_group",
+}
+"""Arrays that are places in the model, follow from its bodies, or are shown and no more."""
+
+LIMITED = {
+    "jnt_range": "jnt_limited",
+    "jnt_actfrcrange": "jnt_actfrclimited",
+    "actuator_ctrlrange": "actuator_ctrllimited",
+    "actuator_forcerange": "actuator_forcelimited",
+    "actuator_actrange": "actuator_actlimited",
+}
+"""Range to whether it is one: without, a viewer alone reads it."""
+
+
+def compiled_rows(
+    target: Target, actuators: ActuatorSet, figures: Figures, told: Collection[str]
+) -> Iterator[Row]:
+    """Rows of a model that somebody edited, held to the one that actspec writes.
+
+    Args:
+        target: The target, whose model MuJoCo takes.
+        actuators: What the spec asks for.
+        figures: What the file says, for places.
+        told: Joints of which a figure is told to be wrong already.
+    """
+    ours, theirs = (_compiled(f"{folder}/{target.files[0]}") for folder in (target.fresh, target.folder))
+    if ours is None or theirs is None:
+        return
+    for actuator in actuators.joints:
+        if actuator.joint in told or actuator.joint not in figures:
+            continue
+        asked, got = (_arrays(model, actuator.joint) for model in (ours, theirs))
+        place = next((figure.place for figure in figures[actuator.joint].values()), None)
+        for name, values in asked.items():
+            if name in got and not _unlimited(name, asked, got):
+                yield from _differences(target, actuator, name, values, got[name], place)
+    yield from _options(target, ours, theirs)
+    yield from _keyframes(target, ours, theirs)
+
+
+def _compiled(path: str) -> mujoco.MjModel | None:
+    """A model that a process of its own has compiled before."""
+    from actspec.robot.mjspec import compile_spec, open_spec
+
+    try:
+        return compile_spec(open_spec(read_model_files(path), format=ModelFormat.MJCF))
+    except RobotError:
+        return None
+
+
+def _arrays(model: Any, joint: str) -> dict[str, list[float]]:
+    """Rows of a joint, of its degree of freedom and of its one actuator, by the names of their arrays."""
+    import mujoco
+
+    index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
+    trn = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
+    if index < 0:
+        return {}
+    drives = [
+        i
+        for i in range(len(model.actuator_trntype))
+        if int(model.actuator_trntype[i]) in trn and int(model.actuator_trnid[i, 0]) == index
+    ]
+    rows = {"jnt_": index, "dof_": int(model.jnt_dofadr[index])}
+    if len(drives) == 1:
+        rows["actuator_"] = drives[0]
+    found = {}
+    for name in dir(model):
+        row = next((i for start, i in rows.items() if name.startswith(start)), None)
+        if row is not None and name not in FOLLOWING:
+            found[name] = [float(value) for value in getattr(model, name)[row].ravel()]
+    return found
+
+
+def _unlimited(name: str, asked: Mapping[str, list[float]], got: Mapping[str, list[float]]) -> bool:
+    limited = LIMITED.get(name)
+    return limited is not None and not any((*asked.get(limited, ()), *got.get(limited, ())))
+
+
+def _differences(
+    target: Target,
+    actuator: JointActuator,
+    name: str,
+    asked: list[float],
+    got: list[float],
+    place: Span | None,
+) -> Iterator[Row]:
+    wrong = next((i for i, pair in enumerate(zip(asked, got, strict=True)) if not _equal(*pair)), None)
+    if wrong is None:
+        return
+    turned = asked[wrong] != 0.0 and _equal(asked[wrong], -got[wrong])
+    which = f"{name}[{wrong}]" if len(asked) > 1 else name
+    yield Row(
+        *(target.name, actuator.group, actuator.joint, 1, name, "", abs(got[wrong] - asked[wrong])),
+        *(TOLERANCE * abs(asked[wrong]), False, asked[wrong], got[wrong]),
+        code="VFY106" if turned else "VFY110",
+        message=f"MuJoCo's {which} is {got[wrong]:.6g}, and should be {asked[wrong]:.6g}"
+        + (": the sign is wrong" if turned else ", as actspec writes it"),
+        place=place,
+    )
+
+
+def _options(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
+    for name in OPTIONS:
+        asked, got = (int(getattr(model.opt, name, 0)) for model in (ours, theirs))
+        if asked != got:
+            yield Row(
+                *(
+                    target.name,
+                    "",
+                    "",
+                    0,
+                    name,
+                    "",
+                    float(abs(got - asked)),
+                    0.0,
+                    False,
+                    float(asked),
+                    float(got),
+                ),
+                code="VFY110",
+                message=f"the option {name} is {_option(name, got)}, and should be {_option(name, asked)}",
+                place=Span(target.path(target.files[0])),
+            )
+
+
+def _option(name: str, value: int) -> str:
+    import mujoco
+
+    if name != "integrator":
+        return str(value)
+    return str(mujoco.mjtIntegrator(value).name.removeprefix("mjINT_"))
+
+
+def _keyframes(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
+    """The first number of each keyframe that is another one; keyframes are told by name, or place."""
+    place = Span(target.path(target.files[0]))
+    asked, got = (_keys(model) for model in (ours, theirs))
+    for key, arrays in asked.items():
+        others = got.get(key)
+        if others is None:
+            yield _key_row(target, key, f"the keyframe {key} is missing", place)
+            continue
+        for name, values in arrays.items():
+            found = others[name]
+            if len(found) != len(values):
+                yield _key_row(target, key, f"the {name} of keyframe {key} has another length", place)
+            elif any(not _equal(a, b) for a, b in zip(values, found, strict=True)):
+                i = next(i for i, pair in enumerate(zip(values, found, strict=True)) if not _equal(*pair))
+                text = f"the {name} of keyframe {key} at {_where(ours, name, i)} is {found[i]:.6g}"
+                yield _key_row(target, key, f"{text}, and should be {values[i]:.6g}", place)
+
+
+def _key_row(target: Target, key: str, message: str, place: Span) -> Row:
+    return Row(
+        *(target.name, "", "", 0, one_line(f"keyframe {key}"), "", None, 0.0, False),
+        code="VFY110",
+        message=one_line(message),
+        place=place,
+    )
+
+
+def _keys(model: Any) -> dict[str, dict[str, list[float]]]:
+    return {
+        model.key(i).name or str(i): {
+            name: [float(value) for value in getattr(model, f"key_{name}")[i]] for name in KEYS
+        }
+        for i in range(model.nkey)
+    }
+
+
+def _where(model: Any, name: str, index: int) -> str:
+    """What a number of a keyframe is about: a joint or an actuator, else its place."""
+    if name == "ctrl" and index < len(model.actuator_trntype):
+        return model.actuator(index).name or str(index)
+    addresses = {"qpos": model.jnt_qposadr, "qvel": model.jnt_dofadr}.get(name)
+    if addresses is not None:
+        joint = max((j for j in range(model.njnt) if addresses[j] <= index), default=None)
+        if joint is not None:
+            return model.joint(joint).name or str(index)
+    return str(index)
+
+
+def _equal(asked: float, got: float) -> bool:
+    return math.isclose(asked, got, rel_tol=TOLERANCE, abs_tol=NOTHING)
