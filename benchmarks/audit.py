@@ -137,11 +137,15 @@ def taken(command: list[str], environment: dict[str, str], processor: bool) -> f
         environment: Its variables.
         processor: Processor time of all in place of wall time.
     """
-    before = os.times()
-    wall = seconds(command, environment)
-    after = os.times()
-    used = after.children_user + after.children_system - before.children_user - before.children_system
-    return used if processor else wall
+    if not processor:
+        return seconds(command, environment)
+    import resource
+
+    # To the microsecond, where `os.times` counts in hundredths of a second.
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds(command, environment)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 
 
 def measure(runs: int, processor: bool) -> dict[str, Any]:

@@ -24,8 +24,9 @@ MOST_YAML_BYTES = 8 * 1024 * 1024
 """Chosen: the largest deploy file seen has 30 kB."""
 
 FILES_TO_PRELOAD = 25
-"""Robot files a process from which on MuJoCo is imported once, before the processes are forked. Chosen: they take 0.15 s
-to read, as the caller's own imports do; with fewer, those would be waited for instead of going on beside MuJoCo's."""
+"""Robot files a process from which on MuJoCo is imported once, before the processes are forked. Chosen: they take
+0.15 s to read, as the caller's own imports do; with fewer, those would be waited for instead of going on beside
+MuJoCo's."""
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
 

@@ -149,8 +149,15 @@ def test_place() -> None:
             36.0,
             None,
         ),
+        (
+            "float newton:saturationEffort = 36\nfloat newton:velocityLimit = inf\nfloat newton:maxMotorEffort = 22",
+            ("NewtonDCMotorClampingAPI",),
+            Level.IDEAL_PD,
+            22.0,
+            None,
+        ),
     ],
-    ids=["limit", "infinite", "no schema", "line", "line alone", "both clamps", "flat line"],
+    ids=["limit", "infinite", "no schema", "line", "line alone", "both clamps", "flat line", "infinite line"],
 )
 def test_clamps(
     attributes: str,

@@ -161,7 +161,7 @@ def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
 @given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
 @many("newton")
 def test_newton(groups: list[Drive], version: str) -> None:
-    """Newton's overlay, without USD: joints by the paths of their prims, their kind and the step from the text itself."""
+    """Newton's overlay, without USD: joints by the paths of their prims; their kind and the step are in the text."""
     actuators, robot = resolved(groups)
     names = [actuator.joint for actuator in actuators.joints]
     paths = {name: f"/World/bot/joints/j{k}" for k, name in enumerate(names)}

@@ -169,13 +169,15 @@ def test_hostile(name: str) -> None:
 
 
 def test_limits_themselves_are_taken() -> None:
-    """What is as deep as is read is read."""
+    """What is as deep as is read is read, and nothing deeper."""
     text = HEAD + 'def "a" {\n' * MAX_DEPTH + "}\n" * MAX_DEPTH
     assert len(read(text).prims) == MAX_DEPTH
-    value = (
-        read(within("opaque x = " + "(" * MAX_NESTING + "1" + ")" * MAX_NESTING)).prims["/a"].attributes["x"]
-    )
-    assert value.value is not None
+    for more in (0, 1):
+        text = within("opaque x = " + "(" * (MAX_NESTING + more) + "1" + ")" * (MAX_NESTING + more))
+        if more:
+            assert "nested deeper" in refused(text)
+        else:
+            assert read(text).prims["/a"].attributes["x"].value is not None
 
 
 def test_long_numbers() -> None:

@@ -187,6 +187,13 @@ def test_compiled_overlay_agrees(name: str, built: Built) -> None:
     assert found == (asked if name == "newton" else asked - {"joint_damping", "velocity_limit"})
 
 
+def test_joint_that_is_not_driven(built: Built) -> None:
+    """A joint that the overlay names and that Newton refuses to drive is there, and not driven."""
+    edit = replaced('["NewtonPDControlAPI"', '["NewtonPDControlAPI", "NewtonPIDControlAPI"')
+    (row,) = built.verified("newton", edit).faults
+    assert (row.joint, row.message) == ("left_hip", "the file does not drive the joint")
+
+
 def test_place(built: Built) -> None:
     """A figure is told at the line of its attribute."""
     (row,) = built.verified("newton", replaced("delaySteps = 2", "delaySteps = 3")).faults[:1]

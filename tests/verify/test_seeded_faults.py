@@ -300,6 +300,34 @@ FAULTS: dict[str, Fault] = {
     "json another range": Fault(
         "randomization", replaced('"high": 1.2', '"high": 12'), "VFY110", "randomize.kp", ".json"
     ),
+    "json viscous in kd": Fault(
+        "randomization", replaced('"kd": {"value": 1.5,', '"kd": {"value": 1.55,'), "VFY101", "kd", ".json"
+    ),
+    "json kd as viscous friction": Fault(
+        "randomization",
+        replaced('"friction.viscous": {"value": 0.05,', '"friction.viscous": {"value": 1.5,'),
+        "VFY101",
+        "friction.viscous",
+        ".json",
+    ),
+    # 0.3 N*m of 22.5 N*m
+    "json friction without unit": Fault(
+        "randomization",
+        replaced('"friction.coulomb": {"value": 0.3,', '"friction.coulomb": {"value": 0.013333333,'),
+        "VFY102",
+        "friction.coulomb",
+        ".json",
+    ),
+    "json another unit": Fault(
+        "randomization",
+        replaced('"unit": "N*m*s/rad"', '"unit": "N*m*s/deg"'),
+        "VFY110",
+        "randomize",
+        ".json",
+    ),
+    "deploy nominal delay": Fault(
+        "deploy", replaced("nominal: [0.01, 0.01,", "nominal: [0.01, 0.015,"), "VFY108", "delay_nominal"
+    ),
     "isaaclab events, another range": Fault(
         "randomization",
         replaced("(0.8, 1.2)", "(0.8, 2.2)"),

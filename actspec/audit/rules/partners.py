@@ -6,7 +6,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
 from actspec.audit.artifact import FileKind
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
 
 
@@ -45,8 +45,8 @@ def by_joint(case: Case, *kinds: FileKind) -> Mapping[tuple[int, str], Sequence[
 
 def shared_joints(case: Case) -> Iterator[list[LedgerRow]]:
     """The first row of a joint in each file of one robot that has it, for joints that two files have."""
-    for robot in case.robots:
-        for rows in _shared(case, robot):
+    for joints in case.once(_shared):
+        for rows in joints:
             yield [row for _, row in rows]
 
 
@@ -62,9 +62,9 @@ def joint_pairs(
         figures: All of a row that `tells` looks at.
         tells: Whether two rows, in the files' order, are wanted.
     """
-    for robot in case.robots:
+    for joints in case.once(_shared):
         found: list[tuple[_Place, _Place, LedgerRow, LedgerRow]] = []
-        for rows in _shared(case, robot):
+        for rows in joints:
             alike: dict[Hashable, list[tuple[_Place, LedgerRow]]] = {}
             for place, row in rows:
                 alike.setdefault(figures(row), []).append((place, row))
@@ -85,11 +85,13 @@ _Place = tuple[int, int]
 """Of a joint: its file among those of the robot, and its place there."""
 
 
-def _shared(case: Case, robot: Robot) -> Iterator[list[tuple[_Place, LedgerRow]]]:
-    if len(robot.artifacts) < 2:
-        return
-    found: dict[str, list[tuple[_Place, LedgerRow]]] = {}
-    for file, artifact in enumerate(robot.artifacts):
-        for at, (joint, own) in enumerate(case.joints_by_artifact.get(artifact, {}).items()):
-            found.setdefault(joint, []).append(((file, at), own[0]))
-    yield from (rows for rows in found.values() if len(rows) > 1)
+def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
+    """For each robot the joints that two of its files have, each with its first row in each file."""
+    found = []
+    for robot in case.robots:
+        joints: dict[str, list[tuple[_Place, LedgerRow]]] = {}
+        for file, artifact in enumerate(robot.artifacts if len(robot.artifacts) > 1 else ()):
+            for at, (joint, own) in enumerate(case.joints_by_artifact.get(artifact, {}).items()):
+                joints.setdefault(joint, []).append(((file, at), own[0]))
+        found.append([rows for rows in joints.values() if len(rows) > 1])
+    return found

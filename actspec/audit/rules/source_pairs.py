@@ -223,7 +223,7 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, t
     Nothing for a spec, or of a joint that two groups of a configuration have.
     """
     kind = case.artifacts[index].kind
-    if kind is FileKind.SPEC:
+    if kind is FileKind.SPEC or case.once(_stated_fields)[index].isdisjoint(fields):
         return {}
     found = {}
     for joint, rows in case.joints_by_artifact.get(index, {}).items():
@@ -234,6 +234,14 @@ def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, t
         if stated is not None:
             found[joint] = stated
     return found
+
+
+def _stated_fields(case: Case) -> dict[int, frozenset[str]]:
+    """The fields that each artifact states of any joint."""
+    return {
+        index: frozenset().union(*(row.stated for row in case.rows_of(index)))
+        for index in range(len(case.artifacts))
+    }
 
 
 def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, float] | None:
