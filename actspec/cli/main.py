@@ -156,7 +156,10 @@ def parser() -> argparse.ArgumentParser:
     )
     verify.add_argument("--yes", action="store_true", help="with --setup: do not ask")
     verify.add_argument(
-        "--output-format", choices=("text", "json", "markdown"), default="text", help="default: text"
+        "--output-format",
+        choices=("text", "json", "markdown", "github"),
+        default="text",
+        help="default: text",
     )
 
     import_ = commands.add_parser("import", help="write a spec from files that you have", description=_IMPORT)

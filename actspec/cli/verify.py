@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
 from actspec.cli.progress import Progress
 from actspec.cli.report import print_diagnostics, print_json, record
-from actspec.cli.verify_report import markdown, text
+from actspec.cli.verify_report import github, markdown, text
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
 from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
@@ -27,9 +28,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(_record(done))
     else:
-        lines = markdown if arguments.output_format == "markdown" else text
         for compilation, agreement in done:
-            print("\n".join(lines(compilation, agreement)))
+            print("\n".join(_lines(compilation, agreement, arguments)))
             print_diagnostics(_asked_for(agreement, arguments))
     return max(_code(compilation, agreement, arguments) for compilation, agreement in done)
 
@@ -54,7 +54,7 @@ def _check(arguments: argparse.Namespace) -> None:
 
 
 def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation, Agreement]:
-    with Progress("verifying") as progress:
+    with Progress("verifying") as progress, progress.ticking():
         return api.verify(
             path,
             targets=arguments.target,
@@ -63,6 +63,15 @@ def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation
             run_edited=arguments.run_edited,
             progress=progress.step,
         )
+
+
+def _lines(
+    compilation: api.Compilation, agreement: Agreement, arguments: argparse.Namespace
+) -> Iterator[str]:
+    if arguments.output_format == "github":
+        built = arguments.built is not None
+        return github(compilation, agreement, built=built, strict=arguments.strict)
+    return (markdown if arguments.output_format == "markdown" else text)(compilation, agreement)
 
 
 def _asked_for(agreement: Agreement, arguments: argparse.Namespace) -> Collector:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 from actspec.api import Compilation
 from actspec.cli.report import colour
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.tables import table
 from actspec.targets.base import TargetOptions
 from actspec.verify.agreement import Agreement, At, Row, Skip
@@ -82,6 +82,32 @@ def markdown(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
         yield f"- {target}: not asked: {reason}{f' ({help})' if help else ''}"
     yield ""
     yield _summary(compilation, agreement)
+
+
+def github(compilation: Compilation, agreement: Agreement, *, built: bool, strict: bool) -> Iterator[str]:
+    """Workflow commands of GitHub Actions, for annotations of a pull request.
+
+    Args:
+        compilation: The spec, compiled.
+        agreement: What was found.
+        built: Whether the files lie in the repository; else a fault is told at the spec.
+        strict: Whether an approximation that the spec does not accept is a fault.
+    """
+    from actspec.audit.report.github import command
+
+    spec = Span(compilation.spec.document.path)
+    for row in agreement.faults:
+        place = row.place if built else None
+        yield command(Severity.ERROR, f"{row.code} {row.target}", place or spec, _said(row))
+    for loss in compilation.unaccepted if strict else ():
+        text = one_line(f"{loss.joint} {loss.field}: {loss.asked} becomes {loss.emitted}: {loss.why}")
+        yield command(Severity.ERROR, f"{loss.key} is not accepted", spec, text)
+    for target, reason, help in _missed(agreement.skipped):
+        yield command(
+            Severity.INFO, f"{target} not asked", spec, one_line(f"{reason}{f' ({help})' if help else ''}")
+        )
+    verdict = Severity.INFO if agreement.ok else Severity.ERROR
+    yield command(verdict, one_line(compilation.actuators.robot), spec, _summary(compilation, agreement))
 
 
 def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
@@ -190,13 +216,18 @@ def _agreed(fields: Sequence[Row]) -> str:
 def _fault(row: Row) -> str:
     place = f"{row.place}: " if row.place is not None else ""
     code = colour(row.code or "", "31", sys.stdout)
-    who = f" {row.joint}" if row.joint else ""
+    return one_line(place) + f"{code} {row.target} {_said(row)}"
+
+
+def _said(row: Row) -> str:
+    """The joints and what is wrong with them."""
     more = f" and {row.joints - 1} more" if row.joint and row.joints > 1 else ""
+    who = f"{row.joint}{more}: " if row.joint else ""
     where = ""
     if row.at is not None:
         what = _HISTORIES.get(row.quantity, row.quantity)
         where = f" ({what}, {_state(row.at, row.unit)}; {row.tolerance:.2g} {row.unit} allowed)"
-    return one_line(f"{place}") + f"{code} {row.target}" + one_line(f"{who}{more}: {row.message}{where}")
+    return one_line(f"{who}{row.message}{where}")
 
 
 def _marked(agreement: Agreement) -> Iterator[tuple[str, str]]:

@@ -96,6 +96,7 @@ def _plan(folder: Path, frameworks: bool, releases: Sequence[str]) -> Iterator[s
         yield f"  MuJoCo {version}: 30 MB"
     if frameworks:
         yield f"  Isaac Lab 2.2 and 2.3, mjlab, Newton, MuJoCo 3.11, torch: {SIZE}, {TIME}"
+        yield "  (several GB more where pip's index brings the torch for graphics cards)"
     yield "set ACTSPEC_ENGINES for another folder; remove the folder to be rid of it"
 
 

@@ -30,6 +30,7 @@ LIMITS = (
 DELAYS = ("delay", "delay_nominal", "delay_low", "delay_high")
 FRICTIONS = ("frictionloss", "friction_static", "friction_setting", "dynamic_friction_setting")
 _SPEEDS = ("velocity_limit", "no_load_speed", "curve.knee_speed")
+_PER_ANGLE = ("kp", "kd", "joint_damping")
 _GEARED = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature", "kp", "kd")
 
 Values = Mapping[str, float | None]
@@ -85,7 +86,7 @@ def classify(one: Difference) -> tuple[str, str]:
     if _swapped(one):
         return "VFY110", "kp and kd are swapped"
     if _twice(one):
-        return "VFY101", "damping is counted twice: as the drive's gain and as the joint's friction"
+        return "VFY101", "damping is counted twice, as the drive's gain and as the joint's friction"
     unit = _other_unit(field, expected, got)
     wrong_friction = _friction(one)
     if wrong_friction is not None:
@@ -204,10 +205,11 @@ def _other_unit(field: str, expected: float | None, got: float | None) -> str | 
         )
     if field in _SPEEDS and (_near(ratio, RPM) or _near(ratio, 1.0 / RPM)):
         return "rpm is read in rad/s" if ratio > 1.0 else "rad/s is taken for rpm"
-    if _near(ratio, DEGREES):
-        return "the number is in degrees"
-    if _near(ratio, 1.0 / DEGREES):
-        return "the number is taken for degrees"
+    per_angle = field in _PER_ANGLE
+    if _near(ratio, 1.0 / DEGREES if per_angle else DEGREES):
+        return "it is per degree, and per radian is read" if per_angle else "it is in degrees"
+    if _near(ratio, DEGREES if per_angle else 1.0 / DEGREES):
+        return "it is converted from degrees, and was in radians already"
     return None
 
 

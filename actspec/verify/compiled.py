@@ -6,7 +6,7 @@ import math
 from collections.abc import Collection, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import RobotError, Span, one_line
+from actspec.diagnostics import RobotError, Span, listed, one_line
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
@@ -101,6 +101,9 @@ def _arrays(model: Any, joint: str) -> dict[str, list[float]]:
         row = next((i for start, i in rows.items() if name.startswith(start)), None)
         if row is not None and name not in FOLLOWING:
             found[name] = [float(value) for value in getattr(model, name)[row].ravel()]
+    place = int(model.jnt_qposadr[index])
+    for name in ("qpos0", "qpos_spring"):
+        found[name] = [float(getattr(model, name)[place])]
     return found
 
 
@@ -157,11 +160,18 @@ def _options(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
 
 
 def _option(name: str, value: int) -> str:
+    """A value of an option in MuJoCo's words: `EULER`, or the flags that are set."""
     import mujoco
 
-    if name != "integrator":
+    if name == "integrator":
+        return str(mujoco.mjtIntegrator(value).name.removeprefix("mjINT_"))
+    bits = {"disableflags": mujoco.mjtDisableBit, "enableflags": mujoco.mjtEnableBit}.get(name)
+    if bits is None:
         return str(value)
-    return str(mujoco.mjtIntegrator(value).name.removeprefix("mjINT_"))
+    # mjDSBL_FRICTIONLOSS; mjNDISABLE is how many there are
+    parts = [(bit.name.partition("_")[2], bit.value) for bit in bits.__members__.values()]
+    flags = [name.lower() for name, bit in parts if name and value & bit]
+    return listed(flags) if flags else "none"
 
 
 def _keyframes(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:

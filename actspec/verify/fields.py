@@ -125,7 +125,7 @@ def field_rows(
         built: The file that is verified.
     """
     if built.reason is not None:
-        yield broken(target, f"{built.path} cannot be read: {built.reason}")
+        yield broken(target, f"the file cannot be read: {built.reason}")
         return
     if built.refusal is not None and fresh.refusal is None:
         yield broken(target, f"MuJoCo refuses the file: {built.refusal}")

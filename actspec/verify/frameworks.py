@@ -48,8 +48,8 @@ PYTHONS = ((3, 11), (3, 13))
 
 SIZE = "2.4 GB"
 """On the disk. Source: measured on Linux with the torch that computes on the processor alone."""
-TIME = "five to ten minutes"
-"""To install. Source: measured on two cores."""
+TIME = "three to ten minutes"
+"""To install. Source: measured on two cores: three to four, with other work on the machine up to ten."""
 
 TIMEOUT = 1800
 """Seconds for one step of the installation."""

@@ -7,6 +7,7 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from actspec.audit.artifact import RandomizedRange
@@ -18,7 +19,7 @@ from actspec.sampling import own_ranges
 from actspec.verify.agreement import Row
 from actspec.verify.classify import Difference, classify
 from actspec.verify.fields import broken
-from actspec.verify.layout import TOLERANCE
+from actspec.verify.layout import TOLERANCE, figure_text
 from actspec.verify.readback import Asked, read_back
 from actspec.verify.target import Target
 
@@ -53,7 +54,8 @@ def range_rows(target: Target, actuators: ActuatorSet, robot: RobotView) -> list
             elif file.endswith(".py"):
                 rows += _python_rows(target, file, actuators, robot)
         except _Unreadable as err:
-            rows.append(broken(target, f"{target.path(file)} cannot be read: {err}"))
+            row = broken(target, f"the file cannot be read: {err}")
+            rows.append(replace(row, place=Span(target.path(file))))
     return rows
 
 
@@ -80,17 +82,23 @@ def _json_rows(target: Target, file: str, actuators: ActuatorSet) -> Iterator[Ro
         if name not in joints:
             yield _fault(target, actuator, "randomize", "VFY109", f"{file} does not have the joint")
             continue
-        ranges = _range_row(target, actuator, file, joints[name])
+        row, word = _range_row(target, actuator, file, joints[name])
+        ranges = row if row.ok else replace(row, place=_place(target, file, text, name, word))
         yield ranges
-        values = list(_nominal_rows(target, actuator, file, asked, nominal, text))
+        units = {field: str(one["unit"]) for field, one in ours[name]["nominal"].items()}
+        values = [
+            replace(row, place=_place(target, file, text, name, f'"{row.quantity}": {{'))
+            for row in _nominal_rows(target, actuator, asked, nominal, units)
+        ]
         yield from values
         if ranges.ok and not values and _rest(joints[name]) != _rest(ours[name]):
-            yield _fault(target, actuator, "randomize", "VFY110", f"{file}: its text is another one")
+            wrong = _fault(target, actuator, "randomize", "VFY110", "a unit or a word is another one")
+            yield replace(wrong, place=_place(target, file, text, name, '"joint"'))
     if _rest(record) != _rest(fresh):
         yield Row(
             *(target.name, "", "", len(joints), f"randomize ({file})", "", None, 0.0, False),
             code="VFY110",
-            message=f"{file}: its head is another one",
+            message="the head of the file is another one",
             place=Span(target.path(file)),
         )
 
@@ -107,10 +115,9 @@ def _nominal(entry: Any) -> dict[str, float | None]:
 def _nominal_rows(
     target: Target,
     actuator: JointActuator,
-    file: str,
     asked: Mapping[str, Mapping[str, float | None]],
     found: Mapping[str, Mapping[str, float | None]],
-    text: str,
+    units: Mapping[str, str],
 ) -> Iterator[Row]:
     """Rows of nominal values that are other ones."""
     joint = actuator.joint
@@ -124,24 +131,21 @@ def _nominal_rows(
         everywhere = {name: (asked[name].get(field), found.get(name, {}).get(field)) for name in asked}
         code, reason = classify(Difference(field, want, have, wanted, got, everywhere))
         name = next((name for name, figure in FIGURES.items() if figure == field), field)
+        unit = units.get(name, "")
+        should = f"{figure_text(have, unit)}, and should be {figure_text(want, unit)}"
         yield Row(
-            *(target.name, actuator.group, joint, 1, name, ""),
+            *(target.name, actuator.group, joint, 1, name, unit),
             *(None if want is None or have is None else abs(have - want), 0.0, False, want, have),
             code=code,
-            message=one_line(f"the nominal {name} is {_said(have)}, and should be {_said(want)}: {reason}"),
-            place=Span(target.path(file), _line(text, joint, name)),
+            message=one_line(f"the nominal {name} is {should}: {reason}"),
         )
 
 
-def _said(value: float | None) -> str:
-    return "unknown" if value is None else f"{value:.6g}"
-
-
-def _line(text: str, joint: str, name: str) -> int:
-    """The line of a joint's value in a file of ours; 0 where it is not there."""
+def _place(target: Target, file: str, text: str, joint: str, word: str) -> Span:
+    """Where a file of ours has a joint and then a word; the file where it is another one."""
     start = text.find(f'"joint": {json.dumps(joint)}')
-    place = text.find(f"{json.dumps(name)}:", max(start, 0))
-    return 0 if start < 0 or place < 0 else text.count("\n", 0, place) + 1
+    found = text.find(word, start)
+    return Span(target.path(file), 0 if start < 0 or found < 0 else text.count("\n", 0, found) + 1)
 
 
 def _rest(record: Any) -> dict[str, Any]:
@@ -154,7 +158,8 @@ def _rest(record: Any) -> dict[str, Any]:
     return found
 
 
-def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -> Row:
+def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -> tuple[Row, str]:
+    """A joint's row, and a word of the file at what is another one."""
     asked = own_ranges(actuator)
     try:
         found = {str(one["field"]): one for one in entry["ranges"]}
@@ -162,13 +167,15 @@ def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -
             want, got = asked.get(field), found.get(field)
             if want is None or got is None:
                 what = "is not in the spec" if want is None else "is missing"
-                return _fault(target, actuator, f"randomize.{field}", "VFY110", f"{file}: the range {what}")
+                text = f"the range of {one_line(field)} {what}"
+                return _fault(target, actuator, f"randomize.{field}", "VFY110", text), '"ranges"'
             wrong = _difference(want, got)
             if wrong is not None:
-                return _fault(target, actuator, f"randomize.{field}", "VFY110", f"{file}: {wrong}")
+                text = f"of the range of {field}, {wrong}"
+                return _fault(target, actuator, f"randomize.{field}", "VFY110", text), f'"field": "{field}"'
     except (KeyError, TypeError, ValueError, OverflowError) as err:
         raise _Unreadable(f"{actuator.joint}: its ranges are none ({type(err).__name__})") from err
-    return Row(target.name, actuator.group, actuator.joint, 1, "randomize", "", 0.0, 0.0, True)
+    return Row(target.name, actuator.group, actuator.joint, 1, "randomize", "", 0.0, 0.0, True), ""
 
 
 def _difference(want: Randomization, got: Any) -> str | None:
@@ -200,7 +207,8 @@ def _python_rows(target: Target, file: str, actuators: ActuatorSet, robot: Robot
         yield Row(
             *(target.name, "", "", len(actuators.joints), f"randomize ({file})", "", None, 0.0, False),
             code="VFY110",
-            message=f"{file}: {text}",
+            message=text,
+            place=Span(theirs),
         )
 
 

@@ -86,7 +86,7 @@ def verify(
         nonlocal done
         done += 1
         if progress is not None:
-            progress(done, len(targets) + 1)
+            progress(done, len(targets) + 2)
 
     readings = _read(targets, actuators, robot)
     step()
@@ -115,6 +115,7 @@ def verify(
             if isinstance(answer, EngineAnswer)
         }
         moved, skipped = responses(targets, actuators, laws, asks)
+        step()
     for target in targets:
         fresh, built = readings.get(target.name, (None, None))
         if engines:
@@ -122,15 +123,22 @@ def verify(
             rows += [*found, *moved.get(target.name, ())]
             skipped += missed
         if fresh is not None and built is not None:
-            rows += field_rows(target, actuators, asked, fresh, built)
+            fields = list(field_rows(target, actuators, asked, fresh, built))
             if target.options.kind == "deploy" and built.reason is None:
-                rows += order_rows(target)
+                orders = list(order_rows(target))
+                if not all(row.ok for row in orders):
+                    # Every list has another joint's numbers then, and it is said once.
+                    fields = [row for row in fields if row.code != "VFY109" or row.quantity == "joint"]
+                fields += orders
+            rows += fields
         elif target.options.kind == "randomization":
             rows += range_rows(target, actuators, robot)
         if not isinstance(told.get(target.name), EngineAnswer):
             rows += code_rows(target)
         rows += other_rows(target)
     losses = tuple(loss for target in targets for loss in target.losses)
+    files = {target.name: Span(target.path(target.files[0])) for target in targets}
+    rows = [row if row.ok or row.place else replace(row, place=files[row.target]) for row in rows]
     return Agreement(without_repeats(rows), tuple(skipped), losses)
 
 

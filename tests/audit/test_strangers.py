@@ -37,5 +37,8 @@ def test_another_name(
     with PendingFiles(("biped.xml", name)) as pending:
         report = audit(pending, Settings(select=("SRC103",)))
     found = [str(item).partition("\n")[0] for item in report.told()]
-    message = "this has the joints of biped.xml, and is not compared with it: the names do not say that it is the same robot"
+    message = (
+        "this has the joints of biped.xml, and is not compared with it: "
+        "the names do not say that it is the same robot"
+    )
     assert found == ([f"{name}: AUD015 [info]: {message}"] if told else [])

@@ -389,6 +389,21 @@ def test_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     assert terminal.text == ""
 
 
+def test_progress_of_a_long_step(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A bar appears while a step of the work takes long, too, and tells how far the work was before."""
+    terminal: Any = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr("actspec.cli.progress._TICK", 0.01)
+    now = 0.0
+    with Progress("verifying", lambda: now) as progress, progress.ticking():
+        progress.step(1, 3)
+        assert terminal.text == ""
+        now = 2.5
+        while not terminal.text:
+            pass
+    assert terminal.text.startswith("\rverifying [##########....................] 1/3")
+
+
 # --- actspec rule --------------------------------------------------------------------------------
 
 

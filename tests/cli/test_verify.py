@@ -120,10 +120,15 @@ def test_engines_can_be_required(capsys: pytest.CaptureFixture[str]) -> None:
         ([], "no spec is named"),
         (["rich.yaml", "rich.yaml", "--built", "out"], "one folder of files is of one spec"),
         (["rich.yaml", "--fields-only", "--require-engines"], "no engine is run with --fields-only"),
+        (["rich.yaml", "--run-edited"], "no edited file is run without --built"),
+        (
+            ["rich.yaml", "--built", "out", "--run-edited", "--fields-only"],
+            "nothing is run with --fields-only",
+        ),
         (["rich.yaml", "-t", "isaaclap"], "no target is named 'isaaclap'"),
         (["gone.yaml"], "gone.yaml"),
     ],
-    ids=["no spec", "two specs", "contradiction", "target", "file"],
+    ids=["no spec", "two specs", "contradiction", "no files", "nothing run", "target", "file"],
 )
 def test_options(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]) -> None:
     """What cannot be done is said, with exit code 2."""
@@ -144,6 +149,49 @@ def test_markdown(capsys: pytest.CaptureFixture[str]) -> None:
     assert lines[0] == "### rich"
     assert lines[2].startswith("| target | group | joints | engine |")
     assert all(line.count("|") == lines[2].count("|") for line in lines[2:8])
+
+
+def test_edited_python_is_not_executed(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """The table says that an edited cfg was not run, and what would run it; a remark is no disagreement."""
+    assert main(["compile", "rich.yaml", "-o", "out"]) == 0
+    path = folder / "out" / "isaaclab" / "rich_cfg.py"
+    path.write_text(path.read_text("utf-8") + "# mine\n", "utf-8")
+    capsys.readouterr()
+    assert run("--built", "out", "-t", "isaaclab") == 0
+    out = capsys.readouterr().out
+    assert (
+        "rich_cfg.py is not what the spec compiles to, and would be executed: only its fields are compared"
+        in out
+    )
+    assert "look at it, then --run-edited" in out
+    assert run("--built", "out", "-t", "isaaclab", "--run-edited") == 0
+    assert "only its fields" not in capsys.readouterr().out
+
+
+def test_github(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    """An annotation at the edited line, or at the spec where no file is there; what is not asked is a notice."""
+    assert main(["compile", "rich.yaml", "-o", "out"]) == 0
+    path = folder / "out" / "isaaclab" / "rich_cfg.py"
+    text = path.read_text("utf-8").replace("effort_limit=22.5", "effort_limit=1e9")
+    path.write_text(text, "utf-8")
+    line = text[: text.index("effort_limit=1e9")].count("\n") + 1
+    capsys.readouterr()
+    arguments = ("--built", "out", "--fields-only", "-t", "isaaclab", "--output-format", "github")
+    assert run(*arguments) == 1
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == (
+        f"::error title=VFY104 isaaclab,file=out/isaaclab/rich_cfg.py,line={line},col=22::left_hip and 1 more: "
+        "the effort limit is 1e+09 N*m, and should be 22.5 N*m: the limit is lost"
+    )
+    assert lines[-1].startswith("::error title=rich,file=rich.yaml::1 disagreement in isaaclab; ")
+    assert run("--fields-only", "-t", "deploy", "--output-format", "github") == 0
+    assert [line.partition(" ")[0] for line in capsys.readouterr().out.splitlines()] == ["::notice"]
+    assert run("--fields-only", "--strict", "--output-format", "github") == 1
+    out = capsys.readouterr().out
+    assert (
+        "::error title=isaaclab.command_filter is not accepted,file=rich.yaml::left_knee command_filter: "
+        in out
+    )
 
 
 def test_setup_says_what_it_would_do(capsys: pytest.CaptureFixture[str], folder: Path) -> None:

@@ -12,9 +12,14 @@ import json
 import os
 import sys
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "actspec" / "verify" / "probes"))
+
+from probe_newton import Rig
 
 MODEL = ("joint_armature", "joint_friction", "joint_damping", "joint_velocity_limit", "joint_effort_limit",
          "joint_target_ke", "joint_target_kd")  # fmt: skip
@@ -61,19 +66,15 @@ def run(
     builder = newton.ModelBuilder()
     result = builder.add_usd(stage)
     model = builder.finalize(device="cpu")
-    labels = list(getattr(model, "joint_label", None) or model.joint_key)
-    at = [labels.index(path) for path in job["joints"]]
-    dofs = np.array([int(model.joint_qd_start.numpy()[i]) for i in at])
-    coords = np.array([int(model.joint_q_start.numpy()[i]) for i in at])
-    found = {key: getattr(model, key).numpy()[dofs].astype(np.float64) for key in MODEL}
+    rig = Rig(model, job["joints"], job["command"], job["step"])
+    found = {key: getattr(model, key).numpy()[rig.dofs].astype(np.float64) for key in MODEL}
     said = {
         "actuators": int(result["actuator_count"]),
         "others": sorted(str(p.GetPath()) for p in stage.Traverse() if p.GetTypeName() == "MjcActuator"),
     }
-    rig = Rig(model, job, dofs, coords)
     if "q" in arrays:
         found["force"] = np.stack([
-            rig.torque(rig.states(), *(arrays[key][k] for key in ("q", "qd", "command")))[0]
+            rig.torque(rig.states(), *(arrays[key][k] for key in ("command", "q", "qd")))[0]
             for k in range(len(arrays["q"]))
         ])  # fmt: skip
     if "sequence" in arrays:
@@ -88,12 +89,12 @@ def run(
                     now.reset()
             row = []
             for q, qd, command in zip(*motion, arrays["sequence"], strict=True):
-                torque, states = rig.torque(states, q, qd, command)
+                torque, states = rig.torque(states, command, q, qd)
                 row.append(torque)
             episodes.append(row)
         found["lagged"] = np.array(episodes)
     if job.get("solve"):
-        found["accelerated"] = rig.solve(job["solve"])
+        found["accelerated"] = solve(rig, job["solve"])
     return said, found
 
 
@@ -112,72 +113,20 @@ def composed(name: str, job: dict[str, Any]) -> Any:
     return stage
 
 
-class Rig:
-    """A model whose joints are put where they are wanted."""
+def solve(rig: Rig, job: dict[str, Any]) -> np.ndarray:
+    """Angular acceleration about Y of the one body, in one step of a solver from rest, its own drives included."""
+    import newton
 
-    def __init__(self, model: Any, job: dict[str, Any], dofs: np.ndarray, coords: np.ndarray) -> None:
-        self.model, self.job, self.dofs, self.coords = model, job, dofs, coords
-        self.state, self.control = model.state(), model.control()
-        first = model.actuators[0]
-        self.names = {
-            "position": first.control_target_pos_attr or "joint_target_pos",
-            "velocity": first.control_target_vel_attr or "joint_target_vel",
-            "effort": first.control_feedforward_attr,
-        }
-
-    def states(self) -> list[tuple[Any, Any]]:
-        """What each actuator remembers, before the first step."""
-        return [(act.state(), act.state()) for act in self.model.actuators]
-
-    def torque(
-        self, states: list[tuple[Any, Any]], q: np.ndarray, qd: np.ndarray, command: np.ndarray
-    ) -> tuple[np.ndarray, list[tuple[Any, Any]]]:
-        """One step of every actuator at a state; torques of the joints, and what they remember then."""
-        self.put(q, qd, command)
-        self.control.joint_f.zero_()
-        after = []
-        for actuator, (now, then) in zip(self.model.actuators, states, strict=True):
-            actuator.step(self.state, self.control, now, then, dt=self.job["step"])
-            after.append((then, now))
-        return self.control.joint_f.numpy()[self.dofs].astype(np.float64), after
-
-    def put(self, q: np.ndarray, qd: np.ndarray, command: np.ndarray) -> None:
-        """Place the joints and command them."""
-        write(self.state.joint_q, self.coords, q)
-        write(self.state.joint_qd, self.dofs, qd)
-        for kind, attribute in self.names.items():
-            target = getattr(self.control, attribute)
-            mine = np.array([one == kind for one in self.job["command"]])
-            # A position target has a place for each coordinate, or in older releases for each degree of freedom.
-            places = (
-                self.coords
-                if len(target) == self.model.joint_coord_count and kind == "position"
-                else self.dofs
-            )
-            if mine.any():
-                write(target, places[mine], command[mine])
-
-    def solve(self, job: dict[str, Any]) -> np.ndarray:
-        """Angular acceleration about Y of the one body, in one step of a solver from rest, its own drives included."""
-        import newton
-
-        self.model.set_gravity((0.0, 0.0, 0.0))
-        solver = newton.solvers.SolverSemiImplicit(self.model)
-        after, step = self.model.state(), job["step"]
-        zeros = np.zeros(len(self.dofs))
-        self.torque(self.states(), zeros, zeros, np.array(job["command"]))
-        newton.eval_fk(self.model, self.state.joint_q, self.state.joint_qd, self.state)
-        solver.step(self.state, after, self.control, None, step)
-        # Linear velocity first, then angular.
-        accelerated: np.ndarray = after.body_qd.numpy()[:, 4].astype(np.float64) / step
-        return accelerated
-
-
-def write(array: Any, places: np.ndarray, values: np.ndarray) -> None:
-    """Set some elements of a warp array."""
-    whole = array.numpy().copy()
-    whole[places] = values
-    array.assign(whole)
+    rig.model.set_gravity((0.0, 0.0, 0.0))
+    solver = newton.solvers.SolverSemiImplicit(rig.model)
+    after, step = rig.model.state(), job["step"]
+    zeros = np.zeros(len(rig.dofs))
+    rig.torque(rig.states(), np.array(job["command"]), zeros, zeros)
+    newton.eval_fk(rig.model, rig.state.joint_q, rig.state.joint_qd, rig.state)
+    solver.step(rig.state, after, rig.control, None, step)
+    # Linear velocity first, then angular.
+    accelerated: np.ndarray = after.body_qd.numpy()[:, 4].astype(np.float64) / step
+    return accelerated
 
 
 def network(job: dict[str, Any]) -> np.ndarray:

@@ -196,7 +196,7 @@ def test_mujoco_finds_what_no_field_says(built: Built) -> None:
     agreement = built.verified(
         "mujoco", replaced('dyntype="filterexact"', 'dyntype="filterexact" actearly="true"', 0), engines=True
     )
-    assert {(row.code, row.quantity, row.joint) for row in agreement.faults} == {
+    assert {(row.code, row.quantity, row.joint) for row in agreement.faults if row.engine} == {
         ("VFY100", f"torque.{kind}", f"{side}_knee")
         for kind in ("step", "ramp")
         for side in ("left", "right")

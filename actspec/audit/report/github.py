@@ -22,14 +22,22 @@ def render(report: Report, options: ReportOptions) -> str:
         text = one_line(group.headline(most=8))
         if item.finding.help:
             text += f"\nhelp: {one_line(item.finding.help)}"
-        lines.append(_command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
+        lines.append(command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
     for problem in report.told():
         text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
-        lines.append(_command(problem.severity, problem.code, problem.span, text))
+        lines.append(command(problem.severity, problem.code, problem.span, text))
     return "".join(f"{line}\n" for line in lines)
 
 
-def _command(severity: Severity, title: str, span: Span | None, text: str) -> str:
+def command(severity: Severity, title: str, span: Span | None, text: str) -> str:
+    """One workflow command.
+
+    Args:
+        severity: What the annotation is shown as.
+        title: Its heading.
+        span: The line that it is on; None: no line.
+        text: What it says.
+    """
     properties = [f"title={_property(title)}"]
     if span is not None:
         properties.append(f"file={_property(relative_path(span.path, '.'))}")
