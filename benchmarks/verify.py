@@ -3,7 +3,7 @@
     python benchmarks/verify.py            # write it
     python benchmarks/verify.py --check    # exit 1 where it is not what the engines say
 
-All engines must be there (`actspec verify --setup robots/*.yaml`), and the models of mjlab's robots
+All engines must be there (`actspec verify --setup`), and the models of mjlab's robots
 (`pip install --no-deps mjlab`): without them nothing is written. Exit code 1 also where anything disagrees. A quarter
 of an hour on two cores; the same engines give the same page.
 """

@@ -1,7 +1,7 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec and compile again.
-# spec sha256 e3dc0f64ba97d4a28a78b218ec089527dc00d5e599fed951e7cfd8549f3360f1
+# spec sha256 f15b40fabbb70811892572ac64bc7bae9593951b87cc57d1966644d022b81467
 # model a1.xml
-# physics_dt 0.005 s
+# physics_dt 0.002 s
 #
 # Sources:
 #   a1_urdf: Unitree's URDF of the A1 (unitree_ros, BSD-3-Clause), https://github.com/unitreerobotics/unitree_ros,
@@ -28,7 +28,7 @@ Example:
         actuators=UNITREE_A1_STIFF_ACTUATORS,
     )
 
-Made for ``SimulationCfg(dt=0.005)`` and ``decimation=4``.
+Made for ``SimulationCfg(dt=0.002)`` and ``decimation=10``.
 """
 
 from isaaclab.actuators import DCMotorCfg

@@ -1,7 +1,7 @@
 """Actuators of unitree_a1_stiff for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 e3dc0f64ba97d4a28a78b218ec089527dc00d5e599fed951e7cfd8549f3360f1
+# spec sha256 f15b40fabbb70811892572ac64bc7bae9593951b87cc57d1966644d022b81467
 # model a1.xml
 #
 # Use:
@@ -9,7 +9,7 @@
 #     spec_fn=lambda: prepare_spec(mujoco.MjSpec.from_file(...)),
 #     articulation=UNITREE_A1_STIFF_ARTICULATION,
 #   )
-# with SimulationCfg(mujoco=MujocoCfg(timestep=0.005)), decimation=4.
+# with SimulationCfg(mujoco=MujocoCfg(timestep=0.002)), decimation=10.
 # soft_joint_pos_limit_factor is left to the task.
 #
 # Sources:

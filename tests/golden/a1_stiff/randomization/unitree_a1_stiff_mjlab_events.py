@@ -1,6 +1,6 @@
 # Written by actspec 0.1.0 for mjlab 1.6. Do not edit: change the spec and compile
 #   again.
-# spec sha256 e3dc0f64ba97d4a28a78b218ec089527dc00d5e599fed951e7cfd8549f3360f1
+# spec sha256 f15b40fabbb70811892572ac64bc7bae9593951b87cc57d1966644d022b81467
 #
 # What it cannot do:
 # - strength: scale 0.9 to 1.1 -> each joint on its own (the stack draws no number for a
