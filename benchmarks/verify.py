@@ -4,8 +4,8 @@
     python benchmarks/verify.py --check    # exit 1 where it is not what the engines say
 
 All engines must be there (`actspec verify --setup`), and the models of mjlab's robots
-(`pip install --no-deps mjlab`): without them nothing is written. Exit code 1 also where anything disagrees. A quarter
-of an hour on two cores; the same engines give the same page.
+(`pip install --no-deps mjlab`): without them nothing is written. Exit code 1 also where anything disagrees. Some
+minutes; the same engines give the same page.
 """
 
 from __future__ import annotations
