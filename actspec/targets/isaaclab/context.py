@@ -10,6 +10,7 @@ from actspec.laws import TorqueLaw, law_of
 from actspec.targets.approximation import held_step_error
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.versions import IsaacLabDialect
+from actspec.targets.losing_joint import network_clip
 from actspec.targets.python_text import provenance
 from actspec.units import format_quantity
 
@@ -67,12 +68,7 @@ class Joint:
         """The law; of a network or unknown gains its clamp, as a drive whose command is the torque."""
         actuator = self.actuator
         if actuator.level is Level.ACTUATOR_NET:
-            lines = (actuator.stall_torque, actuator.no_load_speed)
-            line = all(part is not None and part.known for part in lines)
-            level = Level.DC_MOTOR if line or actuator.curve is not None else Level.IDEAL_PD
-            return law_of(
-                replace(actuator, level=level, command=Command.EFFORT, delay=None, filter_cutoff=None)
-            )
+            return law_of(replace(network_clip(actuator), delay=None, filter_cutoff=None))
         return law_of(actuator if self.gains_known else replace(actuator, command=Command.EFFORT))
 
     def approximate(self, field: str, asked: str, emitted: str, why: str, error: float | None) -> None:

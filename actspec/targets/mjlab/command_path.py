@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 from actspec.ir import Command
 from actspec.laws import delay_steps
-from actspec.targets.approximation import command_range_error, held_step_error, static_error
+from actspec.targets.approximation import static_error
 from actspec.targets.mjlab.context import Field, Joint
 from actspec.targets.python_text import provenance, py
 from actspec.units import format_quantity
@@ -38,7 +37,7 @@ def delay_fields(joint: Joint) -> tuple[Field, ...]:
             asked,
             f"{got} step{'' if got == '1' else 's'} of {joint.step * 1e3:g} ms",
             f"a delay is a whole number of steps; {said} than asked",
-            _step_error(joint),
+            joint.late,
         )
     if high == 0:
         return ()
@@ -57,14 +56,7 @@ def delay_fields(joint: Joint) -> tuple[Field, ...]:
 def no_command_path(joint: Joint) -> None:
     """Report filter, bias and clamp of the command as lost, where there are any."""
     actuator, law = joint.actuator, joint.law
-    if law.filter_cutoff is not None:
-        joint.approximate(
-            "command_filter",
-            f"{law.filter_cutoff:g} Hz",
-            "none",
-            "mjlab's actuators have no filter on the command",
-            _step_error(joint),
-        )
+    joint.no_filter("mjlab's actuators have no filter on the command")
     if law.encoder_bias != 0.0 and actuator.command is Command.POSITION:
         bias = format_quantity(law.encoder_bias, actuator.encoder_bias.unit)
         joint.approximate(
@@ -73,29 +65,6 @@ def no_command_path(joint: Joint) -> None:
             "none",
             f"mjlab's actuators have no bias; an event {joint.dialect.bias_event} with the range "
             f"({law.encoder_bias:g}, {law.encoder_bias:g}) sets it",
-            _whole(joint) if joint.learned else static_error(law, replace(law, encoder_bias=0.0).torque),
+            joint.both_limits if joint.learned else static_error(law, replace(law, encoder_bias=0.0).torque),
         )
-    if law.command_range is not None:
-        low, high = law.command_range
-        unit = {
-            Command.POSITION: actuator.encoder_bias.unit,
-            Command.VELOCITY: actuator.velocity_limit.unit,
-        }
-        joint.approximate(
-            "command_range",
-            f"{low:g} to {high:g} {unit.get(actuator.command, joint.unit)}",
-            "none",
-            "mjlab's actuators do not clamp the command; its action term can (`clip`)",
-            _whole(joint) if joint.learned else command_range_error(law, actuator.position_range),
-        )
-
-
-def _step_error(joint: Joint) -> float | None:
-    """Size of a command that comes too early or too late [N*m or N]."""
-    return _whole(joint) if joint.learned else held_step_error(joint.law)
-
-
-def _whole(joint: Joint) -> float | None:
-    """From one limit to the other: what a network answers to a command is not known here."""
-    limit = joint.law.effort_limit
-    return 2.0 * limit if math.isfinite(limit) else None
+    joint.no_range("mjlab's actuators do not clamp the command; its action term can (`clip`)")

@@ -14,6 +14,7 @@ from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.losing_joint import network_files
 from actspec.targets.mjlab.actuator import Cfg, cfg_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
 from actspec.targets.mjlab.versions import MjlabDialect, mjlab_dialect
@@ -57,7 +58,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         _check_springdamper(actuator, robot, collector)
     reports.tell(collector)
     names = _short_names(actuators, robot, collector)
-    files = _networks(cfgs, collector)
+    networks = ((cfg.actuator, cfg.network) for cfg in cfgs)
+    files = network_files(networks, "MJL010", "differ", collector)
     collector.raise_if_failed(EmitError)
 
     matched = _matched(actuators, robot)
@@ -154,21 +156,3 @@ def _preparation(actuators: ActuatorSet, robot: RobotView) -> Preparation:
         if low > -limit or high < limit:
             widened.append((joint.name, limit))
     return Preparation(bool(robot.actuators), tuple(widened))
-
-
-def _networks(cfgs: Sequence[Cfg], collector: Collector) -> list[EmittedFile]:
-    """The networks' files, each once."""
-    found: dict[str, bytes] = {}
-    for cfg in cfgs:
-        if cfg.network is None:
-            continue
-        name, data = cfg.network
-        if found.setdefault(name, data) != data:
-            collector.error(
-                "MJL010",
-                f"two networks are called '{name}' and differ",
-                where=f"actuators.{cfg.actuator.group}.network",
-                span=cfg.actuator.span,
-                help="rename one: both are written into one folder",
-            )
-    return [EmittedFile(name, data) for name, data in found.items()]

@@ -34,25 +34,11 @@ def passive_fields(joint: Joint) -> list[Field]:
                 f"mjlab {joint.dialect.text} has no viscous_damping (1.3 and later have)",
                 None if view is None else viscous_error(joint.law, difference, actuator.velocity_limit.value),
             )
-    coulomb = actuator.friction_coulomb.value
-    static = actuator.friction_static.value if actuator.friction_static is not None else None
-    stribeck = actuator.stribeck_velocity
-    if static is not None and static > (coulomb or 0.0):
-        joint.approximate(
-            "friction.static",
-            joint.torque(static),
-            "the model's own" if coulomb is None else joint.torque(coulomb),
-            "frictionloss is one number for sticking and sliding",
-            static - (coulomb or 0.0),
-        )
-        if stribeck is not None and stribeck.known:
-            joint.approximate(
-                "friction.stribeck_velocity",
-                format_quantity(stribeck.value, stribeck.unit),
-                "none",
-                "MuJoCo has no Stribeck effect",
-                static - (coulomb or 0.0),
-            )
+    joint.no_break_away(
+        "the model's own",
+        "frictionloss is one number for sticking and sliding",
+        "MuJoCo has no Stribeck effect",
+    )
     if actuator.velocity_limit.known:
         limit = actuator.velocity_limit
         joint.approximate(

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-from actspec.ir import Command
 from actspec.laws import delay_steps
-from actspec.targets.approximation import command_range_error, held_step_error
 from actspec.targets.newton.context import Joint
 from actspec.targets.newton.usda import Attribute
 from actspec.targets.python_text import provenance
@@ -21,7 +19,7 @@ def delay_attributes(joint: Joint) -> list[Attribute]:
     nominal = delay.nominal.value if ranged else delay.high
     if nominal is None:
         why = "a NewtonActuator has one fixed delay, and the nominal is unknown"
-        joint.approximate("delay.range", asked_range, "none", why, _late(joint))
+        joint.approximate("delay.range", asked_range, "none", why, joint.late)
         return []
     steps, loss = delay_steps(nominal, joint.step)
     emitted = f"{steps} step{'' if steps == 1 else 's'} of {joint.step * 1e3:g} ms"
@@ -31,12 +29,12 @@ def delay_attributes(joint: Joint) -> list[Attribute]:
             f"{nominal * 1e3:g} ms",
             emitted,
             f"a delay is a whole number of steps; {abs(loss) * 1e3:g} ms {'more' if loss > 0 else 'less'} than asked",
-            _late(joint),
+            joint.late,
         )
     if ranged:
         reach = max(abs(steps * joint.step - end) for end in (delay.low, delay.high))
         why = f"a NewtonActuator has one fixed delay; at most {reach * 1e3:g} ms off"
-        joint.approximate("delay.range", asked_range, emitted, why, _late(joint))
+        joint.approximate("delay.range", asked_range, emitted, why, joint.late)
     if steps == 0:
         return []
     notes = [f"steps of {joint.step * 1e3:g} ms: {nominal * 1e3:g} ms"]
@@ -46,38 +44,14 @@ def delay_attributes(joint: Joint) -> list[Attribute]:
 
 def no_command_path(joint: Joint) -> None:
     """Report filter and clamp of the command, and a network's bias, as lost where there are any."""
-    actuator, law = joint.actuator, joint.law
-    if law.filter_cutoff is not None:
-        joint.approximate(
-            "command_filter",
-            f"{law.filter_cutoff:g} Hz",
-            "none",
-            "a NewtonActuator has no filter on its command",
-            _late(joint),
-        )
-    if joint.learned and law.encoder_bias != 0.0:
+    joint.no_filter("a NewtonActuator has no filter on its command")
+    bias = joint.law.encoder_bias
+    if joint.learned and bias != 0.0:
         joint.approximate(
             "encoder_bias",
-            format_quantity(law.encoder_bias, actuator.encoder_bias.unit),
+            format_quantity(bias, joint.actuator.encoder_bias.unit),
             "none",
             "a network's position error has no bias",
             joint.both_limits,
         )
-    if law.command_range is not None:
-        low, high = law.command_range
-        unit = {
-            Command.POSITION: actuator.encoder_bias.unit,
-            Command.VELOCITY: actuator.velocity_limit.unit,
-        }
-        joint.approximate(
-            "command_range",
-            f"{low:g} to {high:g} {unit.get(actuator.command, joint.unit)}",
-            "none",
-            "a NewtonActuator does not clamp its command",
-            joint.both_limits if joint.learned else command_range_error(law, actuator.position_range),
-        )
-
-
-def _late(joint: Joint) -> float | None:
-    """Size of a command that comes too early, too late or unfiltered [N*m or N]."""
-    return joint.both_limits if joint.learned else held_step_error(joint.law)
+    joint.no_range("a NewtonActuator does not clamp its command")

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Sequence
 
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointKind
 from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.losing_joint import network_files
 from actspec.targets.newton.actuator import Driven, driven
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.text import overlay_name, overlay_text
@@ -48,7 +48,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             joints.append(found)
     reports.tell(collector)
     _check_bodies(actuators, robot, collector)
-    files = _networks(joints, collector)
+    networks = ((joint.actuator, joint.network) for joint in joints)
+    files = network_files(networks, "NWT005", "differ, in themselves or in their manifests", collector)
     # The joints' paths are an affair of their own: told beside the rest.
     own = Collector()
     layout = lay_out(actuators, robot, options, own)
@@ -99,21 +100,3 @@ def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector
             span=shared[0].span,
             help="give each joint a body of its own in the model, or leave this target out",
         )
-
-
-def _networks(joints: Sequence[Driven], collector: Collector) -> list[EmittedFile]:
-    """The networks' files, each once."""
-    found: dict[str, bytes] = {}
-    for joint in joints:
-        if joint.network is None:
-            continue
-        name, data = joint.network
-        if found.setdefault(name, data) != data:
-            collector.error(
-                "NWT005",
-                f"two networks are called '{name}' and differ, in themselves or in their manifests",
-                where=f"actuators.{joint.actuator.group}.network",
-                span=joint.actuator.span,
-                help="rename one: both are written into one folder",
-            )
-    return [EmittedFile(name, data) for name, data in found.items()]

@@ -75,7 +75,11 @@ def _passive(joint: Joint) -> list[Attribute]:
         else:
             why = f"Newton {joint.dialect.text} reads no speed limit of a joint from USD (1.4 and later do)"
             joint.approximate("velocity_limit", asked, "none", why, None)
-    _sticking(joint)
+    joint.no_break_away(
+        "the stage's own",
+        "newton:friction is one number for sticking and sliding",
+        "Newton has no Stribeck effect",
+    )
     return found
 
 
@@ -86,29 +90,3 @@ def _in_degrees(joint: Joint, name: str, quantity: Quantity, factor: float) -> A
     unit = quantity.unit.replace("rad", "deg")
     said = format_quantity(quantity.value, quantity.unit)
     return given(name, quantity.require() * factor, f"{unit}: {said}", provenance(quantity))
-
-
-def _sticking(joint: Joint) -> None:
-    """Report static friction above the sliding one as lost."""
-    actuator = joint.actuator
-    coulomb = actuator.friction_coulomb.value
-    static = actuator.friction_static.value if actuator.friction_static is not None else None
-    stribeck = actuator.stribeck_velocity
-    if static is None or static <= (coulomb or 0.0):
-        return
-    error = static - (coulomb or 0.0)
-    joint.approximate(
-        "friction.static",
-        joint.torque(static),
-        "the stage's own" if coulomb is None else joint.torque(coulomb),
-        "newton:friction is one number for sticking and sliding",
-        error,
-    )
-    if stribeck is not None and stribeck.known:
-        joint.approximate(
-            "friction.stribeck_velocity",
-            format_quantity(stribeck.value, stribeck.unit),
-            "none",
-            "Newton has no Stribeck effect",
-            error,
-        )

@@ -6,21 +6,13 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from actspec.diagnostics import shortened
 from actspec.ir import JointKind
 from actspec.targets.isaaclab.versions import isaaclab_dialect
-from actspec.verify.engines.question import (
-    EngineAnswer,
-    EngineMissing,
-    EngineRefused,
-    Motions,
-    Question,
-    not_prepared,
-)
-from actspec.verify.frameworks import ISAACLAB, find, unusable
+from actspec.verify.engines.asking import prepared, probed
+from actspec.verify.engines.question import EngineAnswer, EngineMissing, Motions, Question
+from actspec.verify.frameworks import ISAACLAB
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
-from actspec.verify.releases import EngineError
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_isaaclab.py"
@@ -73,20 +65,10 @@ def _probed(
         raise EngineMissing(f"the registry has no package of Isaac Lab {dialect.text}")
     if options.actuator_class == "implicit":
         raise EngineMissing("the drive of an implicit actuator is in PhysX, which is in no package")
-    why = unusable()
-    if why is not None:
-        raise EngineMissing(why)
-    frameworks = find()
-    if frameworks is None:
-        raise not_prepared(f"Isaac Lab {release}")
+    frameworks = prepared(f"Isaac Lab {release}")
     # A floating base is no joint of an articulation.
     joints = [joint.name for joint in question.robot.joints if joint.kind is not JointKind.FREE]
     module = str(Path(question.main).resolve())
     more = {"root": str(frameworks.isaaclab(release)), "module": module, "joints": joints}
-    try:
-        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
-    except EngineError as err:
-        raise EngineRefused(shortened(str(err), 300)) from err
-    if "error" in said:
-        raise EngineRefused(shortened(said["error"], 300))
+    said, out = probed(frameworks, PROBE, {**job, **more}, arrays)
     return release, said, out

@@ -6,21 +6,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from actspec.diagnostics import shortened
 from actspec.targets.mjlab.versions import mjlab_dialect
-from actspec.verify.engines.question import (
-    EngineAnswer,
-    EngineMissing,
-    EngineRefused,
-    Motions,
-    Question,
-    not_prepared,
-)
+from actspec.verify.engines.asking import prepared, probed
+from actspec.verify.engines.question import EngineAnswer, EngineMissing, Motions, Question
 from actspec.verify.engines.skeleton import skeleton
-from actspec.verify.frameworks import find, unusable
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
-from actspec.verify.releases import EngineError
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_mjlab.py"
@@ -67,17 +58,6 @@ def _probed(
             f"mjlab {dialect.text} is not run here: the environment has {RELEASE}, "
             "and each release needs a MuJoCo of its own"
         )
-    why = unusable()
-    if why is not None:
-        raise EngineMissing(why)
-    frameworks = find()
-    if frameworks is None:
-        raise not_prepared(f"mjlab {RELEASE}")
+    frameworks = prepared(f"mjlab {RELEASE}")
     more = {"module": str(Path(question.main).resolve()), "step": question.step}
-    try:
-        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
-    except EngineError as err:
-        raise EngineRefused(shortened(str(err), 300)) from err
-    if "error" in said:
-        raise EngineRefused(shortened(said["error"], 300))
-    return said, out
+    return probed(frameworks, PROBE, {**job, **more}, arrays)

@@ -11,18 +11,11 @@ from actspec.ir import JointKind
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.usda import path_text
 from actspec.targets.newton.versions import NewtonDialect, newton_dialect
-from actspec.verify.engines.question import (
-    EngineAnswer,
-    EngineMissing,
-    EngineRefused,
-    Motions,
-    Question,
-    not_prepared,
-)
-from actspec.verify.frameworks import NEWTON, find, unusable
+from actspec.verify.engines.asking import prepared, probed
+from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Motions, Question
+from actspec.verify.frameworks import NEWTON
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
-from actspec.verify.releases import EngineError
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_newton.py"
@@ -96,12 +89,7 @@ def _probed(
         raise EngineMissing(
             f"Newton {dialect.text} is not run here: the environment has 1.3, 1.4, 1.6 and 1.8"
         )
-    why = unusable()
-    if why is not None:
-        raise EngineMissing(why)
-    frameworks = find()
-    if frameworks is None:
-        raise not_prepared(f"Newton {dialect.text}")
+    frameworks = prepared(f"Newton {dialect.text}")
     beside = BESIDE.get(dialect.version)
     paths = _paths(question)
     more = {
@@ -111,12 +99,7 @@ def _probed(
         "joints": ["/" + "/".join(paths[joint]) for joint in job["joints"]],
         "step": question.step,
     }
-    try:
-        said, out = frameworks.run_probe(PROBE, {**job, **more}, arrays)
-    except EngineError as err:
-        raise EngineRefused(shortened(str(err), 300)) from err
-    if "error" in said:
-        raise EngineRefused(shortened(said["error"], 300))
+    said, out = probed(frameworks, PROBE, {**job, **more}, arrays)
     return dialect, said, out
 
 
