@@ -20,6 +20,7 @@ from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
 from actspec.audit.read import PendingFiles
+from actspec.audit.rows.ahead import RowsAhead
 from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected, strength
@@ -54,7 +55,9 @@ def audit(
     if not isinstance(files, PendingFiles):
         with PendingFiles(files) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
-    case = case_of(without_fragments(files.finish(progress)), settings.versions, settings.options, spec)
+    ahead = RowsAhead()
+    readings = without_fragments(files.finish(progress, ahead.take))
+    case = case_of(readings, settings.versions, settings.options, spec, ahead)
     return judge(case, settings, spec=spec, whole=files.in_folders)
 
 
@@ -107,11 +110,21 @@ def _run(
 ) -> tuple[list[Finding], tuple[Skipped, ...], list[Diagnostic]]:
     """Findings of all rules, those that had no input, and faults of rules."""
     rules = tuple(rules)
+    # Rules of a family look at the same things, which are made once for a process; the last families take longest.
+    families: dict[str, list[int]] = {}
+    for number in reversed(range(len(rules))):
+        families.setdefault(rules[number].code[:3], []).append(number)
+    work = tuple(families.values())
     jobs = cores() if len(case.rows) >= ROWS_TO_SPREAD else 1
     found: list[Finding] = []
     skipped: list[Skipped] = []
     problems: list[Diagnostic] = []
-    for items, fault in spread(lambda number: _check(rules[number], case), len(rules), jobs):
+    checked = spread(
+        lambda one: [(number, _check(rules[number], case)) for number in work[one]], len(work), jobs
+    )
+    by_number = dict(each for family in checked for each in family)
+    for number in range(len(rules)):
+        items, fault = by_number[number]
         for item in items:
             if isinstance(item, Finding):
                 found.append(item)
@@ -202,8 +215,10 @@ def _resolve(
 
 
 def _in_order(found: Iterable[Reported]) -> tuple[Reported, ...]:
-    def key(item: Reported) -> tuple[Span, str, str]:
-        return item.finding.span, item.finding.code, item.finding.joint
+    def key(item: Reported) -> tuple[str, int, int, str, str]:
+        # Not the span itself, which makes two tuples for each comparison.
+        finding, span = item.finding, item.finding.span
+        return span.path, span.line, span.column, finding.code, finding.joint
 
     return tuple(sorted(found, key=key))
 

@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.artifact import FileKind, FileReading
+from actspec.audit.prepared import PreparedWorkers
 from actspec.audit.workers import FAULT, Task, Workers, cores, process_context
 from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
@@ -23,10 +24,9 @@ YAML = (".yaml", ".yml")
 MOST_YAML_BYTES = 8 * 1024 * 1024
 """Chosen: the largest deploy file seen has 30 kB."""
 
-FILES_TO_PRELOAD = 25
-"""Robot files a process from which on MuJoCo is imported once, before the processes are forked. Chosen: they take
-0.15 s to read, as the caller's own imports do; with fewer, those would be waited for instead of going on beside
-MuJoCo's."""
+FILES_TO_PREPARE = 8
+"""Robot files from which on MuJoCo is imported once for all workers. Chosen: one more process takes 5 ms, and each
+worker then needs 0.1 s less."""
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
 
@@ -82,7 +82,6 @@ class PendingFiles:
         keep_matrices: bool | None = None,
         skip_other: bool = False,
         jobs: int | None = None,
-        preload: bool = False,
     ) -> None:
         """Begin to read.
 
@@ -91,19 +90,18 @@ class PendingFiles:
             keep_matrices: Likewise.
             skip_other: Likewise.
             jobs: Likewise.
-            preload: MuJoCo may be imported here for all processes; for a process that is the audit's own.
         """
         self._paths = tuple(paths)
         self._skip_other = skip_other
         self._files = expand(paths, skip_other=skip_other)
         if keep_matrices is None:
             keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
-        if preload and self._is_worth_preloading(jobs or cores()):
-            from actspec.audit.readers.robot import preload_readers
-
-            preload_readers()
         tasks = [Task(index, file.path, keep_matrices) for index, file in enumerate(self._files)]
-        self._workers = Workers(tasks, jobs, read_file)
+        self._workers: Workers | PreparedWorkers
+        if self._is_worth_preparing(jobs or cores()):
+            self._workers = PreparedWorkers(tasks, jobs, read_file, prepare)
+        else:
+            self._workers = Workers(tasks, jobs, read_file)
 
     def __enter__(self) -> PendingFiles:
         """The same."""
@@ -113,29 +111,40 @@ class PendingFiles:
         """Stop reading."""
         self._workers.__exit__()
 
-    def _is_worth_preloading(self, jobs: int) -> bool:
-        """Whether forked processes would read so many robot files that MuJoCo may first be imported for all."""
+    def _is_worth_preparing(self, jobs: int) -> bool:
+        """Whether forked processes would read so many robot files that MuJoCo is imported once for all."""
         robots = sum(file.path.lower().endswith(ROBOT) for file in self._files)
-        return robots >= FILES_TO_PRELOAD * jobs and process_context().get_start_method() == "fork"
+        return jobs > 1 and robots >= FILES_TO_PREPARE and process_context().get_start_method() == "fork"
 
     @property
     def in_folders(self) -> frozenset[str]:
         """Those that were found in a folder that was named."""
         return frozenset(file.path for file in self._files if file.folder is not None)
 
-    def finish(self, progress: Callable[[int, int], None] | None = None) -> tuple[FileReading, ...]:
+    def finish(
+        self,
+        progress: Callable[[int, int], None] | None = None,
+        taken: Callable[[FileReading], None] | None = None,
+    ) -> tuple[FileReading, ...]:
         """Wait until all are read.
 
         Args:
             progress: As in `read_files`.
+            taken: Called with each reading in the order of the files, also of one that is not kept, while others
+                are still being read.
 
-        Returns: Likewise.
+        Returns: As of `read_files`.
         """
         found: dict[int, FileReading] = {}
+        next_ = 0
         for index, reading in self._workers.results():
             found[index] = reading
             if progress is not None:
                 progress(len(found), len(self._files))
+            while taken is not None and next_ in found:
+                taken(found[next_])
+                next_ += 1
+        self._workers.end()
         return tuple(_chosen(self._paths, self._files, found, self._skip_other))
 
 
@@ -166,6 +175,13 @@ def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile
 
 def _has_known_ending(path: str) -> bool:
     return path.lower().endswith((*ROBOT, *PYTHON, *YAML))
+
+
+def prepare() -> None:
+    """Import what robot files are read with."""
+    from actspec.audit.readers.robot import preload_readers
+
+    preload_readers()
 
 
 def read_file(task: Task) -> FileReading:

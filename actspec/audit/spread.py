@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import os
 import pickle
 import signal
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
@@ -21,57 +22,75 @@ _T = TypeVar("_T")
 def spread(work: Callable[[int], _T], count: int, jobs: int) -> list[_T]:
     """Do something for every number below `count`.
 
-    Where a fork is not safe all of it is done here, and so is the share of a process that dies.
+    Each process takes the next number when it is done with one. Where a fork is not safe all of it is done
+    here, and so is what a process that dies had taken.
 
     Args:
         work: What is done; changes nothing. Its results can be pickled.
-        count: How often.
+        count: How often; those that take long come first.
         jobs: Processes, this one among them.
 
     Returns: The results, in order.
     """
     context = process_context()
     jobs = max(1, min(jobs, count)) if context.get_start_method() == "fork" else 1
+    if jobs == 1 or count > _MOST:
+        return [work(number) for number in range(count)]
+    waiting, fill = os.pipe()
     helpers: list[_Helper[_T]] = []
     try:
-        for first in range(1, jobs):
-            # Numbers side by side are often alike, and take as long.
-            helpers.append(_Helper.start(context, work, range(first, count, jobs)))
-        found = {number: work(number) for number in range(0, count, jobs)}
+        # What is in a pipe is taken by one reader, and once all is taken and nobody can write there is an end.
+        with os.fdopen(fill, "wb") as stream:
+            stream.write(b"".join(number.to_bytes(_BYTES, "little") for number in range(count)))
+        for _ in range(1, jobs):
+            helpers.append(_Helper.start(context, work, waiting))
+        found = _taken(work, waiting)
         for helper in helpers:
-            results = helper.results()
-            if results is None:
-                results = [work(number) for number in helper.share]
-            found.update(zip(helper.share, results, strict=True))
+            found.update(helper.results())
     finally:
         for helper in helpers:
             helper.stop()
-    return [found[number] for number in range(count)]
+        os.close(waiting)
+    return [found[number] if number in found else work(number) for number in range(count)]
+
+
+_BYTES = 2
+"""Of a number in the pipe."""
+_MOST = 2048
+"""Numbers at most, so that they fit into one page, which is the least that a pipe holds; there are some 30."""
+
+
+def _taken(work: Callable[[int], _T], waiting: int) -> dict[int, _T]:
+    """Do what is taken from a pipe with numbers until it is empty."""
+    found = {}
+    while data := os.read(waiting, _BYTES):
+        number = int.from_bytes(data, "little")
+        found[number] = work(number)
+    return found
 
 
 @dataclass(frozen=True, slots=True)
 class _Helper(Generic[_T]):
-    """A process with its share."""
+    """A process that takes numbers."""
 
     process: BaseProcess
     pipe: Connection[Any, Any]
-    share: Sequence[int]
 
     @staticmethod
-    def start(context: Any, work: Callable[[int], _T], share: Sequence[int]) -> _Helper[_T]:
+    def start(context: Any, work: Callable[[int], _T], waiting: int) -> _Helper[_T]:
         """Begin."""
         ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(target=_serve, args=(theirs, work, share), daemon=True)
+        process = context.Process(target=_serve, args=(theirs, work, waiting), daemon=True)
         start_quietly(process)
         theirs.close()
-        return _Helper(process, ours, share)
+        return _Helper(process, ours)
 
-    def results(self) -> list[_T] | None:
-        """Wait for its results; None: it has died."""
+    def results(self) -> dict[int, _T]:
+        """Wait for its results; none if it has died."""
         try:
-            found: list[_T] = pickle.loads(self.pipe.recv_bytes())
+            found: dict[int, _T] = pickle.loads(self.pipe.recv_bytes())
         except (EOFError, OSError):
-            return None
+            return {}
         return found
 
     def stop(self) -> None:
@@ -81,10 +100,10 @@ class _Helper(Generic[_T]):
         self.pipe.close()
 
 
-def _serve(pipe: Connection[Any, Any], work: Callable[[int], _T], share: Sequence[int]) -> None:
+def _serve(pipe: Connection[Any, Any], work: Callable[[int], _T], waiting: int) -> None:
     """A helper's life."""
     # The parent decides what an interrupt means, and ends its helpers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # What goes wrong here goes wrong in the parent again, which tells it.
     with suppress(Exception):
-        pipe.send_bytes(pickled([work(number) for number in share]))
+        pipe.send_bytes(pickled(_taken(work, waiting)))

@@ -96,11 +96,21 @@ class Workers:
             worker.stop()
         self._workers.clear()
 
+    def end(self) -> None:
+        """End them without waiting until they are gone: what they hold is freed while the caller goes on."""
+        for worker in self._workers:
+            worker.process.kill()
+
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """Wait for what they read.
 
         Yields: Index and reading, as they are done.
         """
+        for index, data in self.packed():
+            yield index, pickle.loads(data)
+
+    def packed(self) -> Iterator[tuple[int, bytes]]:
+        """As `results`, with readings that are still pickled."""
         if not self._workers:
             return
         from multiprocessing.connection import wait
@@ -125,7 +135,7 @@ class Workers:
                 if lost.refusal is None:
                     self._waiting.appendleft(Task(lost.index, lost.path, lost.keep_matrices, fault))
                 else:
-                    yield lost.index, _lost(lost.path, lost.refusal)
+                    yield lost.index, pickled(_lost(lost.path, lost.refusal))
                 if self._waiting:
                     self._workers.append(_start(self._read, self._workers))
 
@@ -170,14 +180,14 @@ class _Worker:
             with suppress(OSError):  # it has died; `answer` will tell
                 self.pipe.send(self.tasks[-1])
 
-    def answer(self) -> tuple[int, FileReading] | None:
-        """What it has read; None: it is dead."""
+    def answer(self) -> tuple[int, bytes] | None:
+        """What it has read, pickled; None: it is dead."""
         try:
-            reading: FileReading = pickle.loads(self.pipe.recv_bytes())
+            data: bytes = self.pipe.recv_bytes()
         except (EOFError, OSError):
             return None
         self.since = time.monotonic()
-        return self.tasks.popleft().index, reading
+        return self.tasks.popleft().index, data
 
     def stop(self) -> None:
         """End it."""

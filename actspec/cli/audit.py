@@ -22,4 +22,4 @@ def begin(arguments: argparse.Namespace) -> PendingFiles:
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
     # Without threads of numpy's linear algebra this process can be forked; it needs none.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs, preload=True)
+    return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)

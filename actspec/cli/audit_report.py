@@ -12,7 +12,7 @@ from actspec.audit.engine import audit
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
 from actspec.audit.read import PendingFiles
-from actspec.audit.report import ReportOptions, render
+from actspec.audit.report import ReportOptions, prepare, render
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
@@ -51,7 +51,10 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
     """
     output_format: str = arguments.output_format
     settings = _settings(arguments)
+    prepare(output_format)
     report = _audited(arguments, settings, pending)
+    # Not taken apart at the end, which takes long for thousands of findings; see `entry`.
+    arguments.report = report
     _check_spec(report, arguments.spec)
     if arguments.diff:
         return _show_fixes(report, arguments.unsafe_fixes)

@@ -232,7 +232,10 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Returns: 0 clean, 1 findings, 2 could not run.
     """
-    arguments = parser().parse_args(argv)
+    return _main(parser().parse_args(argv))
+
+
+def _main(arguments: argparse.Namespace) -> int:
     # Nothing is drawn here: without this MuJoCo loads a windowing library, which may even fail to start.
     os.environ["MUJOCO_GL"] = "disable"
     # A run makes hundreds of classes and drops none: to look for garbage among them takes time.
@@ -259,7 +262,9 @@ def entry() -> NoReturn:
     It ends without taking every module apart, which would be a tenth of a compile's time: all files are
     closed by then, and no other process is left.
     """
-    code = main()
+    # What a command leaves in here is not taken apart either.
+    arguments = parser().parse_args()
+    code = _main(arguments)
     sys.stdout.flush()
     sys.stderr.flush()
     os._exit(code)

@@ -31,18 +31,15 @@ class Attribute:
     value_end: int
 
 
-_PLAIN = re.compile(r'''([^\s="]+)\s*=\s*"([^"]*)"''', re.ASCII)
-"""An attribute in a tag without single quotes."""
 _ATTRIBUTE = re.compile(r"""\s*([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""", re.ASCII)
-_REFERENCE = re.compile(r"&(?:#x([0-9a-fA-F]+)|#([0-9]+)|(\w+));", re.ASCII)
-_BREAK = re.compile(r"\r\n|[\r\n\t]")
-_ENTITIES = {"amp": "&", "lt": "<", "gt": ">", "quot": '"', "apos": "'"}
+_START_TAG = re.compile(r"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""", re.ASCII)
+"""A start tag in a well-formed text."""
 
 
 class Attributes(Mapping[str, Attribute]):
     """Attributes of an element by name, in the author's order.
 
-    Values and places in the text are looked for when they are asked for.
+    Places in the text are looked for when they are asked for.
     """
 
     __slots__ = ("_element",)
@@ -83,18 +80,17 @@ class Attributes(Mapping[str, Attribute]):
 class Element:
     """One element; compared by identity, and not changed once its document is there.
 
-    It is not frozen because hundreds are made for a file, of which few are looked at: attributes, column
-    and span are worked out when they are asked for.
+    It is not frozen because hundreds are made for a file, of which few are looked at: where its tags end,
+    its column and span are worked out when they are asked for.
 
     Attributes:
         tag: Tag, with its prefix.
         text: The file that it is in, well-formed, one character a byte.
         file: Index into `XmlDocument.files`.
         start: The `<` of the start tag [byte].
-        name_end: Just after the tag's name.
-        open_end: Just after the `>` of the start tag.
-        end: Just after the whole element; `open_end` for `<a/>`.
         line: Line of `start`, from 1.
+        values: Attribute to value, as XML means it, in the author's order; not to be changed.
+        close: The `<` of the end tag; just after `<a/>` [byte].
         children: Child elements; in the place of an include those of the included root, which are
             in another file.
     """
@@ -103,12 +99,11 @@ class Element:
     text: str = field(repr=False)
     file: int
     start: int
-    name_end: int
-    open_end: int
-    end: int
     line: int
-    children: list[Element]
-    _values: dict[str, str] | None = field(default=None, init=False, repr=False)
+    values: dict[str, str]
+    close: int = -1
+    children: list[Element] = field(default_factory=list)
+    _open_end: int = field(default=-1, init=False, repr=False)
     _span: Span | None = field(default=None, init=False, repr=False)
 
     @property
@@ -117,16 +112,33 @@ class Element:
         return Attributes(self)
 
     @property
-    def values(self) -> dict[str, str]:
-        """Attribute to value, as XML means it, in the author's order; not to be changed."""
-        if self._values is None:
-            self._values = _values(self.text[self.name_end : self.open_end])
-        return self._values
+    def name_end(self) -> int:
+        """Just after the tag's name."""
+        return self.start + 1 + len(self.tag.encode())
+
+    @property
+    def open_end(self) -> int:
+        """Just after the `>` of the start tag."""
+        if self._open_end < 0:
+            found = _START_TAG.match(self.text, self.start)
+            # expat has checked the tag, so the pattern cannot fail here.
+            assert found is not None
+            self._open_end = found.end()
+        return self._open_end
+
+    @property
+    def end(self) -> int:
+        """Just after the whole element; `open_end` for `<a/>`."""
+        text, close = self.text, self.close
+        # The quick way for `<a b="1"/>`, without a look at its attributes.
+        if text[close - 2] == "/" and text.find(">", self.start, close - 1) < 0:
+            return close
+        return self.open_end if self.self_closing else text.index(">", close) + 1
 
     @property
     def self_closing(self) -> bool:
         """Whether it is written `<a/>`."""
-        return self.end == self.open_end
+        return self.text[self.open_end - 2] == "/"
 
     @property
     def column(self) -> int:
@@ -142,29 +154,6 @@ class Element:
 def as_unicode(text: str) -> str:
     """What UTF-8 means that is held with one character a byte."""
     return text if text.isascii() else text.encode("latin-1").decode()
-
-
-def _values(tag: str) -> dict[str, str]:
-    """Attributes of a well-formed start tag, from after its name."""
-    if "'" in tag:
-        found = {name: double or single for name, double, single in _ATTRIBUTE.findall(tag)}
-    else:
-        found = dict(_PLAIN.findall(tag))
-    if "&" in tag or "\n" in tag or "\r" in tag or "\t" in tag or not tag.isascii():
-        return {as_unicode(name): _meaning(as_unicode(value)) for name, value in found.items()}
-    return found
-
-
-def _meaning(value: str) -> str:
-    """The value of an attribute as XML means it: a break is a space, references are resolved."""
-    return _REFERENCE.sub(_character, _BREAK.sub(" ", value))
-
-
-def _character(reference: re.Match[str]) -> str:
-    hexadecimal, decimal, entity = reference.groups()
-    if entity:
-        return _ENTITIES[entity]
-    return chr(int(hexadecimal, 16) if hexadecimal else int(decimal))
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import select
 import sys
 import threading
 from pathlib import Path
@@ -36,11 +37,48 @@ def test_nothing_to_do() -> None:
 
 
 @forks
-def test_every_process_does_its_share() -> None:
-    """Of four numbers two processes do two each, this one the first and the third."""
-    here = os.getpid()
-    done = spread(lambda number: os.getpid() == here, 4, 2)
-    assert done == [True, False, True, False]
+def test_a_process_takes_what_another_has_not() -> None:
+    """Whoever has taken the first number waits until all others are done, which another process must do."""
+    done, doing = os.pipe()
+
+    def work(number: int) -> int:
+        if number == 0:
+            for _ in range(3):
+                ready, _, _ = select.select([done], [], [], 60.0)
+                assert ready, "nobody else takes numbers"
+                os.read(done, 1)
+        else:
+            os.write(doing, b".")
+        return os.getpid()
+
+    first, *others = spread(work, 4, 2)
+    assert first not in others
+    assert len(set(others)) == 1
+    assert os.getpid() in (first, *others)
+    os.close(done)
+    os.close(doing)
+
+
+@forks
+def test_more_numbers_than_a_pipe_holds() -> None:
+    """They are done here, and nothing waits for ever."""
+    assert spread(lambda number: number, 70_000, 2) == list(range(70_000))
+
+
+@forks
+@pytest.mark.parametrize("count", [2, 300, 2048])
+def test_each_number_is_done_once(count: int) -> None:
+    """By one process or the other; 300 is more than a byte holds."""
+    assert spread(lambda number: number, count, 3) == list(range(count))
+
+
+@forks
+def test_nothing_is_left_open() -> None:
+    """Neither pipes nor processes."""
+    spread(lambda number: number, 9, 3)
+    before = set(os.listdir("/proc/self/fd"))
+    spread(lambda number: number, 9, 3)
+    assert set(os.listdir("/proc/self/fd")) == before
 
 
 @forks

@@ -31,6 +31,15 @@ class ReportOptions:
     fail_on: Severity | None = Severity.ERROR
 
 
+def prepare(output_format: str) -> None:
+    """Import what a report needs, while there is something else to wait for.
+
+    Args:
+        output_format: One of `FORMATS`.
+    """
+    import_module(f"actspec.audit.report.{output_format}")
+
+
 def render(report: Report, output_format: str, options: ReportOptions) -> str:
     """A report as text, ending in a line break.
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 from actspec.audit.artifact import Artifact
@@ -161,12 +162,10 @@ class _Joint:
             assert kp is not None and reference is not None
             frequency = math.sqrt(kp / reference)
             ratio = None if total is None else total / (2.0 * math.sqrt(kp * reference))
-        places = {
-            field: joint.places.get(name, joint.span)
-            for field, name in _OF_JOINT.items()
-            if name in joint.stated
-        }
+        said = _said_of_joint(joint.stated)
+        places = {field: joint.places.get(name, joint.span) for field, name in said}
         stated = frozenset(places)
+        implicit = self._passive_implicit()
         shared: dict[str, Any] = {
             "file": self.file,
             "artifact": self.index,
@@ -177,10 +176,10 @@ class _Joint:
             "kind": joint.kind,
             "joint_damping": damping,
             "joint_damping_clamped": False if mjcf else None,
-            "joint_damping_implicit": self._passive_implicit(),
+            "joint_damping_implicit": implicit,
             "actuator_damping": 0.0 if mjcf else None,
             "actuator_damping_clamped": False if mjcf else None,
-            "actuator_damping_implicit": self._passive_implicit(),
+            "actuator_damping_implicit": implicit,
             "total_damping": total,
             "frictionloss": None if "frictionloss" in unknown else joint.frictionloss,
             "effort_limit": self._effort_limit(),
@@ -207,16 +206,7 @@ class _Joint:
         """The fields in which the row of an actuator differs from that of the bare joint."""
         places = {**places}
         stated = set(places)
-        for field, names in _STATED_BY.items():
-            said = None
-            for name in names:
-                if name in actuator.stated:
-                    said = name
-                    break
-            if said is None and field == "effort_limit" and "ctrlrange" in actuator.stated:
-                said = "ctrlrange" if self._is_torque(actuator) else None
-            if said is None:
-                continue
+        for field, said in _said_of_actuator(actuator.stated, self._is_torque(actuator)):
             # The joint's own attribute keeps its place: two places state such a field.
             if field not in stated:
                 places[field] = actuator.places.get(said, actuator.span)
@@ -319,6 +309,29 @@ class _Joint:
             if explicit is not None:
                 explicit = _sum([_known(a, "kd") for a in self.acting])
         return None if explicit is None else step * explicit / self.inertia.free.low
+
+
+@lru_cache(maxsize=256)
+def _said_of_joint(stated: frozenset[str]) -> tuple[tuple[str, str], ...]:
+    """Fields of a row that a joint states, each with its name in `JointView.stated`."""
+    return tuple((field, name) for field, name in _OF_JOINT.items() if name in stated)
+
+
+@lru_cache(maxsize=256)
+def _said_of_actuator(stated: frozenset[str], torque: bool) -> tuple[tuple[str, str], ...]:
+    """Fields of a row that an actuator states, each with the attribute that does.
+
+    Args:
+        stated: Its attributes.
+        torque: Whether its control range is one of the torque.
+    """
+    found = []
+    for field, names in _STATED_BY.items():
+        last = ("ctrlrange",) if field == "effort_limit" and torque else ()
+        said = next((name for name in (*names, *last) if name in stated), None)
+        if said is not None:
+            found.append((field, said))
+    return tuple(found)
 
 
 def _apart(places: Mapping[str, Span], row: Span) -> dict[str, Span]:
