@@ -1,24 +1,36 @@
 """Workers forked from a process that has imported MuJoCo for all of them.
 
-The import goes on beside what the caller has to import itself, and is done once for all workers.
+The import goes on beside what the caller has to import itself, and is done once for all workers. What they read
+goes straight to the caller; the process between only says who reads what, and what becomes of those that die.
 """
 
 from __future__ import annotations
 
 import os
-import pickle
 import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
 from actspec.audit.artifact import FileReading
-from actspec.audit.workers import TIME_LIMIT, Read, Task, Workers, process_context, start_quietly
+from actspec.audit.workers import (
+    TIME_LIMIT,
+    Read,
+    Task,
+    Workers,
+    message,
+    process_context,
+    received,
+    start_quietly,
+    workers_for,
+)
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
 
-_INDEX_BYTES = 4
+_LOOK = 1.0
+"""Chosen: seconds without a result after which it is looked whether the process is still there."""
 
 
 class PreparedWorkers:
@@ -46,12 +58,16 @@ class PreparedWorkers:
         self._jobs = jobs
         self._limit = limit
         context = process_context()
-        self._pipe, theirs = context.Pipe(duplex=False)
-        arguments = (theirs, self._pipe, self._tasks, jobs, read, prepare, limit)
+        # One from each worker; the first is the process's own, for what its workers did not send.
+        ends = [context.Pipe(duplex=False) for _ in range(1 + workers_for(tasks, jobs))]
+        self._pipes: list[Connection[Any, Any]] = [ours for ours, _ in ends]
+        theirs = [their for _, their in ends]
+        arguments = (theirs, self._pipes, self._tasks, jobs, read, prepare, limit)
         # It has children of its own, which a daemon may not have.
         self._process = context.Process(target=_serve, args=arguments)
         start_quietly(self._process)
-        theirs.close()
+        for pipe in theirs:
+            pipe.close()
 
     def __enter__(self) -> PreparedWorkers:
         """The same."""
@@ -61,29 +77,43 @@ class PreparedWorkers:
         """End it and its workers, whatever they are doing."""
         self.end()
         self._process.join()
-        self._pipe.close()
+        for pipe in self._pipes:
+            pipe.close()
 
     def end(self) -> None:
         """As of `Workers`."""
         self._process.terminate()
 
     def results(self) -> Iterator[tuple[int, FileReading]]:
-        """As of `Workers`; what the process has not read when it dies is read by workers of this one."""
+        """As of `Workers`; what is not read when the process dies is read by workers of this one."""
+        from multiprocessing.connection import wait
+
         left = {task.index: task for task in self._tasks}
-        try:
-            while left:
-                data = self._pipe.recv_bytes()
-                index = int.from_bytes(data[:_INDEX_BYTES], "little")
-                del left[index]
-                yield index, pickle.loads(memoryview(data)[_INDEX_BYTES:])
-        except (EOFError, OSError):
+        pipes = list(self._pipes)
+        while left and pipes:
+            ready = wait(pipes, _LOOK)
+            # Its pipes may be held open by a worker that is never done.
+            if not ready and not self._process.is_alive():
+                break
+            for pipe in pipes[:]:
+                if pipe not in ready:
+                    continue
+                try:
+                    index, reading = received(pipe.recv_bytes())
+                except (EOFError, OSError):
+                    pipes.remove(pipe)
+                    continue
+                # A worker that dies before it has said that it is done has its file read again.
+                if left.pop(index, None) is not None:
+                    yield index, reading
+        if left:
             with Workers(tuple(left.values()), self._jobs, self._read, self._limit) as workers:
                 yield from workers.results()
 
 
 def _serve(
-    pipe: Connection[Any, Any],
-    parents: Connection[Any, Any],
+    pipes: Sequence[Connection[Any, Any]],
+    parents: Sequence[Connection[Any, Any]],
     tasks: Sequence[Task],
     jobs: int | None,
     read: Read,
@@ -94,14 +124,14 @@ def _serve(
     # The caller decides what an interrupt means, and ends this process, which then ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
-    parents.close()
+    for parent in parents:
+        parent.close()
     # One process a core is all the parallelism that there is to have; nothing is drawn.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("MUJOCO_GL", "disable")
     prepare()
-    with Workers(tasks, jobs, read, limit) as workers:
+    own, *outlets = pipes
+    with suppress(BrokenPipeError), Workers(tasks, jobs, read, limit, outlets) as workers:
         for index, data in workers.packed():
-            try:
-                pipe.send_bytes(index.to_bytes(_INDEX_BYTES, "little") + data)
-            except BrokenPipeError:
-                return
+            if data:
+                own.send_bytes(message(index, data))

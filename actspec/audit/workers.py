@@ -68,7 +68,12 @@ class Workers:
     """
 
     def __init__(
-        self, tasks: Sequence[Task], jobs: int | None, read: Read, limit: float = TIME_LIMIT
+        self,
+        tasks: Sequence[Task],
+        jobs: int | None,
+        read: Read,
+        limit: float = TIME_LIMIT,
+        outlets: Sequence[Connection[Any, Any]] = (),
     ) -> None:
         """Start them.
 
@@ -77,13 +82,17 @@ class Workers:
             jobs: Processes at most; default: one a core that this process may run on.
             read: What is done with each.
             limit: Most time for one file [s].
+            outlets: Where the first workers, one each, send what they read in place of here: `message`s; then closed.
         """
         self._waiting = deque(tasks)
         self._read = read
         self._limit = limit
         self._workers: list[_Worker] = []
-        for _ in range(min(len(tasks), max(jobs, 1) if jobs is not None else cores())):
-            self._workers.append(_start(read, self._workers))
+        for number in range(workers_for(tasks, jobs)):
+            outlet = outlets[number] if number < len(outlets) else None
+            self._workers.append(_start(read, self._workers, outlet))
+            if outlet is not None:
+                outlet.close()
             self._fill()
 
     def __enter__(self) -> Workers:
@@ -110,7 +119,7 @@ class Workers:
             yield index, pickle.loads(data)
 
     def packed(self) -> Iterator[tuple[int, bytes]]:
-        """As `results`, with readings that are still pickled."""
+        """As `results`, with readings that are still pickled; b"": it has gone through an outlet."""
         if not self._workers:
             return
         from multiprocessing.connection import wait
@@ -155,6 +164,11 @@ class Workers:
         return lost
 
 
+def workers_for(tasks: Sequence[Task], jobs: int | None) -> int:
+    """How many workers there are for some tasks, as in `Workers`."""
+    return min(len(tasks), max(jobs, 1) if jobs is not None else cores())
+
+
 def cores() -> int:
     """Cores that this process may run on."""
     if hasattr(os, "sched_getaffinity"):
@@ -196,12 +210,12 @@ class _Worker:
         self.pipe.close()
 
 
-def _start(read: Read, others: Sequence[_Worker]) -> _Worker:
+def _start(read: Read, others: Sequence[_Worker], outlet: Connection[Any, Any] | None = None) -> _Worker:
     """A new process. Where it is forked it inherits the pipes of the others, and closes them."""
     context = process_context()
     ours, theirs = context.Pipe()
     inherited = [*(worker.pipe for worker in others), ours] if context.get_start_method() == "fork" else []
-    process = context.Process(target=_serve, args=(theirs, inherited, read), daemon=True)
+    process = context.Process(target=_serve, args=(theirs, inherited, read, outlet), daemon=True)
     start_quietly(process)
     theirs.close()
     return _Worker(process, ours, time.monotonic())
@@ -226,7 +240,12 @@ def process_context() -> Any:
     return multiprocessing.get_context("fork" if forks else "spawn")
 
 
-def _serve(pipe: Connection[Any, Any], inherited: Sequence[Connection[Any, Any]], read: Read) -> None:
+def _serve(
+    pipe: Connection[Any, Any],
+    inherited: Sequence[Connection[Any, Any]],
+    read: Read,
+    outlet: Connection[Any, Any] | None,
+) -> None:
     """A worker's life."""
     # The parent decides what an interrupt means, and ends its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -249,7 +268,27 @@ def _serve(pipe: Connection[Any, Any], inherited: Sequence[Connection[Any, Any]]
         except Exception as err:
             reason = f"a fault of actspec, not of the file; please report it: {type(err).__name__}: {err}"
             reading = _lost(task.path, reason)
-        pipe.send_bytes(pickled(reading))
+        data = pickled(reading)
+        if outlet is not None:
+            try:
+                outlet.send_bytes(message(task.index, data))
+            except BrokenPipeError:
+                return
+            data = b""
+        pipe.send_bytes(data)
+
+
+_INDEX_BYTES = 4
+
+
+def message(index: int, data: bytes) -> bytes:
+    """A pickled reading with its place among the results."""
+    return index.to_bytes(_INDEX_BYTES, "little") + data
+
+
+def received(data: bytes) -> tuple[int, FileReading]:
+    """What a `message` says."""
+    return int.from_bytes(data[:_INDEX_BYTES], "little"), pickle.loads(memoryview(data)[_INDEX_BYTES:])
 
 
 def pickled(item: object) -> bytes:

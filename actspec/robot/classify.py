@@ -96,9 +96,9 @@ def control(model: ModelLists, index: int, tag: str) -> Control:
         return is_("pid", -bias[1], -bias[2])
     told = gain_type == "mjGAIN_FIXED" and bias_type in ("mjBIAS_NONE", "mjBIAS_AFFINE")
     feedback = (-bias[1], -bias[2]) if bias_type == "mjBIAS_AFFINE" else (0.0, 0.0)
-    other = is_("other", *(feedback if told else (NAN, NAN)))
+    other = ("other", *(feedback if told else (NAN, NAN)))
     if tag in ("cylinder", "adhesion") or dynamics in ("mjDYN_MUSCLE", "mjDYN_USER"):
-        return other
+        return is_(*other)
     integrated = dynamics == "mjDYN_INTEGRATOR"
     # A class may leave numbers in biasprm that no biastype uses.
     if bias_type == "mjBIAS_NONE":
@@ -115,7 +115,7 @@ def control(model: ModelLists, index: int, tag: str) -> Control:
             return is_("velocity" if velocity else "motor", 0.0, kd)
         # A gain that is not kp is a position servo with the wrong equilibrium: `gain` tells.
         return is_("position", kp, kd)
-    return other
+    return is_(*other)
 
 
 def _dcmotor_gains(model: ModelLists, index: int, gain: list[float]) -> tuple[float, float, float]:

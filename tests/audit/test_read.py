@@ -8,13 +8,17 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from actspec.audit.artifact import FileKind, FileReading
+from actspec.audit.prepared import PreparedWorkers
 from actspec.audit.read import PendingFiles, expand, read_file, read_files
-from actspec.audit.workers import Task, Workers, cores
+from actspec.audit.workers import TIME_LIMIT, Read, Task, Workers, cores
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><motor joint="j" gear="2"/></actuator></mujoco>"""
@@ -24,6 +28,10 @@ URDF = """<robot name="r"><link name="a"/><link name="b"><inertial><mass value="
 <limit lower="-1" upper="1" effort="5" velocity="3"/></joint></robot>"""
 
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX")
+forks = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
+
+Start = Callable[..., Any]
+"""Starts workers with tasks, jobs, what reads and the limit."""
 
 
 @pytest.fixture(autouse=True)
@@ -139,14 +147,14 @@ def test_the_audit_itself_imports_no_simulator() -> None:
     assert done.stdout.splitlines()[-1] == "[]"
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
+@forks
 @pytest.mark.parametrize(
-    ("files", "jobs", "loaded"),
-    [(49, 2, False), (50, 2, True), (50, 3, False)],
-    ids=["few", "many", "many-jobs"],
+    ("files", "jobs", "imports"),
+    [(7, 2, 2), (8, 2, 1), (8, 1, 1), (8, 4, 1)],
+    ids=["few", "many", "one-job", "many-jobs"],
 )
-def test_mujoco_is_imported_once_for_many_files(files: int, jobs: int, loaded: bool) -> None:
-    """From 25 robot files a process on the command line imports it before it forks, without threads."""
+def test_mujoco_is_imported_once_for_many_files(files: int, jobs: int, imports: int) -> None:
+    """From 8 robot files on one process does for all others; the audit's own never does, and has no threads."""
     Path("d").mkdir()
     for index in range(files):
         Path(f"d/{index:02d}.xml").write_text(GOOD)
@@ -159,11 +167,16 @@ def test_mujoco_is_imported_once_for_many_files(files: int, jobs: int, loaded: b
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     environment.pop("OPENBLAS_NUM_THREADS", None)
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
+        [sys.executable, "-X", "importtime", "-c", code],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=environment,
     )
     lines = done.stdout.splitlines()
-    assert lines[-1] == f"{loaded} 1"
+    assert lines[-1] == "False 1"
     assert lines[-2].endswith(f"in {files} files")
+    assert [line.split("|")[-1].strip() for line in done.stderr.splitlines()].count("mujoco") == imports
 
 
 def test_a_simulator_that_cannot_be_imported_is_left_to_the_readers(tmp_path: Path) -> None:
@@ -301,13 +314,24 @@ def dies(task: Task) -> FileReading:
     return FileReading(task.path, None, task.refusal or "read")
 
 
+def prepared(tasks: Sequence[Task], jobs: int, read: Read, limit: float = TIME_LIMIT) -> PreparedWorkers:
+    """Workers of another process, with nothing to prepare."""
+    return PreparedWorkers(tasks, jobs, read, lambda: None, limit)
+
+
+WORKERS = pytest.mark.parametrize(
+    "start", [Workers, pytest.param(prepared, marks=forks)], ids=["own", "prepared"]
+)
+
+
 @posix
+@WORKERS
 @pytest.mark.parametrize("jobs", [1, 2], ids=["one-job", "two-jobs"])
-def test_a_crash_loses_only_its_file(jobs: int) -> None:
+def test_a_crash_loses_only_its_file(jobs: int, start: Start) -> None:
     """A process that dies or hangs is replaced, and its file read once more with the reason."""
     paths = ["a", "signal11", "b", "always", "sleep", "c", "exit", "signal9", "fault", "signal6", "d", "e"]
     tasks = [Task(index, path, False) for index, path in enumerate(paths)]
-    with Workers(tasks, jobs, dies, limit=1.5) as workers:
+    with start(tasks, jobs, dies, limit=1.5) as workers:
         found = dict(workers.results())
     assert [found[index].reason for index in range(len(paths))] == [
         "read",
@@ -342,14 +366,70 @@ def test_a_fault_is_never_passed_over(skip_other: bool, monkeypatch: pytest.Monk
     assert str(found.diagnostics[0]) == f"d/leg.xml: AUD008: the file cannot be read: {found.reason}"
 
 
-def test_every_file_of_many_is_read_once() -> None:
+@WORKERS
+def test_every_file_of_many_is_read_once(start: Start) -> None:
     """More files than workers, fewer files than workers, and none."""
     for count in (0, 1, 3, 40):
         tasks = [Task(index, f"f{index}", False) for index in range(count)]
-        with Workers(tasks, 4, dies) as workers:
+        with start(tasks, 4, dies) as workers:
             found = list(workers.results())
         assert sorted(index for index, _ in found) == list(range(count))
     assert cores() >= 1
+
+
+def ends_its_parent(task: Task) -> FileReading:
+    """A reader that kills the process between when it first comes to the fourth file."""
+    if task.path == "3" and not os.path.exists("done"):
+        Path("done").touch()
+        os.kill(os.getppid(), signal.SIGKILL)
+        time.sleep(60)
+    return FileReading(task.path, None, "read")
+
+
+@forks
+def test_the_process_between_may_die() -> None:
+    """What its workers have not read is read without it, each file once; one of them still hangs."""
+    tasks = [Task(index, str(index), False) for index in range(12)]
+    with PreparedWorkers(tasks, 2, ends_its_parent, lambda: None) as workers:
+        found = list(workers.results())
+    assert sorted((index, reading.path) for index, reading in found) == [(i, str(i)) for i in range(12)]
+
+
+def children() -> set[str]:
+    """Processes that this one, or a child of it, has started."""
+    found: set[str] = set()
+    waiting = [str(os.getpid())]
+    while waiting:
+        pid = waiting.pop()
+        with suppress(FileNotFoundError):
+            own = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+            found.update(own)
+            waiting += own
+    return found
+
+
+def sleeps(task: Task) -> FileReading:
+    """A reader that is never done with a file."""
+    time.sleep(60)
+    return FileReading(task.path, None, "read")
+
+
+@forks
+@WORKERS
+def test_processes_are_ended_whatever_they_do(start: Start) -> None:
+    """Those of the process between too, although nobody has asked for a result."""
+    before = children()
+    with start([Task(index, str(index), False) for index in range(4)], 2, sleeps):
+        until = time.monotonic() + 30.0
+        wanted = 3 if start is prepared else 2
+        while len(children() - before) < wanted and time.monotonic() < until:
+            time.sleep(0.01)
+        inside = children() - before
+    assert len(inside) == wanted
+    until = time.monotonic() + 30.0
+    while any(Path(f"/proc/{pid}").exists() for pid in inside) and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not any(Path(f"/proc/{pid}").exists() for pid in inside)
 
 
 def test_the_text_is_read_after_a_crash() -> None:
