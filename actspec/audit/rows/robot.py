@@ -336,7 +336,12 @@ def _said_of_actuator(stated: frozenset[str], torque: bool) -> tuple[tuple[str, 
 
 def _apart(places: Mapping[str, Span], row: Span) -> dict[str, Span]:
     """Places that are not the row's own."""
-    return {name: place for name, place in places.items() if place is not row and place != row}
+    # Most are on the line of the row, which is then the same object, or on another line.
+    return {
+        name: place
+        for name, place in places.items()
+        if place is not row and (place.line != row.line or place != row)
+    }
 
 
 def _loose(file: str, index: int, actuator: ActuatorView) -> LedgerRow:

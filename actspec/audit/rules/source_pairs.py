@@ -162,10 +162,14 @@ def _of_robot(
     absolute: float,
 ) -> Iterator[Disagreement]:
     stated = _departing(case, robot, fields)
+    # Most robots have files of one kind, which are only held to each other.
+    kinds_here = {case.artifacts[index].kind for index in robot.artifacts}
+    referred = {each for kind in kinds_here for kinds in _REFERENCES.get(kind, ()) for each in kinds}
     everything: dict[tuple[FileKind, str], _Held] = {}
     for index in robot.artifacts:
-        for joint, found in stated[index].items():
-            everything.setdefault((case.artifacts[index].kind, joint), _Held()).add(case, index, found)
+        kind = case.artifacts[index].kind
+        for joint, found in stated[index].items() if kind in referred else ():
+            everything.setdefault((kind, joint), _Held()).add(case, index, found)
     earlier: dict[tuple[FileKind, str], _Held] = {}
     real_path = cache(os.path.realpath)
     # Asked for every joint that departs.
