@@ -79,7 +79,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
                 group
                 for group in groups
                 if all(
-                    {index, i} <= bound or (_overlap(sets[index], sets[i]) and agree(index, i)) for i in group
+                    (_overlap(sets[index], sets[i]) and agree(index, i)) or {index, i} <= bound for i in group
                 )
             ),
             None,

@@ -11,7 +11,8 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from typing import TYPE_CHECKING, Any
+from selectors import EVENT_READ, DefaultSelector
+from typing import TYPE_CHECKING, Any, cast
 
 from actspec.audit.artifact import FileReading
 from actspec.audit.workers import (
@@ -86,26 +87,26 @@ class PreparedWorkers:
 
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """As of `Workers`; what is not read when the process dies is read by workers of this one."""
-        from multiprocessing.connection import wait
-
         left = {task.index: task for task in self._tasks}
-        pipes = list(self._pipes)
-        while left and pipes:
-            ready = wait(pipes, _LOOK)
-            # Its pipes may be held open by a worker that is never done.
-            if not ready and not self._process.is_alive():
-                break
-            for pipe in pipes[:]:
-                if pipe not in ready:
-                    continue
-                try:
-                    index, reading = received(pipe.recv_bytes())
-                except (EOFError, OSError):
-                    pipes.remove(pipe)
-                    continue
-                # A worker that dies before it has said that it is done has its file read again.
-                if left.pop(index, None) is not None:
-                    yield index, reading
+        # `multiprocessing.connection.wait` makes a selector anew for each of hundreds of readings.
+        with DefaultSelector() as selector:
+            for pipe in self._pipes:
+                selector.register(pipe, EVENT_READ)
+            while left and selector.get_map():
+                ready = selector.select(_LOOK)
+                # Its pipes may be held open by a worker that is never done.
+                if not ready and not self._process.is_alive():
+                    break
+                for key, _ in ready:
+                    pipe = cast("Connection[Any, Any]", key.fileobj)
+                    try:
+                        index, reading = received(pipe.recv_bytes())
+                    except (EOFError, OSError):
+                        selector.unregister(pipe)
+                        continue
+                    # A worker that dies before it has said that it is done has its file read again.
+                    if left.pop(index, None) is not None:
+                        yield index, reading
         if left:
             with Workers(tuple(left.values()), self._jobs, self._read, self._limit) as workers:
                 yield from workers.results()
