@@ -84,16 +84,17 @@ def judge(
     asked = selected(everything, settings.select, settings.ignore)
     baseline = read_baseline(settings.baseline) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
-    resolved = _resolve(found, everything, settings)
-    ignores = ignores_of(case.files)
+    real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
+    resolved = _resolve(found, everything, settings, real_path)
+    ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
-    after = set_aside(resolved, ignores)
+    after = set_aside(resolved, ignores, real_path)
     ran = {rule.code for rule in asked} - {item.code for item in skipped} - {item.where for item in problems}
     names = {name: rule for rule in everything if rule.code in ran for name in (rule.code, rule.name)}
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
     wanted = {rule.code for rule in asked}
-    meta = _resolve((finding for finding in about if finding.code in wanted), everything, settings)
+    meta = _resolve((finding for finding in about if finding.code in wanted), everything, settings, real_path)
     kept, suppressed = _in_order((*after.kept, *meta)), list(after.suppressed)
     kept = _split(kept, suppressed, Means.SETTING, lambda item: _ignored_by_setting(item, settings))
     if baseline is not None:
@@ -185,21 +186,18 @@ def _fault(rule: type[Rule], err: Exception) -> Diagnostic:
 
 
 def _resolve(
-    found: Iterable[Finding], rules: Sequence[type[Rule]], settings: Settings
+    found: Iterable[Finding],
+    rules: Sequence[type[Rule]],
+    settings: Settings,
+    real_path: Callable[[str], str],
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once."""
     by_code = {rule.code: rule for rule in rules}
     unique: dict[tuple[object, ...], Reported] = {}
-    real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
+    said = cache(lambda code: _severity_said(by_code[code], settings))
     for finding in found:
         rule = by_code[finding.code]
-        severity = finding.severity or rule.severity
-        closest = max(
-            ((strength(selector, rule.code, rule.name), selector) for selector in settings.severity),
-            default=(0, ""),
-        )
-        if closest[0]:
-            severity = settings.severity[closest[1]]
+        severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
         key = (
             finding.code,
@@ -212,6 +210,15 @@ def _resolve(
         confidence = finding.confidence or rule.confidence
         unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
     return _in_order(unique.values())
+
+
+def _severity_said(rule: type[Rule], settings: Settings) -> Severity | None:
+    """What the settings say of a rule, by the closest selector."""
+    closest = max(
+        ((strength(selector, rule.code, rule.name), selector) for selector in settings.severity),
+        default=(0, ""),
+    )
+    return settings.severity[closest[1]] if closest[0] else None
 
 
 def _in_order(found: Iterable[Reported]) -> tuple[Reported, ...]:

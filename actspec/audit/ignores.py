@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cache
 
 from actspec.audit.artifact import FileReading
 from actspec.audit.comments import comments
@@ -52,12 +51,19 @@ class Ignore:
         return self.placed and (self.whole_file or self.first <= line <= self.last)
 
 
-def ignores_of(files: Iterable[FileReading]) -> dict[str, tuple[Ignore, ...]]:
-    """Remarks of every file that was read, by its real path; a file that is included twice counts once."""
+def ignores_of(
+    files: Iterable[FileReading], real_path: Callable[[str], str] = os.path.realpath
+) -> dict[str, tuple[Ignore, ...]]:
+    """Remarks of every file that was read, by its real path; a file that is included twice counts once.
+
+    Args:
+        files: What was read.
+        real_path: `os.path.realpath`, or one that remembers.
+    """
     found: dict[str, tuple[Ignore, ...]] = {}
     for reading in files:
         for file in reading.files if reading.readable else ():
-            key = os.path.realpath(file.path)
+            key = real_path(file.path)
             if key not in found:
                 # Most files have none, and are not scanned.
                 there = b"actspec:" in file.data
@@ -90,16 +96,20 @@ class Sorted:
     unused: tuple[tuple[Ignore, str], ...]
 
 
-def set_aside(found: Sequence[Reported], ignores: Mapping[str, tuple[Ignore, ...]]) -> Sorted:
+def set_aside(
+    found: Sequence[Reported],
+    ignores: Mapping[str, tuple[Ignore, ...]],
+    real_path: Callable[[str], str] = os.path.realpath,
+) -> Sorted:
     """Put findings aside that a remark with a reason names.
 
     Args:
         found: All findings.
         ignores: From `ignores_of`.
+        real_path: Likewise.
     """
     kept, suppressed = [], []
     used: set[tuple[Ignore, str]] = set()
-    real_path = cache(os.path.realpath)
     for reported in found:
         span = reported.finding.span
         matching = [

@@ -7,7 +7,6 @@ from contextlib import suppress
 from dataclasses import replace
 
 from actspec.audit.artifact import Artifact, FileKind, FileReading
-from actspec.audit.rows.robot import joint_inertias
 from actspec.diagnostics import Diagnostic, RobotError, Severity
 from actspec.robot.view import ModelFile, RobotView
 from actspec.robot.xml import XmlDocument, open_document
@@ -59,6 +58,8 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     except RobotError as err:
         return replace(_unreadable(path, kind, err.diagnostics), files=document.files)
     if view.inertia is not None:
+        from actspec.audit.rows.robot import joint_inertias
+
         view = replace(view, joint_inertia=joint_inertias(view))
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
     told = tuple(item for item in view.diagnostics if item.code not in _TOLD_BY_RULES)

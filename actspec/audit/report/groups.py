@@ -150,12 +150,20 @@ def grouped(found: Iterable[Reported], *, by_place: bool = False, fold: bool = F
 
 
 def _folded(groups: Sequence[Group]) -> tuple[Group, ...]:
-    alike: dict[tuple[object, ...], list[Group]] = {}
+    candidates: dict[tuple[object, ...], list[Group]] = {}
     for group in groups:
         item, finding = group.first, group.first.finding
-        texts = (_FIGURE.sub("#", text or "") for text in (finding.message, finding.help))
-        key = (finding.code, finding.span.path, item.severity, item.confidence, *texts)
-        alike.setdefault(key, []).append(group)
+        whose = (finding.code, finding.span.path, item.severity, item.confidence)
+        candidates.setdefault(whose, []).append(group)
+    alike: dict[tuple[object, ...], list[Group]] = {}
+    for key, some in candidates.items():
+        if len(some) <= MOST_ALIKE:
+            alike[key] = some
+            continue
+        for group in some:
+            finding = group.first.finding
+            texts = (_FIGURE.sub("#", text or "") for text in (finding.message, finding.help))
+            alike.setdefault((*key, *texts), []).append(group)
     found: list[Group] = []
     for same in alike.values():
         if len(same) <= MOST_ALIKE:

@@ -25,7 +25,9 @@ class Sources:
             return None
         if span.path not in self._lines:
             text = self._data[span.path].decode("utf-8-sig", "replace")
-            self._lines[span.path] = text.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+            if "\r" in text:
+                text = text.replace("\r\n", "\n").replace("\r", "\n")
+            self._lines[span.path] = text.split("\n")
         lines = self._lines[span.path]
         return lines[span.line - 1] if span.line <= len(lines) else None
 

@@ -14,6 +14,7 @@ from actspec.audit.dynamics import Figure, figure
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.pair import joint_names
 from actspec.audit.rules.reductions import SAME_POWER
+from actspec.diagnostics import Span
 
 _SLIPS = (180.0 / math.pi, 30.0 / math.pi)
 """Degrees for radians, rpm for rad/s."""
@@ -136,22 +137,26 @@ def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | 
     return None if found is None else figure(rows, found[0])
 
 
+_Stated = tuple[str, float]
+"""Name of the field that a file states, and its value."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Held:
     """What files of a robot state of one joint.
 
     Attributes:
-        members: Artifact, name of the field and figure, in the files' order.
+        members: Artifact and what it states, in the files' order.
         paths: Value to the files that have it: most files agree, and are not looked at one by one.
     """
 
-    members: list[tuple[int, tuple[str, Figure]]] = field(default_factory=list)
-    paths: dict[float | None, set[str]] = field(default_factory=dict)
+    members: list[tuple[int, _Stated]] = field(default_factory=list)
+    paths: dict[float, set[str]] = field(default_factory=dict)
 
-    def add(self, case: Case, artifact: int, found: tuple[str, Figure]) -> None:
+    def add(self, case: Case, artifact: int, found: _Stated) -> None:
         """One more."""
         self.members.append((artifact, found))
-        self.paths.setdefault(found[1].value, set()).add(case.artifacts[artifact].path)
+        self.paths.setdefault(found[1], set()).add(case.artifacts[artifact].path)
 
 
 def _of_robot(
@@ -174,37 +179,44 @@ def _of_robot(
     real_path = cache(os.path.realpath)
     # Asked for every joint that departs.
     distance = cache(lambda one, other: _distance(case, one, other))
+
+    def same(mine: tuple[int, _Stated], theirs: tuple[int, _Stated], joint: str) -> bool:
+        (name, value), (other, its) = mine[1], theirs[1]
+        if math.isclose(value, its, rel_tol=tolerance, abs_tol=absolute):
+            return True
+        places = (_place(case.joints[mine[0], joint], name), _place(case.joints[theirs[0], joint], other))
+        return _is_one_place(*places, real_path)
+
     for index in robot.artifacts:
         kind, path = case.artifacts[index].kind, case.artifacts[index].path
         for joint, mine in stated[index].items():
-            own = earlier.setdefault((kind, joint), _Held())
+            own = earlier.get((kind, joint))
+            if own is None:
+                own = earlier[kind, joint] = _Held()
             for kinds in (*_REFERENCES[kind], None):
                 if kinds is None:
                     # Whoever wrote two artifacts in one file knows of both.
-                    if own.paths.get(mine[1].value, set()) - {path}:
+                    if own.paths.get(mine[1], set()) - {path}:
                         break
                     held = [each for each in own.members if case.artifacts[each[0]].path != path]
                 else:
                     known = [everything[k, joint] for k in kinds if (k, joint) in everything]
-                    if any(mine[1].value in each.paths for each in known):
+                    if any(mine[1] in each.paths for each in known):
                         break
                     held = [member for each in known for member in each.members]
                 if not held:
                     continue
-                if not any(
-                    _same(mine[1], theirs[1], tolerance, absolute)
-                    or _is_one_place(mine[1], theirs[1], real_path)
-                    for _, theirs in held
-                ):
+                if not any(same((index, mine), theirs, joint) for theirs in held):
                     other, theirs = min(held, key=lambda each: distance(index, each[0]))
                     variant = kinds is None or distance(index, other)[0]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
-                    yield Disagreement(rows, others, mine[0], mine[1], theirs[1], variant)
+                    figures = figure(rows, mine[0]), figure(others, theirs[0])
+                    yield Disagreement(rows, others, mine[0], *figures, variant)
                 break
             own.add(case, index, mine)
 
 
-def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, tuple[str, Figure]]]:
+def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, _Stated]]:
     """What each artifact of a robot states, by joint, of the joints on which not all agree to the last digit."""
     stated = {index: _stated_joints(case, index, fields) for index in robot.artifacts}
     values: dict[str, set[float]] = {}
@@ -212,16 +224,12 @@ def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dic
         for joint, (_, value) in joints.items():
             values.setdefault(joint, set()).add(value)
     return {
-        index: {
-            joint: (name, figure(case.joints[index, joint], name))
-            for joint, (name, _) in joints.items()
-            if len(values[joint]) > 1
-        }
+        index: {joint: found for joint, found in joints.items() if len(values[joint]) > 1}
         for index, joints in stated.items()
     }
 
 
-def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, tuple[str, float]]:
+def _stated_joints(case: Case, index: int, fields: Sequence[str]) -> dict[str, _Stated]:
     """What an artifact states, by joint: field and value.
 
     Nothing for a spec, or of a joint that two groups of a configuration have.
@@ -248,7 +256,7 @@ def _stated_fields(case: Case) -> dict[int, frozenset[str]]:
     }
 
 
-def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, float] | None:
+def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> _Stated | None:
     """The first of the fields that a joint's file states, and its finite value."""
     for name in fields:
         for row in rows:
@@ -260,14 +268,13 @@ def _stated(rows: Sequence[LedgerRow], fields: Sequence[str]) -> tuple[str, floa
     return None
 
 
-def _same(mine: Figure, theirs: Figure, tolerance: float, absolute: float) -> bool:
-    assert mine.value is not None and theirs.value is not None
-    return math.isclose(mine.value, theirs.value, rel_tol=tolerance, abs_tol=absolute)
+def _place(rows: Sequence[LedgerRow], name: str) -> Span:
+    """Where a figure is written, as in `figure`."""
+    return rows[0].place(name) if len(rows) == 1 else figure(rows, name).place
 
 
-def _is_one_place(mine: Figure, theirs: Figure, real_path: Callable[[str], str]) -> bool:
+def _is_one_place(one: Span, other: Span, real_path: Callable[[str], str]) -> bool:
     """Whether a scene and the model that it includes were both named."""
-    one, other = mine.place, theirs.place
     return one.line == other.line and real_path(one.path) == real_path(other.path)
 
 
@@ -279,7 +286,13 @@ def _distance(case: Case, one: int, other: int) -> tuple[bool, bool]:
 
 def _are_variants(case: Case, one: int, other: int) -> bool:
     """Whether two models have different joints."""
-    mine, theirs = joint_names(case.artifacts[one]), joint_names(case.artifacts[other])
-    if case.artifacts[one].robot is None or mine is None or theirs is None:
+    names = case.once(_joint_sets)
+    if case.artifacts[one].robot is None or names[one] is None or names[other] is None:
         return False
-    return set(mine) != set(theirs)
+    return names[one] != names[other]
+
+
+def _joint_sets(case: Case) -> list[frozenset[str] | None]:
+    """The joints that each artifact names."""
+    found = [joint_names(artifact) for artifact in case.artifacts]
+    return [None if names is None else frozenset(names) for names in found]
