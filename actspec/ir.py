@@ -17,6 +17,8 @@ from dataclasses import dataclass, fields, replace
 from enum import Enum
 
 from actspec.diagnostics import Diagnostic, Span
+from actspec.joints import InertiaRange as InertiaRange
+from actspec.joints import JointKind as JointKind
 
 
 class Origin(str, Enum):
@@ -34,15 +36,6 @@ class Origin(str, Enum):
     """The engine's or actspec's default: nobody measured it."""
     UNKNOWN = "unknown"
     """Nobody says."""
-
-
-class JointKind(str, Enum):
-    """Kind of a joint; only hinge and slide can have an actuator here."""
-
-    HINGE = "hinge"
-    SLIDE = "slide"
-    BALL = "ball"
-    FREE = "free"
 
 
 class Level(str, Enum):
@@ -185,21 +178,6 @@ class DeltaAction:
     max_delta: Quantity
     state: tuple[str, ...]
     span: Span | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class InertiaRange:
-    """Inertia at a joint, armature included [kg*m^2 or kg].
-
-    Attributes:
-        reference: At the reference pose.
-        low: Least over the poses.
-        high: Largest over the poses.
-    """
-
-    reference: float
-    low: float
-    high: float
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,10 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, Span
-from actspec.ir import ActuatorSet
 from actspec.robot.view import ModelFile, RobotView
+
+if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
 
 
 class FileKind(str, Enum):

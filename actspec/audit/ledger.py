@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 
 CONTROLS = (
     "position",

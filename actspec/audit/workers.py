@@ -306,7 +306,7 @@ def _by_fields() -> dict[type, Callable[[Any], tuple[type, tuple[Any, ...]]]]:
     from actspec.audit.artifact import Artifact
     from actspec.audit.finding import Finding, Fix, Skipped, TextEdit
     from actspec.diagnostics import Diagnostic, Span
-    from actspec.ir import InertiaRange
+    from actspec.joints import InertiaRange
     from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFile, RobotView
 
     many = (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.view import ModelFormat, RobotView
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, ResolveError, Severity
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 if TYPE_CHECKING:

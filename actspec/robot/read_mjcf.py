@@ -9,7 +9,7 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.classify import control, transmission
 from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements

@@ -14,7 +14,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, TypeVar
 
 from actspec.diagnostics import Collector, Span
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.read_mjcf import stated_attributes, stated_fields

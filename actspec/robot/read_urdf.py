@@ -16,7 +16,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, Masses, masses_of
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 

@@ -12,7 +12,7 @@ from enum import Enum
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, Span
-from actspec.ir import InertiaRange, JointKind
+from actspec.joints import InertiaRange, JointKind
 
 if TYPE_CHECKING:
     import numpy as np

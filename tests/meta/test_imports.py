@@ -16,6 +16,7 @@ PACKAGE = ROOT / "actspec"
 
 LAYERS = (
     {"units", "diagnostics", "resources", "files", "tables"},
+    {"joints"},
     {"ir"},
     {"laws"},
     {"spec", "robot", "patterns", "runtime"},

@@ -15,7 +15,7 @@ from actspec.audit.case import Versions
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.pair import joint_names
 from actspec.audit.rows.figures import Found, control_of_group, figures_of, selected, value_of
-from actspec.ir import InertiaRange, JointKind
+from actspec.joints import InertiaRange, JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 _PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)

@@ -17,7 +17,7 @@ from actspec.audit.artifact import Artifact
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rows.spec import rows_of_spec
 from actspec.diagnostics import Span
-from actspec.ir import JointKind
+from actspec.joints import JointKind
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
 __all__ = ["joint_inertias", "rows_of_robot", "rows_of_spec"]

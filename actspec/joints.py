@@ -1,0 +1,30 @@
+"""What is known of a joint without its actuator; apart from the `ir`, of which a reader of models needs no more."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+
+
+class JointKind(str, Enum):
+    """Kind of a joint; only hinge and slide can have an actuator here."""
+
+    HINGE = "hinge"
+    SLIDE = "slide"
+    BALL = "ball"
+    FREE = "free"
+
+
+@dataclass(frozen=True, slots=True)
+class InertiaRange:
+    """Inertia at a joint, armature included [kg*m^2 or kg].
+
+    Attributes:
+        reference: At the reference pose.
+        low: Least over the poses.
+        high: Largest over the poses.
+    """
+
+    reference: float
+    low: float
+    high: float
