@@ -14,7 +14,7 @@ from actspec.audit.artifact import FileReading
 from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding, Fix, Skipped, TextEdit
 from actspec.audit.fragments import without_fragments
 from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
@@ -111,19 +111,22 @@ def _run(
 ) -> tuple[list[Finding], tuple[Skipped, ...], list[Diagnostic]]:
     """Findings of all rules, those that had no input, and faults of rules."""
     rules = tuple(rules)
-    # Rules of a family look at the same things, which are made once for a process; the last families take longest.
-    families: dict[str, list[int]] = {}
-    for number in reversed(range(len(rules))):
-        families.setdefault(rules[number].code[:3], []).append(number)
-    work = tuple(families.values())
+    # Rules of a module look at the same things, which are made once for a process; the last modules take longest.
+    modules: dict[str, list[int]] = {}
+    for number in sorted(range(len(rules)), key=lambda number: rules[number].__module__, reverse=True):
+        modules.setdefault(rules[number].__module__, []).append(number)
+    work = tuple(modules.values())
     jobs = cores() if len(case.rows) >= ROWS_TO_SPREAD else 1
     found: list[Finding] = []
     skipped: list[Skipped] = []
     problems: list[Diagnostic] = []
     checked = spread(
-        lambda one: [(number, _check(rules[number], case)) for number in work[one]], len(work), jobs
+        lambda one: [(number, _check(rules[number], case)) for number in work[one]],
+        len(work),
+        jobs,
+        (Finding, Fix, Skipped, TextEdit),
     )
-    by_number = dict(each for family in checked for each in family)
+    by_number = dict(each for module in checked for each in module)
     for number in range(len(rules)):
         items, fault = by_number[number]
         for item in items:

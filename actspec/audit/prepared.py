@@ -11,7 +11,6 @@ import signal
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
-from selectors import EVENT_READ, DefaultSelector
 from typing import TYPE_CHECKING, Any, cast
 
 from actspec.audit.artifact import FileReading
@@ -87,6 +86,8 @@ class PreparedWorkers:
 
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """As of `Workers`; what is not read when the process dies is read by workers of this one."""
+        from selectors import EVENT_READ, DefaultSelector
+
         left = {task.index: task for task in self._tasks}
         # `multiprocessing.connection.wait` makes a selector anew for each of hundreds of readings.
         with DefaultSelector() as selector:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 _T = TypeVar("_T")
 
 
-def spread(work: Callable[[int], _T], count: int, jobs: int) -> list[_T]:
+def spread(work: Callable[[int], _T], count: int, jobs: int, many: tuple[type, ...] = ()) -> list[_T]:
     """Do something for every number below `count`.
 
     Each process takes the next number when it is done with one. Where a fork is not safe all of it is done
@@ -29,6 +29,7 @@ def spread(work: Callable[[int], _T], count: int, jobs: int) -> list[_T]:
         work: What is done; changes nothing. Its results can be pickled.
         count: How often; those that take long come first.
         jobs: Processes, this one among them.
+        many: Dataclasses of which there are many in the results; see `pickled`.
 
     Returns: The results, in order.
     """
@@ -43,7 +44,7 @@ def spread(work: Callable[[int], _T], count: int, jobs: int) -> list[_T]:
         with os.fdopen(fill, "wb") as stream:
             stream.write(b"".join(number.to_bytes(_BYTES, "little") for number in range(count)))
         for _ in range(1, jobs):
-            helpers.append(_Helper.start(context, work, waiting))
+            helpers.append(_Helper.start(context, work, waiting, many))
         found = _taken(work, waiting)
         for helper in helpers:
             found.update(helper.results())
@@ -77,10 +78,10 @@ class _Helper(Generic[_T]):
     pipe: Connection[Any, Any]
 
     @staticmethod
-    def start(context: Any, work: Callable[[int], _T], waiting: int) -> _Helper[_T]:
+    def start(context: Any, work: Callable[[int], _T], waiting: int, many: tuple[type, ...]) -> _Helper[_T]:
         """Begin."""
         ours, theirs = context.Pipe(duplex=False)
-        process = context.Process(target=_serve, args=(theirs, work, waiting), daemon=True)
+        process = context.Process(target=_serve, args=(theirs, work, waiting, many), daemon=True)
         start_quietly(process)
         theirs.close()
         return _Helper(process, ours)
@@ -100,10 +101,12 @@ class _Helper(Generic[_T]):
         self.pipe.close()
 
 
-def _serve(pipe: Connection[Any, Any], work: Callable[[int], _T], waiting: int) -> None:
+def _serve(
+    pipe: Connection[Any, Any], work: Callable[[int], _T], waiting: int, many: tuple[type, ...]
+) -> None:
     """A helper's life."""
     # The parent decides what an interrupt means, and ends its helpers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     # What goes wrong here goes wrong in the parent again, which tells it.
     with suppress(Exception):
-        pipe.send_bytes(pickled(_taken(work, waiting)))
+        pipe.send_bytes(pickled(_taken(work, waiting), *many))

@@ -133,13 +133,14 @@ def dof_inertia(model: mujoco.MjModel, poses: int = POSES) -> dict[int, JointIne
     inverse = np.empty((len(qpos), model.nv))
     with _armature(model, model.dof_armature + _actuator_armature(model)):
         data = _state(model)
-        flat = np.empty((len(qpos), len(data.M)))
+        matrix, diagonal, factor, solve = data.M, data.qLDiagInv, mujoco.mj_factorM, mujoco.mj_solveM2
+        flat = np.empty((len(qpos), len(matrix)))
         massed = _massed(model, data, qpos)
         for row, column, reciprocal, _ in zip(flat, columns, inverse, massed, strict=True):
-            row[:] = data.M
-            mujoco.mj_factorM(model, data)
-            mujoco.mj_solveM2(model, data, column, units, ones)
-            reciprocal[:] = data.qLDiagInv
+            row[:] = matrix
+            factor(model, data)
+            solve(model, data, column, units, ones)
+            reciprocal[:] = diagonal
     if not np.isfinite(flat).all():
         raise InertiaUnknown("the mass matrix is not finite")
     held = flat[:, (model.M_rowadr + model.M_rownnz - 1)[dofs]]
@@ -193,17 +194,14 @@ def _massed(model: mujoco.MjModel, data: mujoco.MjData, qpos: NDArray[np.float64
     import mujoco
     import numpy as np
 
+    steps = [mujoco.mj_kinematics, mujoco.mj_comPos]
     coupled = bool(np.any(model.tendon_armature))
+    steps += [mujoco.mj_tendon, mujoco.mj_makeM] if coupled else [mujoco.mj_crb]
     state = data.qpos
     for pose in qpos:
         state[:] = pose
-        mujoco.mj_kinematics(model, data)
-        mujoco.mj_comPos(model, data)
-        if coupled:
-            mujoco.mj_tendon(model, data)
-            mujoco.mj_makeM(model, data)
-        else:
-            mujoco.mj_crb(model, data)
+        for step in steps:
+            step(model, data)
         yield
 
 

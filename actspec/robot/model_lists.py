@@ -32,7 +32,11 @@ class ModelLists:
             model: Compiled; not to be changed afterwards.
         """
         self.model = model
-        self.names: bytes = model.names
+        self._names: dict[int, str] = {}
+        start = 0
+        for name in model.names.split(b"\0"):
+            self._names[start] = name.decode()
+            start += len(name) + 1
 
     def __getattr__(self, name: str) -> Any:
         """The array as a list, of lists where it has several columns."""
@@ -47,6 +51,5 @@ class ModelLists:
             kind: One of `_ADDRESSES`.
             index: Of the object.
         """
-        start = getattr(self, _ADDRESSES[kind])[index]
-        names = self.names
-        return names[start : names.index(b"\0", start)].decode()
+        found: str = self._names[getattr(self, _ADDRESSES[kind])[index]]
+        return found

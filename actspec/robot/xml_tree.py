@@ -143,8 +143,11 @@ class Element:
     @property
     def column(self) -> int:
         """Column of `start` in characters, from 1."""
-        begin = max(self.text.rfind("\n", 0, self.start), self.text.rfind("\r", 0, self.start)) + 1
-        return len(as_unicode(self.text[begin : self.start]).removeprefix("\ufeff")) + 1
+        text, start = self.text, self.start
+        begin = text.rfind("\n", 0, start) + 1
+        begin = max(text.rfind("\r", begin, start) + 1, begin)
+        before = text[begin:start]
+        return (start - begin if before.isascii() else len(as_unicode(before).removeprefix("\ufeff"))) + 1
 
     def get(self, name: str, default: str | None = None) -> str | None:
         """Value of an attribute, or `default`."""

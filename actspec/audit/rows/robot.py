@@ -239,7 +239,7 @@ class _Joint:
         }
 
     def _actuator_damping(self, actuator: ActuatorView) -> float | None:
-        if {"damping", "gear"} & actuator.unknown:
+        if actuator.unknown and {"damping", "gear"} & actuator.unknown:
             return None
         return actuator.gear**2 * actuator.damping[0]
 
@@ -266,7 +266,7 @@ class _Joint:
 
     def _bound(self, actuator: ActuatorView) -> float | None:
         """Largest torque that one actuator can apply to the joint; inf: any."""
-        if {"force_range", "gear"} & actuator.unknown:
+        if actuator.unknown and {"force_range", "gear"} & actuator.unknown:
             return None
         gear = abs(actuator.gear)
         if (
