@@ -14,6 +14,7 @@ from actspec.robot.classify import control, transmission
 from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.model_lists import ModelLists
+from actspec.robot.reach import reached_joints
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
 if TYPE_CHECKING:
@@ -330,6 +331,7 @@ def _actuator(
         places=places,
         unknown=frozenset(name for name in ("kp", "kd") if isnan(getattr(kind, name))),
         disabled="ACTUATION" in switched_off or _is_disabled(model.model, group),
+        moves=reached_joints(model, index, transmitted),
     )
 
 

@@ -17,6 +17,7 @@ from actspec.diagnostics import Collector, Span
 from actspec.joints import JointKind
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import Written, read_elements
+from actspec.robot.reach import reached_by_text
 from actspec.robot.read_mjcf import stated_attributes, stated_fields
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -298,6 +299,7 @@ def _actuator(
         stated=frozenset(stated),
         places=places,
         disabled=not switches.actuation or text.group in switches.off,
+        moves=reached_by_text(document, text.transmission, text.target),
     )
     return _without_nan(view, unknown)
 

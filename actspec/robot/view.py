@@ -132,6 +132,7 @@ class ActuatorView:
             what stands in them means nothing.
         disabled: Whether the file's `option` switches it off: it gives no force, but its damping and
             armature stay. Source: MuJoCo 3.7, 3.11 and 4.0, measured.
+        moves: Joints that feel its force over a tendon, a site or a crank; None: it may be any of the file's.
     """
 
     name: str
@@ -159,6 +160,7 @@ class ActuatorView:
     places: Mapping[str, Span] = field(default_factory=dict)
     unknown: frozenset[str] = frozenset()
     disabled: bool = False
+    moves: tuple[str, ...] | None = ()
 
 
 @dataclass(frozen=True, slots=True)

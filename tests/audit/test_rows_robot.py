@@ -272,6 +272,49 @@ def test_a_bare_joint_has_one_row_without_a_drive() -> None:
     assert found.stated == {"joint_damping", "position_range"}
 
 
+MOVED = [
+    # A motor adds no gain: damping stays what it is, and the limit is unknown.
+    ('<motor tendon="t" ctrlrange="-3 3"/>', {"total_damping": 0.5, "armature": 0.25}),
+    ('<position tendon="t" kp="3" kv="1"/>', {"total_damping": None, "stability": None, "armature": 0.25}),
+    (
+        '<motor tendon="t" damping="0.1" armature="0.2"/>',
+        {"total_damping": None, "stability": None, "armature": None},
+    ),
+    # Switched off it gives no force, but keeps its rotor.
+    (
+        '<position tendon="t" kp="3" kv="1" group="3" armature="0.2"/>',
+        {"total_damping": 0.5, "armature": None, "effort_limit": math.inf},
+    ),
+]
+
+
+@pytest.mark.parametrize(("actuator", "expected"), MOVED, ids=["motor", "servo", "rotor", "off"])
+def test_what_a_tendon_does_to_a_joint_is_unknown(actuator: str, expected: dict[str, float | None]) -> None:
+    """Nobody says that a joint which only a tendon moves has no limit and no damping but its own."""
+    found = rows(
+        one_joint(
+            '<joint name="j" damping="0.5" armature="0.25"/>',
+            actuator,
+            head='<option actuatorgroupdisable="3"/>',
+            tail='<tendon><fixed name="t"><joint joint="j" coef="2"/></fixed></tendon>',
+        )
+    )[0]
+    assert (found.control, found.joint_damping) == ("none", 0.5)
+    wanted = {"effort_limit": None, "stability": 0.0, **expected}
+    assert {name: getattr(found, name) for name in wanted} == wanted
+
+
+def test_a_clamp_of_the_joint_holds_for_tendons_too() -> None:
+    """MuJoCo clamps what all actuators do to a joint together, also beside a drive without a limit."""
+    joint = '<joint name="j" actuatorfrcrange="-4 3"/>'
+    tendon = '<tendon><fixed name="t"><joint joint="j" coef="2"/></fixed></tendon>'
+    drives = '<position joint="j" kp="9"/><motor tendon="t"/>'
+    assert rows(one_joint(joint, drives, tail=tendon))[0].effort_limit == 4.0
+    beside, _ = rows(one_joint('<joint name="j"/>', drives, tail=tendon))
+    # kp = 9 at an inertia of 1: the motor adds none.
+    assert (beside.effort_limit, beside.natural_frequency) == (None, 3.0)
+
+
 def test_what_drives_no_joint_has_a_row_without_one() -> None:
     """A tendon's and a site's actuators are told by their control and what they drive, after the joints."""
     text = one_joint(

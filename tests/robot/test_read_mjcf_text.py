@@ -70,7 +70,8 @@ def differences(compiled: RobotView, text: RobotView) -> list[str]:
         for field in fields(one):
             if field.name != "unknown" and field.name not in other.unknown:
                 a, b = getattr(one, field.name), getattr(other, field.name)
-                if not same(a, b):
+                # The text does not tell where a spatial tendon runs.
+                if not same(a, b) and not (field.name == "moves" and b is None):
                     found.append(f"{one.name} {field.name}: {a} {b}")
     return found
 

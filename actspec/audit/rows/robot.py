@@ -2,7 +2,8 @@
 
 A joint is one row for each actuator that drives it directly, a bare one is one row of control `none`.
 What drives a tendon, a site, a body, a ball or a joint without a name has a row without a joint, without
-figures at a joint, after all others; what a tendon passes on to its joints is not in their rows.
+figures at a joint, after all others. How much of it reaches a joint depends on the pose: limit, total damping and
+what follows from them are unknown at a joint that it moves.
 """
 
 from __future__ import annotations
@@ -10,12 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from typing import Any
 
 from actspec.audit.artifact import Artifact
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rows.spec import rows_of_spec
+from actspec.audit.rows.stated import said_of_actuator, said_of_joint
 from actspec.diagnostics import Span
 from actspec.joints import JointKind
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
@@ -28,27 +29,6 @@ _SCALAR = (JointKind.HINGE, JointKind.SLIDE)
 
 _IMPLICIT = ("implicit", "implicitfast", "discrete")
 """Integrators that take the derivative of a drive's velocity gain. Source: MuJoCo 3.13 and 4.0, measured."""
-
-_STATED_BY = {
-    "kp": ("kp", "biasprm", "controller"),
-    "kd": ("kv", "dampratio", "biasprm", "controller"),
-    "actuator_damping": ("damping",),
-    "armature": ("armature",),
-    "delay": ("delay",),
-    "command_range": ("ctrlrange", "inheritrange", "posrange"),
-    "effort_limit": ("forcerange", "forcelimited", "saturation"),
-}
-"""Field of a row to the attributes of an actuator that state it."""
-
-_OF_JOINT = {
-    "joint_damping": "damping",
-    "armature": "armature",
-    "frictionloss": "frictionloss",
-    "effort_limit": "effort",
-    "velocity_limit": "velocity",
-    "position_range": "range",
-}
-"""Field of a row to the name in `JointView.stated`."""
 
 
 def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
@@ -88,8 +68,11 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
         if joint.kind in _SCALAR:
             drives = driving.get(joint.name, [])
             acting = [actuator for actuator in drives if not actuator.disabled]
+            moving = [
+                actuator for actuator in loose if actuator.moves is None or joint.name in actuator.moves
+            ]
             inertia = inertias.get(joint.name)
-            found += _Joint(artifact.path, index, robot, joint, drives, acting, inertia).rows()
+            found += _Joint(artifact.path, index, robot, joint, drives, acting, moving, inertia).rows()
     found.extend(_loose(artifact.path, index, actuator) for actuator in loose)
     return tuple(found)
 
@@ -140,6 +123,8 @@ class _Joint:
     drives: list[ActuatorView]
     acting: list[ActuatorView]
     """The drives that give a force."""
+    moving: list[ActuatorView]
+    """What else gives it a force, nobody knows how much."""
     inertia: JointInertia | None
 
     def rows(self) -> list[LedgerRow]:
@@ -148,12 +133,20 @@ class _Joint:
         joint = self.joint
         unknown = joint.unknown
         damping = None if "damping" in unknown else joint.damping
-        passive = _sum([damping, *(self._actuator_damping(a) for a in self.drives)])
-        total = _sum([passive, *(_known(a, "kd") for a in self.acting)])
-        kp = _sum([_known(a, "kp") for a in self.acting])
+        moving = [actuator for actuator in self.moving if not actuator.disabled]
+        # Of what else moves the joint only zeros are known.
+        passive = _sum(
+            [
+                damping,
+                *(self._actuator_damping(a) for a in self.drives),
+                *(_zero(a, "damping") for a in self.moving),
+            ]
+        )
+        total = _sum([passive, *(_known(a, "kd") for a in self.acting), *(_zero(a, "kd") for a in moving)])
+        kp = _sum([*(_known(a, "kp") for a in self.acting), *(_zero(a, "kp") for a in moving)])
         armature = None
         if mjcf and "armature" not in unknown and not any("armature" in a.unknown for a in self.drives):
-            armature = _armature(joint, self.drives)
+            armature = _sum([_armature(joint, self.drives), *(_zero(a, "armature") for a in self.moving)])
         inertia = self.inertia
         reference = inertia.held.reference if inertia is not None else None
         resonant = kp is not None and kp > 0.0 and reference is not None and reference > 0.0
@@ -162,7 +155,7 @@ class _Joint:
             assert kp is not None and reference is not None
             frequency = math.sqrt(kp / reference)
             ratio = None if total is None else total / (2.0 * math.sqrt(kp * reference))
-        said = _said_of_joint(joint.stated)
+        said = said_of_joint(joint.stated)
         places = {field: joint.places.get(name, joint.span) for field, name in said}
         stated = frozenset(places)
         implicit = self._passive_implicit()
@@ -206,7 +199,7 @@ class _Joint:
         """The fields in which the row of an actuator differs from that of the bare joint."""
         places = {**places}
         stated = set(places)
-        for field, said in _said_of_actuator(actuator.stated, self._is_torque(actuator)):
+        for field, said in said_of_actuator(actuator.stated, self._is_torque(actuator)):
             # The joint's own attribute keeps its place: two places state such a field.
             if field not in stated:
                 places[field] = actuator.places.get(said, actuator.span)
@@ -256,6 +249,8 @@ class _Joint:
         if "effort_range" in joint.unknown:
             return None
         limits = [] if joint.effort_range is None else [_largest(joint.effort_range)]
+        if any(not actuator.disabled for actuator in self.moving):
+            return min(limits, default=None)
         if self.acting:
             bounds = [self._bound(actuator) for actuator in self.acting]
             total = _sum(bounds)
@@ -311,29 +306,6 @@ class _Joint:
         return None if explicit is None else step * explicit / self.inertia.free.low
 
 
-@lru_cache(maxsize=256)
-def _said_of_joint(stated: frozenset[str]) -> tuple[tuple[str, str], ...]:
-    """Fields of a row that a joint states, each with its name in `JointView.stated`."""
-    return tuple((field, name) for field, name in _OF_JOINT.items() if name in stated)
-
-
-@lru_cache(maxsize=256)
-def _said_of_actuator(stated: frozenset[str], torque: bool) -> tuple[tuple[str, str], ...]:
-    """Fields of a row that an actuator states, each with the attribute that does.
-
-    Args:
-        stated: Its attributes.
-        torque: Whether its control range is one of the torque.
-    """
-    found = []
-    for field, names in _STATED_BY.items():
-        last = ("ctrlrange",) if field == "effort_limit" and torque else ()
-        said = next((name for name in (*names, *last) if name in stated), None)
-        if said is not None:
-            found.append((field, said))
-    return tuple(found)
-
-
 def _apart(places: Mapping[str, Span], row: Span) -> dict[str, Span]:
     """Places that are not the row's own."""
     # Most are on the line of the row, which is then the same object, or on another line.
@@ -362,6 +334,13 @@ def _known(actuator: ActuatorView, name: str) -> float | None:
     """A field of an actuator; None where the text does not tell."""
     value: float = getattr(actuator, name)
     return None if name in actuator.unknown else value
+
+
+def _zero(actuator: ActuatorView, name: str) -> float | None:
+    """0 where a field of an actuator is known to be 0, None otherwise."""
+    value = getattr(actuator, name)
+    none = not (any(value) if isinstance(value, tuple) else value)
+    return 0.0 if none and name not in actuator.unknown else None
 
 
 def _sum(values: list[float | None]) -> float | None:
