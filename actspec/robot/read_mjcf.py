@@ -88,7 +88,7 @@ def read_mjcf(
         out.warning("ROBOT114", f"a dampratio is not resolved: {masses.reason}", span=main)
     lists = ModelLists(model)
     joints = _joints(lists, spec, written, document, main, not masses.reason)
-    unnamed = model.njnt - len(joints)
+    unnamed = _unnamed(lists)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
     switched_off = _switched_off(model)
@@ -225,6 +225,14 @@ def _joints(
         )
         found.append(view)
     return tuple(found)
+
+
+def _unnamed(model: ModelLists) -> int:
+    """Joints without a name; a free one, which has no actuator anyway, is none of them."""
+    import mujoco
+
+    free = int(mujoco.mjtJoint.mjJNT_FREE)
+    return sum(kind != free and not model.name("mjOBJ_JOINT", i) for i, kind in enumerate(model.jnt_type))
 
 
 def _is_sprung(spec: mujoco.MjSpec, name: str) -> bool:

@@ -52,7 +52,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     out = Collector()
     compiler, option = _settings(document, "compiler"), _settings(document, "option")
     joints = _joints(document, written, compiler)
-    unnamed = sum(not joint.name for joint in joints)
+    unnamed = sum(not joint.name and joint.kind is not JointKind.FREE for joint in joints)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
     left_out = sorted({element.tag for element in document.walk(*_OPAQUE)})

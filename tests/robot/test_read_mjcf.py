@@ -212,10 +212,11 @@ def test_reference_is_the_first_keyframe() -> None:
 
 
 def test_unnamed_joints_are_left_out() -> None:
-    """A joint without a name is counted, not shown; dof indices still count it."""
+    """A joint without a name is counted, not shown, but for the free base; dof indices still count both."""
     text = """<mujoco><worldbody><body name="t"><freejoint/><geom size="0.1"/>
       <body><joint name="ball" type="ball" range="0 60"/><geom size="0.1"/>
-      <body><joint name="h"/><geom size="0.1" pos="1 0 0"/></body></body></body></worldbody></mujoco>"""
+      <body><joint name="h"/><geom size="0.1" pos="1 0 0"/>
+      <body><joint/><geom size="0.1" pos="1 0 0"/></body></body></body></body></worldbody></mujoco>"""
     view = read(text)
     assert [(j.name, j.kind, j.dof) for j in view.joints] == [
         ("ball", JointKind.BALL, 6),
