@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import signal
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, cast
@@ -66,6 +65,10 @@ class PreparedWorkers:
         # It has children of its own, which a daemon may not have.
         self._process = context.Process(target=_serve, args=arguments)
         start_quietly(self._process)
+        # Here and there, whoever comes first: it and its workers are ended together, as a group.
+        with suppress(OSError):
+            os.setpgid(self._process.pid, self._process.pid)
+        self._ended = False
         for pipe in theirs:
             pipe.close()
 
@@ -82,7 +85,10 @@ class PreparedWorkers:
 
     def end(self) -> None:
         """As of `Workers`."""
-        self._process.terminate()
+        if not self._ended:
+            self._ended = True
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
 
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """As of `Workers`; what is not read when the process dies is read by workers of this one."""
@@ -123,9 +129,10 @@ def _serve(
     limit: float,
 ) -> None:
     """The process's life."""
-    # The caller decides what an interrupt means, and ends this process, which then ends its workers.
+    # The caller decides what an interrupt means, and ends this process with its workers.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    os.setpgid(0, 0)
     for parent in parents:
         parent.close()
     # One process a core is all the parallelism that there is to have; nothing is drawn.

@@ -90,7 +90,7 @@ class Workers:
         self._workers: list[_Worker] = []
         for number in range(workers_for(tasks, jobs)):
             outlet = outlets[number] if number < len(outlets) else None
-            self._workers.append(_start(read, self._workers, outlet))
+            self._workers.append(_start(read, self._workers, outlet, outlets[number + 1 :]))
             if outlet is not None:
                 outlet.close()
             self._fill()
@@ -210,11 +210,20 @@ class _Worker:
         self.pipe.close()
 
 
-def _start(read: Read, others: Sequence[_Worker], outlet: Connection[Any, Any] | None = None) -> _Worker:
-    """A new process. Where it is forked it inherits the pipes of the others, and closes them."""
+def _start(
+    read: Read,
+    others: Sequence[_Worker],
+    outlet: Connection[Any, Any] | None = None,
+    outlets: Sequence[Connection[Any, Any]] = (),
+) -> _Worker:
+    """A new process. Where it is forked it inherits the pipes and outlets of the others, and closes them.
+
+    Whoever holds an outlet of another open keeps it from ending with its worker.
+    """
     context = process_context()
     ours, theirs = context.Pipe()
-    inherited = [*(worker.pipe for worker in others), ours] if context.get_start_method() == "fork" else []
+    forked = context.get_start_method() == "fork"
+    inherited = [*(worker.pipe for worker in others), ours, *outlets] if forked else []
     process = context.Process(target=_serve, args=(theirs, inherited, read, outlet), daemon=True)
     start_quietly(process)
     theirs.close()

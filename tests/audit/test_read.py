@@ -395,6 +395,45 @@ def test_the_process_between_may_die() -> None:
     assert sorted((index, reading.path) for index, reading in found) == [(i, str(i)) for i in range(12)]
 
 
+def is_large(task: Task) -> FileReading:
+    """A reading that no pipe holds; it leaves its process's number."""
+    Path(f"{task.path}.pid").write_text(str(os.getpid()))
+    return FileReading(task.path, None, task.refusal or "x" * 3_000_000)
+
+
+@forks
+@pytest.mark.parametrize("killed", [0, 2], ids=["first", "second"])
+def test_a_process_may_die_while_it_sends(killed: int) -> None:
+    """Half of a reading has come, and nobody waits for the rest: its file is read again.
+
+    Each process has two files at first, so they are on 0 and 2.
+    """
+
+    def late(*_: object) -> None:
+        raise AssertionError("half a reading is waited for")
+
+    tasks = [Task(index, str(index), False) for index in range(6)]
+    with PreparedWorkers(tasks, 2, is_large, lambda: None) as workers:
+        until = time.monotonic() + 30.0
+        while not all(Path(f"{index}.pid").exists() for index in (0, 2)) and time.monotonic() < until:
+            time.sleep(0.01)
+        time.sleep(0.2)
+        os.kill(int(Path(f"{killed}.pid").read_text()), signal.SIGKILL)
+        before = signal.signal(signal.SIGALRM, late)
+        signal.alarm(30)
+        try:
+            found = dict(workers.results())
+        finally:
+            signal.alarm(0)
+            signal.signal(signal.SIGALRM, before)
+    assert sorted(found) == list(range(6))
+    reasons = {index: reading.reason for index, reading in found.items()}
+    assert reasons.pop(killed) == (
+        "the process that read it was killed (signal 9), perhaps for its use of memory"
+    )
+    assert all(reason == "x" * 3_000_000 for reason in reasons.values())
+
+
 def children() -> set[str]:
     """Processes that this one, or a child of it, has started."""
     found: set[str] = set()
@@ -426,10 +465,32 @@ def test_processes_are_ended_whatever_they_do(start: Start) -> None:
             time.sleep(0.01)
         inside = children() - before
     assert len(inside) == wanted
+    assert gone(inside)
+
+
+def gone(processes: set[str]) -> bool:
+    """Whether processes end within half a minute; who takes notice of an orphan's end does not matter."""
+
+    def alive(pid: str) -> bool:
+        with suppress(FileNotFoundError, ProcessLookupError):
+            return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
+        return False
+
     until = time.monotonic() + 30.0
-    while any(Path(f"/proc/{pid}").exists() for pid in inside) and time.monotonic() < until:
+    while any(map(alive, processes)) and time.monotonic() < until:
         time.sleep(0.01)
-    assert not any(Path(f"/proc/{pid}").exists() for pid in inside)
+    return not any(map(alive, processes))
+
+
+@forks
+def test_processes_are_ended_whenever_it_is(tmp_path: Path) -> None:
+    """Also while they are being started, which takes some milliseconds."""
+    before = children()
+    for wait in range(60):
+        with PreparedWorkers([Task(index, str(index), False) for index in range(4)], 2, sleeps, lambda: None):
+            time.sleep(wait * 2e-4)
+            inside = children() - before
+        assert gone(inside)
 
 
 def test_the_text_is_read_after_a_crash() -> None:
