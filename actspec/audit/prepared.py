@@ -68,7 +68,7 @@ class PreparedWorkers:
         # Here and there, whoever comes first: it and its workers are ended together, as a group.
         with suppress(OSError):
             os.setpgid(self._process.pid, self._process.pid)
-        self._ended = False
+        self._complete = False
         for pipe in theirs:
             pipe.close()
 
@@ -78,17 +78,17 @@ class PreparedWorkers:
 
     def __exit__(self, *_: object) -> None:
         """End it and its workers, whatever they are doing."""
-        self.end()
+        # Who has read everything ends by itself, and the times of its workers are counted as ours.
+        self._process.join(_LOOK if self._complete else 0.0)
+        if not self._complete or self._process.exitcode is None:
+            with suppress(ProcessLookupError):
+                os.killpg(self._process.pid, signal.SIGKILL)
         self._process.join()
         for pipe in self._pipes:
             pipe.close()
 
     def end(self) -> None:
-        """As of `Workers`."""
-        if not self._ended:
-            self._ended = True
-            with suppress(ProcessLookupError):
-                os.killpg(self._process.pid, signal.SIGKILL)
+        """As of `Workers`: they end by themselves when everything is read."""
 
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """As of `Workers`; what is not read when the process dies is read by workers of this one."""
@@ -114,6 +114,7 @@ class PreparedWorkers:
                     # A worker that dies before it has said that it is done has its file read again.
                     if left.pop(index, None) is not None:
                         yield index, reading
+        self._complete = not left
         if left:
             with Workers(tuple(left.values()), self._jobs, self._read, self._limit) as workers:
                 yield from workers.results()
