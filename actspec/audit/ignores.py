@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -52,7 +51,7 @@ class Ignore:
 
 
 def ignores_of(
-    files: Iterable[FileReading], real_path: Callable[[str], str] = os.path.realpath
+    files: Iterable[FileReading], real_path: Callable[[str], str]
 ) -> dict[str, tuple[Ignore, ...]]:
     """Remarks of every file that was read, by its real path; a file that is included twice counts once.
 
@@ -99,7 +98,7 @@ class Sorted:
 def set_aside(
     found: Sequence[Reported],
     ignores: Mapping[str, tuple[Ignore, ...]],
-    real_path: Callable[[str], str] = os.path.realpath,
+    real_path: Callable[[str], str],
 ) -> Sorted:
     """Put findings aside that a remark with a reason names.
 

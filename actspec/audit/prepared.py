@@ -18,6 +18,7 @@ from actspec.audit.workers import (
     Read,
     Task,
     Workers,
+    be_a_reader,
     message,
     process_context,
     received,
@@ -87,9 +88,6 @@ class PreparedWorkers:
         for pipe in self._pipes:
             pipe.close()
 
-    def end(self) -> None:
-        """As of `Workers`: they end by themselves when everything is read."""
-
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """As of `Workers`; what is not read when the process dies is read by workers of this one."""
         from selectors import EVENT_READ, DefaultSelector
@@ -130,15 +128,11 @@ def _serve(
     limit: float,
 ) -> None:
     """The process's life."""
-    # The caller decides what an interrupt means, and ends this process with its workers.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    be_a_reader()
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     os.setpgid(0, 0)
     for parent in parents:
         parent.close()
-    # One process a core is all the parallelism that there is to have; nothing is drawn.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ.setdefault("MUJOCO_GL", "disable")
     prepare()
     own, *outlets = pipes
     with suppress(BrokenPipeError), Workers(tasks, jobs, read, limit, outlets) as workers:

@@ -144,7 +144,6 @@ class PendingFiles:
             while taken is not None and next_ in found:
                 taken(found[next_])
                 next_ += 1
-        self._workers.end()
         return tuple(_chosen(self._paths, self._files, found, self._skip_other))
 
 

@@ -105,11 +105,6 @@ class Workers:
             worker.stop()
         self._workers.clear()
 
-    def end(self) -> None:
-        """End them without waiting until they are gone: what they hold is freed while the caller goes on."""
-        for worker in self._workers:
-            worker.process.kill()
-
     def results(self) -> Iterator[tuple[int, FileReading]]:
         """Wait for what they read.
 
@@ -147,6 +142,9 @@ class Workers:
                     yield lost.index, pickled(_lost(lost.path, lost.refusal))
                 if self._waiting:
                     self._workers.append(_start(self._read, self._workers))
+        # Not waited for: what they hold is freed while the caller goes on.
+        for worker in self._workers:
+            worker.process.kill()
 
     def _fill(self) -> None:
         for worker in self._workers:
@@ -249,6 +247,15 @@ def process_context() -> Any:
     return multiprocessing.get_context("fork" if forks else "spawn")
 
 
+def be_a_reader() -> None:
+    """What holds for every process that reads, or forks those that do."""
+    # The parent decides what an interrupt means, and ends its processes.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # One process a core is all the parallelism that there is to have; numpy is not loaded yet. Nothing is drawn.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("MUJOCO_GL", "disable")
+
+
 def _serve(
     pipe: Connection[Any, Any],
     inherited: Sequence[Connection[Any, Any]],
@@ -256,11 +263,7 @@ def _serve(
     outlet: Connection[Any, Any] | None,
 ) -> None:
     """A worker's life."""
-    # The parent decides what an interrupt means, and ends its workers.
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
-    # One process a core is all the parallelism that there is to have; numpy is not loaded yet. Nothing is drawn.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    os.environ.setdefault("MUJOCO_GL", "disable")
+    be_a_reader()
     # What a file leaves behind is freed by reference counting; a cycle now and then does not hurt.
     gc.set_threshold(200_000)
     for other in inherited:
