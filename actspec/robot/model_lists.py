@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -53,3 +54,18 @@ class ModelLists:
         """
         found: str = self._names[getattr(self, _ADDRESSES[kind])[index]]
         return found
+
+
+def named_parents(model: ModelLists, names: Sequence[str]) -> list[str]:
+    """For each joint the nearest named one before it on the way to the world; "" where there is none."""
+    first, count = model.body_jntadr, model.body_jntnum
+    found = [""] * len(names)
+    # The nearest named joint at or above each body; a body comes after its parent.
+    last = [""] * len(first)
+    for body, parent in enumerate(model.body_parentid):
+        above = last[parent]
+        for joint in range(first[body], first[body] + count[body]):
+            found[joint] = above
+            above = names[joint] or above
+        last[body] = above
+    return found

@@ -13,7 +13,7 @@ from actspec.joints import JointKind
 from actspec.robot.classify import control, transmission
 from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements
-from actspec.robot.model_lists import ModelLists
+from actspec.robot.model_lists import ModelLists, named_parents
 from actspec.robot.reach import reached_joints
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
@@ -173,7 +173,7 @@ def _joints(
     dofs, limited, effort_limited = model.jnt_dofadr, model.jnt_limited, model.jnt_actfrclimited
     held, mobility = model.dof_M0, model.dof_invweight0
     names = [model.name("mjOBJ_JOINT", index) for index in range(model.model.njnt)]
-    parents = _parents(model, names)
+    parents = named_parents(model, names)
     found = []
     for index, name in enumerate(names):
         if not name:
@@ -238,21 +238,6 @@ def _unnamed(model: ModelLists) -> int:
 def _is_sprung(spec: mujoco.MjSpec, name: str) -> bool:
     authored = spec.joint(name)
     return authored is not None and bool((authored.springdamper > 0).all())
-
-
-def _parents(model: ModelLists, names: Sequence[str]) -> list[str]:
-    """For each joint the nearest named one before it on the way to the world; "" where there is none."""
-    first, count = model.body_jntadr, model.body_jntnum
-    found = [""] * len(names)
-    # The nearest named joint at or above each body; a body comes after its parent.
-    last = [""] * len(first)
-    for body, parent in enumerate(model.body_parentid):
-        above = last[parent]
-        for joint in range(first[body], first[body] + count[body]):
-            found[joint] = above
-            above = names[joint] or above
-        last[body] = above
-    return found
 
 
 def stated_fields(
