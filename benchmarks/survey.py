@@ -31,10 +31,10 @@ sys.path.insert(0, str(ROOT))
 
 from actspec.audit.engine import audit  # noqa: E402
 from actspec.audit.outcome import SEVERITIES, Report  # noqa: E402
-from actspec.audit.report import ReportOptions, render  # noqa: E402
-from actspec.audit.report.groups import grouped  # noqa: E402
 from actspec.audit.settings import Settings  # noqa: E402
 from actspec.diagnostics import Severity, listed  # noqa: E402
+from actspec.report import ReportOptions, render  # noqa: E402
+from actspec.report.groups import grouped  # noqa: E402
 from actspec.verify.frameworks import ISAACLAB, find  # noqa: E402
 
 SURVEY = ROOT / "docs" / "survey.md"

@@ -9,13 +9,13 @@ from pathlib import Path
 from typing import Any
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Versions
 from actspec.audit.dynamics import RobotDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.draft import Draft, draft
 from actspec.draft.combine import Combined, combine
 from actspec.draft.reading import read_robot_files
 from actspec.draft.targets import targets_of
+from actspec.readings.versions import Versions
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 

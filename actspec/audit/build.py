@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
-from actspec.audit.artifact import Artifact, FileKind, FileReading
-from actspec.audit.case import Case, Robot, Versions, meant_for
+from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
+from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.pair import Robot
+from actspec.readings.versions import Versions, meant_for
 
 if TYPE_CHECKING:
     from actspec.audit.rows.ahead import RowsAhead
@@ -30,7 +32,7 @@ def case_of(
             first robot among the files that it fits.
         ahead: Rows that are there already.
     """
-    from actspec.audit.pair import pair
+    from actspec.readings.pair import pair
 
     readings = tuple(_fitted(reading, readings) if reading.path == spec else reading for reading in readings)
     artifacts = tuple(artifact for reading in readings for artifact in reading.artifacts)
@@ -43,7 +45,7 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
     """A spec whose own robot could not be read, on another one."""
     if reading.kind is not FileKind.SPEC or reading.artifacts:
         return reading
-    from actspec.audit.readers.spec import artifact_of, resolved_on
+    from actspec.audit.spec_file import artifact_of, resolved_on
     from actspec.diagnostics import ActspecError
 
     for robot in (artifact.robot for other in readings for artifact in other.artifacts):

@@ -3,57 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
-from actspec.audit.artifact import Artifact, FileKind, FileReading
 from actspec.audit.ledger import LedgerRow
+from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.pair import Robot
+from actspec.readings.versions import Versions, meant_for
 
 _T = TypeVar("_T")
-
-
-@dataclass(frozen=True, slots=True)
-class Versions:
-    """Which versions the files are meant for; None: not said, and nothing is assumed.
-
-    Attributes:
-        mujoco: `3.12`.
-        isaaclab: `2.3`.
-        isaac_sim: `5.1`.
-        backend: Isaac Lab 3's physics: `physx`, `ovphysx` or `newton`.
-        mjlab: `1.6`.
-    """
-
-    mujoco: str | None = None
-    isaaclab: str | None = None
-    isaac_sim: str | None = None
-    backend: str | None = None
-    mjlab: str | None = None
-
-
-def meant_for(versions: Versions, artifact: Artifact) -> Versions:
-    """What an artifact is meant for: as was said, else as actspec wrote it for.
-
-    Args:
-        versions: As was said for all files; one of Isaac Lab's speaks for all of it.
-        artifact: The artifact.
-    """
-    config = artifact.config
-    said = versions.isaaclab or versions.isaac_sim or versions.backend
-    return versions if said or config is None else replace(versions, **config.written_for)
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """Artifacts that describe the same robot.
-
-    Attributes:
-        name: The most telling name among them.
-        artifacts: Indices into `Case.artifacts`, in the order of the files.
-    """
-
-    name: str
-    artifacts: tuple[int, ...]
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +35,7 @@ class Case:
     artifacts: tuple[Artifact, ...]
     rows: tuple[LedgerRow, ...]
     robots: tuple[Robot, ...]
-    versions: Versions = Versions()
+    versions: Versions = field(default_factory=Versions)
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     joints: Mapping[tuple[int, str], Sequence[LedgerRow]] = field(init=False, repr=False, compare=False)
     joints_by_artifact: Mapping[int, Mapping[str, Sequence[LedgerRow]]] = field(

@@ -6,9 +6,9 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.dynamics import NOUNS, SETTING_NOUNS, Figure, JointDynamics, RobotDynamics
 from actspec.diagnostics import Span
+from actspec.readings.artifact import FileKind
 
 SAME = 1e-9
 """Largest relative difference of equal figures. Chosen: what is left of a float after units and sums."""

@@ -10,13 +10,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import matching
 from actspec.diagnostics import Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator, JointKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
 from actspec.units import Kind
 

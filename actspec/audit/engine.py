@@ -10,12 +10,10 @@ from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from functools import cache
 
-from actspec.audit.artifact import FileReading
 from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Skipped, TextEdit
-from actspec.audit.fragments import without_fragments
 from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
@@ -29,6 +27,8 @@ from actspec.audit.spread import spread
 from actspec.audit.unused import Looked, certainly_unused
 from actspec.audit.workers import cores
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.readings.artifact import FileReading
+from actspec.readings.fragments import without_fragments
 
 ROWS_TO_SPREAD = 1000
 """Rows of the ledger from which the rules run on all cores. Chosen: some 40 robots, which one core judges in 0.1 s;

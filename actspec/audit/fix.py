@@ -13,11 +13,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.apart import Apart, LostError
-from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import ActspecError, AuditError, Collector, Diagnostic, Severity, Span, listed
 from actspec.files import replace_file
+from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
 
 MOST_PASSES = 10

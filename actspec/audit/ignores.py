@@ -6,13 +6,13 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.artifact import FileReading
 from actspec.audit.comments import comments
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.rule import Rule
 from actspec.audit.selection import guess
 from actspec.diagnostics import Span, shortened
+from actspec.readings.artifact import FileReading
 
 FIRST_LINES = 10
 """An `ignore-file` further down speaks about nothing. Chosen: a reader sees it without scrolling."""

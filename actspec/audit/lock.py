@@ -14,12 +14,13 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
 
-from actspec.audit.artifact import FileKind
-from actspec.audit.case import Case, Versions
+from actspec.audit.case import Case
 from actspec.audit.difference import Difference, difference
 from actspec.audit.dynamics import NOUNS, SETTING_NOUNS, Figure, JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Span, shortened
+from actspec.readings.artifact import FileKind
+from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
 

@@ -6,12 +6,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
 
-from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.strangers import strangers
 from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.readings.artifact import FileKind, FileReading
 
 SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
 """From the least to the worst."""

@@ -12,7 +12,6 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, cast
 
-from actspec.audit.artifact import FileReading
 from actspec.audit.workers import (
     TIME_LIMIT,
     Read,
@@ -25,6 +24,7 @@ from actspec.audit.workers import (
     start_quietly,
     workers_for,
 )
+from actspec.readings.artifact import FileReading
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection

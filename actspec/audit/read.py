@@ -8,11 +8,11 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.prepared import PreparedWorkers
 from actspec.audit.workers import FAULT, Task, Workers, cores, process_context
 from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile
 from actspec.spec.read import is_spec
 
@@ -178,7 +178,7 @@ def _has_known_ending(path: str) -> bool:
 
 def prepare() -> None:
     """Import what robot files are read with."""
-    from actspec.audit.readers.robot import preload_readers
+    from actspec.readings.robot_file import preload_readers
 
     preload_readers()
 
@@ -191,12 +191,12 @@ def read_file(task: Task) -> FileReading:
     """
     lower = task.path.lower()
     if lower.endswith(PYTHON):
-        from actspec.audit.readers.python import read_python
+        from actspec.readings.python.read import read_python
 
         return read_python(task.path)
     if lower.endswith(YAML):
         return _read_yaml(task.path)
-    from actspec.audit.readers.robot import read_robot
+    from actspec.readings.robot_file import read_robot
 
     return read_robot(task.path, keep_matrices=task.keep_matrices, refusal=task.refusal)
 
@@ -255,11 +255,11 @@ def _read_yaml(path: str) -> FileReading:
     except (OSError, ValueError) as err:
         return FileReading(path, None, (getattr(err, "strerror", None) or "bad path").lower())
     if not is_spec(data):
-        from actspec.audit.readers.deploy import read_deploy
+        from actspec.readings.deploy import read_deploy
 
         return read_deploy(path)
-    from actspec.audit.readers.robot import reason_of
-    from actspec.audit.readers.spec import artifact_of, resolved
+    from actspec.audit.spec_file import artifact_of, resolved
+    from actspec.readings.robot_file import reason_of
 
     files = (ModelFile(path, "", data),)
     try:

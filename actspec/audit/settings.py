@@ -9,12 +9,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
-from actspec.audit.case import Versions
 from actspec.audit.finding import Confidence
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, strength
 from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.readings.versions import Versions
 
 OWN_FILE = "actspec.toml"
 SHARED_FILE = "pyproject.toml"

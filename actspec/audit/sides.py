@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
-from actspec.audit.artifact import FileReading
 from actspec.audit.build import case_of
-from actspec.audit.case import Case, Versions
+from actspec.audit.case import Case
 from actspec.audit.difference import Difference, difference
 from actspec.audit.dynamics import dynamics_of
 from actspec.audit.read import read_files
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Severity, Span, listed, one_line
+from actspec.readings.artifact import FileReading
+from actspec.readings.versions import Versions
 
 
 def differences(

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from os.path import basename
 
 from actspec.audit.case import Case
-from actspec.audit.pair import SHARE, joint_names
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.readings.pair import SHARE, joint_names
 
 
 def strangers(case: Case) -> Iterator[Diagnostic]:

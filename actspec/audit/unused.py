@@ -9,11 +9,11 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 
-from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.case import Case
 from actspec.audit.finding import Finding, Skipped
 from actspec.audit.ignores import Ignore
 from actspec.audit.rule import Rule
+from actspec.readings.artifact import FileKind, FileReading
 
 Looked = Callable[[type[Rule], Sequence[FileReading]], tuple[Sequence[Finding], Sequence[Skipped]] | None]
 """Lets one rule look at a selection of the files: what it found and what it lacked; None when it broke off."""

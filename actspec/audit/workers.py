@@ -23,8 +23,8 @@ from functools import lru_cache
 from operator import attrgetter
 from typing import TYPE_CHECKING, Any
 
-from actspec.audit.artifact import FileReading
 from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.readings.artifact import FileReading
 
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
@@ -320,9 +320,9 @@ def pickled(item: object, *many: type) -> bytes:
 @lru_cache(maxsize=8)
 def _by_fields(many: tuple[type, ...]) -> dict[type, Callable[[Any], tuple[type, tuple[Any, ...]]]]:
     """Classes of which there are many, with a function that takes one apart for its constructor."""
-    from actspec.audit.artifact import Artifact
     from actspec.diagnostics import Diagnostic, Span
     from actspec.joints import InertiaRange
+    from actspec.readings.artifact import Artifact
     from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFile, RobotView
 
     of_readings = (

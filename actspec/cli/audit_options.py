@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 
 FORMATS = ("full", "concise", "json", "sarif", "github", "junit", "markdown", "html")
-"""As `actspec.audit.report.FORMATS`."""
+"""As `actspec.report.FORMATS`."""
 CONFIDENCES = ("low", "medium", "high")
 FAIL_ON = ("error", "warning", "info", "never")
 

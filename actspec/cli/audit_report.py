@@ -7,12 +7,10 @@ import os
 import sys
 from dataclasses import replace
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.engine import audit
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
 from actspec.audit.read import PendingFiles
-from actspec.audit.report import ReportOptions, prepare, render
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
@@ -33,6 +31,8 @@ from actspec.diagnostics import (
     one_line,
 )
 from actspec.files import replace_file
+from actspec.readings.artifact import FileKind
+from actspec.report import ReportOptions, prepare, render
 
 TEXT = ("full", "concise")
 """Formats for people in front of a terminal."""

@@ -14,9 +14,9 @@ from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, 
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
-    from actspec.audit.case import Versions
     from actspec.draft import Draft
     from actspec.draft.combine import Combined, Disagreement
+    from actspec.readings.versions import Versions
 
 _SCHEME = "package://"
 _POSE = "default_pose"

@@ -12,8 +12,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Write the spec and say what to do next."""
     path = str(arguments.path)
     if arguments.source is not None:
-        from actspec.audit.case import Versions
         from actspec.cli.import_ import import_files
+        from actspec.readings.versions import Versions
 
         return import_files([str(arguments.source)], path, None, Versions(), bool(arguments.force))
     from actspec.draft import starting_spec

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Case, Versions
+from actspec.audit.case import Case
 from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
 from actspec.audit.sides import read
 from actspec.cli.report import print_json
@@ -25,6 +25,7 @@ from actspec.diagnostics import (
     one_line,
 )
 from actspec.files import NotRegular, TooLarge, read_regular, replace_file
+from actspec.readings.versions import Versions
 
 MOST_BYTES = 64 << 20
 """Chosen: a robot of 30 joints takes 20 kB."""

@@ -93,7 +93,7 @@ def github(compilation: Compilation, agreement: Agreement, *, built: bool, stric
         built: Whether the files lie in the repository; else a fault is told at the spec.
         strict: Whether an approximation that the spec does not accept is a fault.
     """
-    from actspec.audit.report.github import command
+    from actspec.report.github import command
 
     spec = Span(compilation.spec.document.path)
     for row in agreement.faults:

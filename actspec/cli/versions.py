@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.audit.case import Versions
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector
+from actspec.readings.versions import Versions
 
 
 def named_versions(targets: Sequence[str], out: Collector) -> Versions:

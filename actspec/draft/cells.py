@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeGuard
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.rules.reductions import LEAST
 from actspec.diagnostics import listed
 from actspec.draft.names import body_part
@@ -15,6 +14,7 @@ from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of
 from actspec.draft.sources import stated
 from actspec.draft.values import figure
 from actspec.ir import JointActuator, JointKind
+from actspec.readings.artifact import FileKind
 
 SAME_POWER = 0.005
 """Relative difference up to which two products of effort and speed are one motor's. Chosen: a quarter of what the

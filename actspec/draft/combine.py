@@ -12,12 +12,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.audit.artifact import FileKind, Framework
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.rules.reductions import joints_above
 from actspec.draft.sources import Reading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
 from actspec.lift.lifted import LeftAlone
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.pair import Robot
 from actspec.robot.view import RobotView
 
 SAME = 1e-3

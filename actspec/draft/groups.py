@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
-from actspec.audit.artifact import FileKind
 from actspec.draft.cells import Cell, cells_of, find_motors, join, joined, one_limb, one_row
 from actspec.draft.names import given_name, group_name, joint_patterns, one_pattern
 from actspec.draft.rows import Row, same
 from actspec.ir import JointActuator
+from actspec.readings.artifact import FileKind
 
 MOST_DIFFERENT = 2
 """Fields in which joints of one group may differ. Chosen: a knee has another limit and speed; what differs in more

@@ -6,13 +6,13 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 
-from actspec.audit.artifact import FileKind, FileReading, Framework
-from actspec.audit.case import Versions
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
 from actspec.draft.sources import Reading
 from actspec.ir import JointKind
 from actspec.lift import Lifted, LiftedRobot, lift, lift_files
 from actspec.lift.config import asset_of
+from actspec.readings.artifact import FileKind, FileReading, Framework
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
 _LIVE = re.compile(r"[.^$*+?{}\[\]|()]")

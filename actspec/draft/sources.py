@@ -8,10 +8,10 @@ import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
-from actspec.audit.artifact import FileKind, Framework
 from actspec.diagnostics import Span, one_line
 from actspec.ir import ActuatorSet, AsymmetricCurve, JointActuator, Origin, Quantity, Source
 from actspec.lift.lifted import Lifted
+from actspec.readings.artifact import FileKind, Framework
 
 _MOST_RUNS = 4
 """Chosen: more runs of lines than these are told as the first and the last line."""

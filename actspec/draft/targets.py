@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from actspec.audit.artifact import FileKind, Framework
-from actspec.audit.case import Versions
-from actspec.audit.rows.figures import control_of_group
 from actspec.diagnostics import listed, one_line
 from actspec.draft.combine import Combined
 from actspec.draft.sources import Reading
 from actspec.draft.text import scalar
 from actspec.ir import Command, Level
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.config_figures import control_of_group
+from actspec.readings.versions import Versions
 from actspec.targets.versions import DEFAULT_VERSIONS
 
 _STACKS = {

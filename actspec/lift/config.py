@@ -11,11 +11,6 @@ import os
 import re
 from collections.abc import Iterator, Sequence
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
-from actspec.audit.case import Versions, meant_for
-from actspec.audit.isaaclab_friction import friction_meaning
-from actspec.audit.pair import joint_names, matching
-from actspec.audit.rows.figures import selected
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
 from actspec.lift.config_joint import ConfigJoint
@@ -24,6 +19,11 @@ from actspec.lift.config_unsaid import unsaid
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.quantities import stated, unknown
 from actspec.patterns import PatternError, compile_pattern
+from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
+from actspec.readings.config_figures import selected
+from actspec.readings.friction_unit import friction_meaning
+from actspec.readings.pair import joint_names, matching
+from actspec.readings.versions import Versions, meant_for
 from actspec.robot.view import JointView
 
 _NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)

@@ -6,12 +6,11 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig, Setting
-from actspec.audit.case import Versions
-from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Span
 from actspec.ir import Delay, Quantity
 from actspec.lift.quantities import stated, unknown
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.versions import Versions, release
 from actspec.resolution.quantities import tidy
 
 HELD_FROM = 1_000_000

@@ -5,10 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.audit.case import Versions
-from actspec.audit.isaaclab_friction import Meaning, friction_meaning, has_dynamic
-from actspec.audit.rows.figures import Found, figures_of, value_of
 from actspec.ir import (
     AsymmetricCurve,
     Command,
@@ -23,6 +19,10 @@ from actspec.ir import (
 from actspec.lift.config_delay import delay_of
 from actspec.lift.config_unsaid import control_of
 from actspec.lift.quantities import Units, assumed, stated, unknown
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.config_figures import Found, figures_of, value_of
+from actspec.readings.friction_unit import Meaning, friction_meaning, has_dynamic
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
 NONE_FROM = 1e9

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from actspec.audit.artifact import Framework, RandomizedRange, RobotConfig
-from actspec.audit.pair import matching
 from actspec.ir import Randomization
+from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
+from actspec.readings.pair import matching
 
 FIELDS = {
     "kp": "kp",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.audit.rows.figures import control_of_group
 from actspec.diagnostics import one_line
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.config_figures import control_of_group
 from actspec.robot.view import JointView
 
 DRIVES = ("implicit", "ideal_pd", "dc_motor", "network", "position", "velocity", "motor", "pid")

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from actspec.audit.artifact import Artifact
-from actspec.audit.case import Versions
 from actspec.lift.config import lift_config
 from actspec.lift.lifted import Lifted, LiftedFiles, LiftedRobot
 from actspec.lift.robot import lift_robot
+from actspec.readings.artifact import Artifact
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
 
@@ -45,8 +45,8 @@ def lift_files(paths: Sequence[str], *, versions: Versions | None = None) -> Lif
         paths: Files and folders, as the user names them.
         versions: What configurations are written for; None: nobody says.
     """
-    from actspec.audit.pair import pair
     from actspec.audit.read import read_files
+    from actspec.readings.pair import pair
 
     readings = read_files(paths, keep_matrices=False)
     artifacts = tuple(artifact for reading in readings for artifact in reading.artifacts)
@@ -71,8 +71,8 @@ def _parts(artifacts: Sequence[Artifact], versions: Versions | None) -> tuple[Li
 
 def _joints_for(artifact: Artifact, partners: Sequence[Artifact]) -> Sequence[JointView | str] | None:
     """The joints of the best robot file, else those that another file names; None: no file does."""
-    from actspec.audit.pair import joint_names
     from actspec.audit.rows.config import models_of
+    from actspec.readings.pair import joint_names
 
     config = artifact.config
     assert config is not None

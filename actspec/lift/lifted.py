@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from actspec.audit.artifact import Artifact, FileReading
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet
+from actspec.readings.artifact import Artifact, FileReading
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,10 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from actspec.audit.artifact import RandomizedRange
 from actspec.diagnostics import Span, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator, Randomization
+from actspec.readings.artifact import RandomizedRange
 from actspec.robot.view import RobotView
 from actspec.sampling import own_ranges
 from actspec.verify.agreement import Row

@@ -6,17 +6,25 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, FileReading, Framework, RandomizedRange
-from actspec.audit.case import Case, Robot, Versions
+from actspec.audit.case import Case
 from actspec.audit.dynamics import Figure, JointDynamics, dynamics_of
-from actspec.audit.isaaclab_friction import Meaning, friction_meaning
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import matching
 from actspec.audit.read import read_files
 from actspec.audit.rows.config import rows_of_config
 from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    Artifact,
+    FileKind,
+    FileReading,
+    Framework,
+    RandomizedRange,
+)
+from actspec.readings.friction_unit import Meaning, friction_meaning
+from actspec.readings.pair import Robot, matching
+from actspec.readings.versions import Versions
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 from actspec.targets.base import TargetOptions
 

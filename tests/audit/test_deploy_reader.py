@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import FileKind, RobotConfig
-from actspec.audit.readers.deploy import read_deploy
+from actspec.readings.artifact import FileKind, RobotConfig
+from actspec.readings.deploy import read_deploy
 
 
 def _read(tmp_path: Path, text: str | bytes) -> tuple[object, dict[str, dict[str, float]], list[str]]:

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.case import Versions
 from actspec.audit.difference import Difference
 from actspec.audit.difference_words import lines
 from actspec.audit.sides import differences
 from actspec.diagnostics import AuditError
+from actspec.readings.versions import Versions
 from tests.audit.robots import CFG, LEG, SPEC
 
 EFFECTS = ("natural frequency", "damping ratio")

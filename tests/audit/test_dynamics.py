@@ -7,9 +7,9 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Versions
 from actspec.audit.dynamics import RobotDynamics, dynamics_of, figure
 from actspec.audit.read import read_files
+from actspec.readings.versions import Versions
 from tests.audit.making import row
 from tests.audit.robots import CFG, LEG, SPEC
 

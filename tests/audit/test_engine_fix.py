@@ -13,8 +13,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit import build
-from actspec.audit.artifact import FileKind, FileReading
-from actspec.audit.case import Case, Versions
+from actspec.audit.case import Case
 from actspec.audit.engine import judge
 from actspec.audit.finding import Finding, Fix, Safety, Skipped, TextEdit
 from actspec.audit.fix import Fixes, apply_fixes, write_fixes
@@ -22,6 +21,8 @@ from actspec.audit.read import read_files
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import AuditError
+from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.versions import Versions
 from actspec.robot.view import ModelFile, ModelFormat
 from tests.audit.making import case_of, finding, reading, rule_of
 

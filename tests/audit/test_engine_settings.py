@@ -7,10 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.case import Versions
 from actspec.audit.finding import Confidence
 from actspec.audit.settings import Settings, load_settings
 from actspec.diagnostics import AuditError, Severity
+from actspec.readings.versions import Versions
 from tests.audit.making import rule_of
 
 RULES = (

@@ -6,11 +6,11 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.case import Versions
 from actspec.audit.engine import audit
-from actspec.audit.readers.head import step_of, written_for
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
+from actspec.readings.head import step_of, written_for
+from actspec.readings.versions import Versions
 
 ROOT = Path(__file__).parents[2]
 SPEC = """actspec: 1

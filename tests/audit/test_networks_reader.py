@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import ActuatorGroup, Framework, NetworkReading, RobotConfig, Setting
-from actspec.audit.readers import networks
-from actspec.audit.readers.networks import with_networks
 from actspec.diagnostics import Span
+from actspec.readings import networks
+from actspec.readings.artifact import ActuatorGroup, Framework, NetworkReading, RobotConfig, Setting
+from actspec.readings.networks import with_networks
 
 MANIFEST = {
     "format": "actspec-network/1",

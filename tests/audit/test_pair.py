@@ -6,10 +6,10 @@ from collections.abc import Sequence
 
 import pytest
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.audit.pair import distinctive, matching, pair
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.pair import distinctive, matching, pair
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 DOG = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))

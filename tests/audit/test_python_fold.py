@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import RobotConfig, Setting
-from actspec.audit.readers.python import read_python
+from actspec.readings.artifact import RobotConfig, Setting
+from actspec.readings.python.read import read_python
 
 HEAD = "from isaaclab.actuators import DCMotorCfg\n"
 TAIL = "\nROBOT = DCMotorCfg(joint_names_expr=['.*'], stiffness={})\n"

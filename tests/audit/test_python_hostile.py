@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.readers.python import MAX_CONFIGS, read_python
+from actspec.readings.python.read import MAX_CONFIGS, read_python
 
 HEAD = "from isaaclab.actuators import DCMotorCfg\n"
 TAIL = "\nA = DCMotorCfg(joint_names_expr=['.*'], stiffness=X)\n"

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, RandomizedRange, RobotConfig
-from actspec.audit.readers.python import read_python
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.readings.python.read import read_python
 
 
 def read(folder: Path, text: str, name: str = "cfg.py") -> dict[str, RobotConfig]:

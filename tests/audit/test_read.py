@@ -15,10 +15,10 @@ from typing import Any
 
 import pytest
 
-from actspec.audit.artifact import FileKind, FileReading
 from actspec.audit.prepared import PreparedWorkers
 from actspec.audit.read import PendingFiles, expand, read_file, read_files
 from actspec.audit.workers import TIME_LIMIT, Read, Task, Workers, cores
+from actspec.readings.artifact import FileKind, FileReading
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><motor joint="j" gear="2"/></actuator></mujoco>"""
@@ -183,7 +183,7 @@ def test_a_simulator_that_cannot_be_imported_is_left_to_the_readers(tmp_path: Pa
     """Importing it for all of them is no place to fail: each file says why it cannot be read."""
     Path("mujoco.py").write_text("raise RuntimeError('no AVX here')")
     Path("m.xml").write_text(GOOD)
-    code = "from actspec.audit.readers.robot import preload_readers\npreload_readers()"
+    code = "from actspec.readings.robot_file import preload_readers\npreload_readers()"
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
     subprocess.run([sys.executable, "-c", code], check=True, env=environment)
 

@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 
 from actspec import api
-from actspec.audit.case import Versions
 from actspec.diagnostics import ActspecError, AuditError
+from actspec.readings.versions import Versions
 from tests.importing import Imported, bare, imported, mjcf, write
 
 MOTORS = mjcf(

@@ -11,13 +11,13 @@ from typing import Any
 import pytest
 
 from actspec import api
-from actspec.audit.artifact import FileKind
 from actspec.diagnostics import Span
 from actspec.draft import draft
 from actspec.draft.combine import combine
 from actspec.draft.sources import Reading, places
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.lift import Lifted
+from actspec.readings.artifact import FileKind
 from actspec.resolution import resolve
 from actspec.robot.load import load_robot
 from actspec.spec.document import document_from_text

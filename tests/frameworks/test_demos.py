@@ -10,9 +10,9 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.outcome import Report, Reported
-from actspec.audit.report import ReportOptions, render
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.report import ReportOptions, render
 from benchmarks import survey
 from tests.frameworks.prepare import Frameworks
 

@@ -12,14 +12,14 @@ from typing import Any
 import pytest
 
 from actspec import api
-from actspec.audit.artifact import Artifact, FileKind
 from actspec.audit.build import case_of
-from actspec.audit.case import Versions
 from actspec.audit.dynamics import JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.read import read_files
-from actspec.audit.readers.python import read_python
 from actspec.diagnostics import ActspecError
 from actspec.ir import Level
+from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.python.read import read_python
+from actspec.readings.versions import Versions
 from tests.frameworks.prepare import Frameworks
 from tests.importing import dynamics, imported, mjcf
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 
-from actspec.audit.artifact import ActuatorGroup, RobotConfig
-from actspec.audit.readers.python import read_python
+from actspec.readings.artifact import ActuatorGroup, RobotConfig
+from actspec.readings.python.read import read_python
 from tests.frameworks.prepare import Frameworks
 
 PROBE = Path(__file__).with_name("python_reader_probe.py")

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.artifact import Artifact
-from actspec.audit.case import Versions
-from actspec.audit.readers.deploy import read_deploy
-from actspec.audit.readers.python import read_python
 from actspec.ir import Command, JointActuator, JointKind, Level, Origin
 from actspec.lift import Lifted, lift_config
+from actspec.readings.artifact import Artifact
+from actspec.readings.deploy import read_deploy
+from actspec.readings.python.read import read_python
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from tests.compiling import view_of
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from actspec.audit.artifact import FileKind
 from actspec.lift import lift_files
+from actspec.readings.artifact import FileKind
 from tests.audit.robots import LEG, SPEC
 
 CFG = """from isaaclab.actuators import DelayedPDActuatorCfg

@@ -9,11 +9,11 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.build import case_of
-from actspec.audit.case import Versions
 from actspec.audit.dynamics import JointDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.ir import JointActuator, Quantity
 from actspec.lift import lift
+from actspec.readings.versions import Versions
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).resolve().parents[3] / "shared" / "corpus"))
 

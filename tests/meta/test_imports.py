@@ -15,16 +15,19 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources", "files", "tables"},
+    {"units", "diagnostics", "resources", "files", "tables", "patterns"},
     {"joints"},
     {"ir"},
     {"laws"},
-    {"spec", "robot", "patterns", "runtime"},
+    {"simulate"},
+    {"spec", "robot"},
+    {"readings"},
     {"resolution"},
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"lift"},
-    {"verify", "report", "draft"},
-    {"api", "output"},
+    {"draft", "verify"},
+    {"report"},
+    {"api", "output", "runtime"},
     {"live"},
     {"mjlab", "isaaclab"},
     {"cli", "__main__", ""},

@@ -12,11 +12,11 @@ import pytest
 from hypothesis import HealthCheck, Phase, assume, given, settings
 from hypothesis import strategies as st
 
-from actspec.audit.readers.deploy import read_deploy
-from actspec.audit.readers.python import read_python
 from actspec.diagnostics import EmitError, Severity
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import Lifted, lift_config, lift_newton, lift_robot
+from actspec.readings.deploy import read_deploy
+from actspec.readings.python.read import read_python
 from actspec.robot.read_mjcf_text import read_mjcf_text
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.read_usda import read_usda

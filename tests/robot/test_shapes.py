@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.audit.rows.robot import joint_inertias
 from actspec.diagnostics import RobotError
+from actspec.readings.joint import joint_inertias
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.shapes import without_shapes

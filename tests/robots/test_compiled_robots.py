@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from actspec import api, output
-from actspec.runtime import mujoco as runtime
+from actspec.learn import mujoco as runtime
 
 mujoco = pytest.importorskip("mujoco")
 

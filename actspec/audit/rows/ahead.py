@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from actspec.audit.artifact import Artifact, FileReading
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rows.robot import rows_of_robot
+from actspec.readings.artifact import Artifact, FileReading
 
 
 class RowsAhead:

@@ -10,12 +10,12 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
-from actspec.audit.case import Versions
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import joint_names
-from actspec.audit.rows.figures import Found, control_of_group, figures_of, selected, value_of
 from actspec.joints import InertiaRange, JointKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.readings.config_figures import Found, control_of_group, figures_of, selected, value_of
+from actspec.readings.pair import joint_names
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
 _PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)

@@ -13,19 +13,18 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.audit.artifact import Artifact
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rows.spec import rows_of_spec
 from actspec.audit.rows.stated import said_of_actuator, said_of_joint
 from actspec.diagnostics import Span
-from actspec.joints import JointKind
+from actspec.readings.artifact import Artifact
+from actspec.readings.joint import SCALAR, armature_of, inertias_of
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
-__all__ = ["joint_inertias", "rows_of_robot", "rows_of_spec"]
+__all__ = ["rows_of_robot", "rows_of_spec"]
 
 _CONTROLS = {name: name for name in ("position", "velocity", "motor", "dcmotor", "pid")}
 
-_SCALAR = (JointKind.HINGE, JointKind.SLIDE)
 
 _IMPLICIT = ("implicit", "implicitfast", "discrete")
 """Integrators that take the derivative of a drive's velocity gain. Source: MuJoCo 3.13 and 4.0, measured."""
@@ -56,16 +55,16 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
     assert robot is not None
     driving: dict[str, list[ActuatorView]] = {}
     loose = []
-    scalar = {joint.name for joint in robot.joints if joint.kind in _SCALAR}
+    scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
     for actuator in robot.actuators:
         if actuator.transmission in ("joint", "jointinparent") and actuator.target in scalar:
             driving.setdefault(actuator.target, []).append(actuator)
         else:
             loose.append(actuator)
-    inertias = _inertias(robot, driving)
+    inertias = inertias_of(robot, driving)
     found: list[LedgerRow] = []
     for joint in robot.joints:
-        if joint.kind in _SCALAR:
+        if joint.kind in SCALAR:
             drives = driving.get(joint.name, [])
             acting = [actuator for actuator in drives if not actuator.disabled]
             moving = [
@@ -75,41 +74,6 @@ def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
             found += _Joint(artifact.path, index, robot, joint, drives, acting, moving, inertia).rows()
     found.extend(_loose(artifact.path, index, actuator) for actuator in loose)
     return tuple(found)
-
-
-def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
-    """Inertia of every named hinge and slide with the file's own armature; none without mass matrices."""
-    return _inertias(robot, _drives(robot))
-
-
-def _drives(robot: RobotView) -> dict[str, list[ActuatorView]]:
-    found: dict[str, list[ActuatorView]] = {}
-    for actuator in robot.actuators:
-        if actuator.transmission in ("joint", "jointinparent"):
-            found.setdefault(actuator.target, []).append(actuator)
-    return found
-
-
-def _inertias(robot: RobotView, driving: Mapping[str, list[ActuatorView]]) -> Mapping[str, JointInertia]:
-    if robot.joint_inertia is not None:
-        return robot.joint_inertia
-    if robot.inertia is None:
-        return {}
-    armature = {
-        joint.dof: _armature(joint, driving.get(joint.name, []))
-        for joint in robot.joints
-        if joint.dof >= 0 and joint.kind in _SCALAR
-    }
-    held, free = robot.inertia.held(armature), robot.inertia.free(armature)
-    return {
-        joint.name: JointInertia(held[joint.dof], free[joint.dof])
-        for joint in robot.joints
-        if joint.dof in armature
-    }
-
-
-def _armature(joint: JointView, drives: list[ActuatorView]) -> float:
-    return joint.armature + sum(a.gear**2 * a.armature for a in drives)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +110,7 @@ class _Joint:
         kp = _sum([*(_known(a, "kp") for a in self.acting), *(_zero(a, "kp") for a in moving)])
         armature = None
         if mjcf and "armature" not in unknown and not any("armature" in a.unknown for a in self.drives):
-            armature = _sum([_armature(joint, self.drives), *(_zero(a, "armature") for a in self.moving)])
+            armature = _sum([armature_of(joint, self.drives), *(_zero(a, "armature") for a in self.moving)])
         inertia = self.inertia
         reference = inertia.held.reference if inertia is not None else None
         resonant = kp is not None and kp > 0.0 and reference is not None and reference > 0.0

@@ -5,10 +5,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from actspec.audit.artifact import Artifact
 from actspec.audit.ledger import LedgerRow
 from actspec.diagnostics import Span
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
+from actspec.readings.artifact import Artifact
 
 _CONTROLS = {Level.IDEAL_PD: "ideal_pd", Level.DC_MOTOR: "dc_motor", Level.ACTUATOR_NET: "network"}
 

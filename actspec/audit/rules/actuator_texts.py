@@ -6,8 +6,8 @@ from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 
-from actspec.audit.artifact import Artifact, FileKind
 from actspec.audit.case import Case
+from actspec.readings.artifact import Artifact, FileKind
 from actspec.robot.mjcf_actuator_text import ActuatorText, actuator_text, class_text
 from actspec.robot.mjcf_elements import read_elements
 from actspec.robot.view import ActuatorView, RobotView

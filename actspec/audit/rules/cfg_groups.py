@@ -8,10 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, Setting
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import matching
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, Setting
+from actspec.readings.pair import matching
 
 IMPLICIT = frozenset({"ImplicitActuatorCfg"})
 """Isaac Lab's class whose drive the solver integrates."""

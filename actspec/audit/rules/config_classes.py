@@ -9,8 +9,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 from actspec.audit.case import Case
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from actspec.audit.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.config_classes import CLASSES, stock_groups
-from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Severity, listed, nearest, shortened
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.versions import release
 
 _SKIPPED = "no configuration with stock classes of Isaac Lab or mjlab among the files"
 

@@ -7,15 +7,15 @@ from collections.abc import Iterator, Mapping, Sequence
 from os.path import basename, splitext
 from typing import ClassVar
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.pair import joint_names, matching
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import Group, groups_of
-from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Severity, shortened
 from actspec.ir import JointKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.pair import joint_names, matching
+from actspec.readings.versions import release
 from actspec.robot.view import RobotView
 
 _DEAD = "the drive gives no torque"

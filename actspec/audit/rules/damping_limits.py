@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -14,6 +13,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.damping_parts import Parts, parts_by_joint
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 
 
 class DampingOutsideClamp(Rule):

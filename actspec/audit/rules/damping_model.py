@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind, Framework
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -16,6 +15,7 @@ from actspec.audit.rules.damping_parts import Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind, Framework
 
 _INTENT = (FileKind.CFG, FileKind.SPEC)
 

@@ -6,13 +6,13 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
-from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.versions import release
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.xml_edit import format_number
 from actspec.units import format_quantity

@@ -7,17 +7,17 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind, Framework
-from actspec.audit.case import Case, Versions
+from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.isaaclab_friction import Meaning, friction_meaning, has_dynamic
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import Group, groups_of
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.meant_for import release
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.friction_unit import Meaning, friction_meaning, has_dynamic
+from actspec.readings.versions import Versions, release
 
 SAME = 0.01
 """Relative difference up to which two frictions are one figure. Chosen: rounding of published figures."""

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Sequence
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
@@ -16,6 +15,8 @@ from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+from actspec.readings.pair import Robot
 
 
 class FrictionNotBelowEffort(Rule):

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
@@ -21,6 +20,7 @@ from actspec.audit.rules.reductions import (
     states_speed,
 )
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 _MODELS = (FileKind.MJCF, FileKind.URDF, FileKind.SPEC)

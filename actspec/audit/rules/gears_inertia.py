@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
@@ -13,6 +12,7 @@ from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.audit.rules.reductions import figures, joints_above, reductions, same, states_speed
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 

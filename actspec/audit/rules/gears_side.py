@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.artifact import Artifact, FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -14,6 +13,7 @@ from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import Artifact, FileKind
 from actspec.robot.view import ActuatorView
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from os.path import basename
 
-from actspec.audit.artifact import Artifact, FileKind, Setting
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import Artifact, FileKind, Setting
 from actspec.robot.joint_order import isaac_order
 from actspec.robot.view import ActuatorView, RobotView
 

@@ -7,15 +7,15 @@ from difflib import SequenceMatcher
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.artifact import ActuatorGroup, Artifact, FileKind, Framework
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import joint_names, matching
 from actspec.audit.rule import Rule
-from actspec.audit.rules.meant_for import release
 from actspec.diagnostics import Severity, shortened
 from actspec.patterns import PatternError, compile_pattern, suggest_pattern
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework
+from actspec.readings.pair import joint_names, matching
+from actspec.readings.versions import release
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
 _NEAR = (Severity.WARNING, Confidence.MEDIUM)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
-from actspec.audit.artifact import ActuatorGroup
 from actspec.audit.case import Case
 from actspec.audit.finding import Fix, Safety, TextEdit
+from actspec.readings.artifact import ActuatorGroup
 
 
 def renaming(case: Case, group: ActuatorGroup, old: str, new: str) -> Fix | None:

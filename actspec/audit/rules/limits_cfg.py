@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping
 
-from actspec.audit.artifact import FileKind, Framework, Setting
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
@@ -13,6 +12,7 @@ from actspec.audit.rules.cfg_groups import EXPLICIT, IMPLICIT, MJLAB_WITH_LINE, 
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind, Framework, Setting
 
 _MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}
 

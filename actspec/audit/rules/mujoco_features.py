@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from actspec.audit.rules.meant_for import Release
 from actspec.diagnostics import Span
+from actspec.readings.versions import Release
 from actspec.robot.mjcf_elements import ACTUATORS
 from actspec.robot.xml_tree import Element, XmlDocument
 

@@ -5,21 +5,21 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-from actspec.audit.artifact import (
-    ActuatorGroup,
-    FileKind,
-    Framework,
-    RandomizedRange,
-)
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import shown
-from actspec.audit.rules.meant_for import release
 from actspec.audit.rules.networks_found import is_network, networks, of_specs
 from actspec.audit.rules.randomized import rows_in
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    FileKind,
+    Framework,
+    RandomizedRange,
+)
+from actspec.readings.versions import release
 
 
 class NetworkFileMissing(Rule):

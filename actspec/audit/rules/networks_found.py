@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 
-from actspec.audit.artifact import (
+from actspec.audit.case import Case
+from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
     FileKind,
@@ -14,8 +15,7 @@ from actspec.audit.artifact import (
     NetworkReading,
     RobotConfig,
 )
-from actspec.audit.case import Case
-from actspec.audit.rows.figures import control_of
+from actspec.readings.config_figures import control_of
 
 SAME = 0.01
 """Relative difference up to which two periods or scales are one. Chosen: rounding of written figures."""

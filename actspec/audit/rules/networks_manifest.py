@@ -6,12 +6,18 @@ import math
 from collections.abc import Iterator
 from os.path import basename
 
-from actspec.audit.artifact import ActuatorGroup, Framework, NetworkConventions, NetworkReading, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.networks_found import SAME, conventions, networks, of_specs
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    Framework,
+    NetworkConventions,
+    NetworkReading,
+    RobotConfig,
+)
 from actspec.units import format_quantity
 
 MJLAB_HISTORY = 3

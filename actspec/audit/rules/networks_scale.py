@@ -7,12 +7,12 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.artifact import NetworkConventions
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.networks_found import SAME, conventions, networks
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import NetworkConventions
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
 """Field of the class to the manifest's."""

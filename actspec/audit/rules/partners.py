@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
+from actspec.readings.artifact import FileKind
 
 
 def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[LedgerRow]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity
 from actspec.ir import Origin
+from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 _MEASURED = (

@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterator
 from os.path import basename
 
-from actspec.audit.artifact import FileKind, Framework, RandomizedRange, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import matching
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import unit
+from actspec.readings.artifact import FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.readings.pair import matching
 from actspec.units import format_quantity
 
 DEVIATIONS = 3.0

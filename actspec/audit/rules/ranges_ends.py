@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -13,6 +12,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.randomized import DEVIATIONS, ends, nominal, range_unit, ranges, rows_in, written
 from actspec.diagnostics import Severity
 from actspec.ir import JointActuator, Quantity
+from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.units import format_quantity
 
 _POSITIVE = ("kp", "kd", "armature", "friction", "joint_damping", "effort_limit", "strength")

@@ -5,15 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.artifact import Framework, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.isaaclab_friction import Meaning, friction_meaning
-from actspec.audit.pair import matching
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.randomized import ends, ranges, rows_in, written
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework, RobotConfig
+from actspec.readings.friction_unit import Meaning, friction_meaning
+from actspec.readings.pair import matching
 
 SPEED = 10.0
 """Joint speed at which a consequence is told [rad/s]. Chosen: a leg's joint in a trot."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.artifact import RandomizedRange, RobotConfig
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, whose, written
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import RandomizedRange, RobotConfig
 from actspec.units import format_quantity
 
 _AROUND_ZERO = ("encoder_bias", "joint_default_pos")

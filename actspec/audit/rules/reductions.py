@@ -6,10 +6,11 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules.partners import by_joint
 from actspec.ir import JointKind
+from actspec.readings.pair import Robot
 
 SAME_POWER = 0.02
 """Relative difference up to which two products are one. Source: published pairs of one motor behind two gears (Unitree

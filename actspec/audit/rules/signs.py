@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView
 
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
 from actspec.audit.rule import Rule
 from actspec.audit.rules.source_pairs import Disagreement, unit_slip
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 
 
 class Gain(SourceRule):

@@ -8,13 +8,13 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 
-from actspec.audit.artifact import FileKind
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.dynamics import Figure, figure
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.pair import joint_names
 from actspec.audit.rules.reductions import SAME_POWER
 from actspec.diagnostics import Span
+from actspec.readings.artifact import FileKind
+from actspec.readings.pair import Robot, joint_names
 
 _SLIPS = (180.0 / math.pi, 30.0 / math.pi)
 """Degrees for radians, rpm for rad/s."""

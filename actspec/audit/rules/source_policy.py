@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.dynamics import settings_of
 from actspec.audit.finding import Confidence, Finding, Skipped
@@ -13,6 +12,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind
 
 POSE = 0.01
 """Chosen: rad or m up to which two default positions are one, half a degree."""

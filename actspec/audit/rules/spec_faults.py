@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.dynamics import figure
 from actspec.audit.finding import Confidence, Finding, Skipped
@@ -14,6 +13,7 @@ from actspec.audit.rules.source_rule import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints, unit_confused
 from actspec.diagnostics import Severity
 from actspec.ir import Command, Level
+from actspec.readings.artifact import FileKind
 
 
 class DampingCountedTwice(Rule):

@@ -7,7 +7,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.dynamics import NOUNS, Figure, figure, friction_setting
 from actspec.audit.finding import Confidence, Finding, Skipped
@@ -17,6 +16,7 @@ from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
 from actspec.diagnostics import Severity
 from actspec.ir import JointActuator
+from actspec.readings.artifact import FileKind
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1

@@ -6,12 +6,12 @@ import re
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.dynamics import settings_of
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 _NAMES = {"control_dt": "control period", "physics_dt": "physics step"}

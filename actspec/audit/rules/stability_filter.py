@@ -5,12 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView, RobotView
 from actspec.units import format_quantity
 

@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind, Framework
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
@@ -15,6 +14,7 @@ from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.audit.rules.stability import LIMIT
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind, Framework
 from actspec.robot.view import RobotView
 
 RINGING = 1.5

@@ -6,7 +6,6 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
 from actspec.audit.ledger import LedgerRow
@@ -16,6 +15,7 @@ from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
 

@@ -5,16 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.artifact import ActuatorGroup, FileKind, Framework, Setting
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Safety, Skipped
-from actspec.audit.rows.figures import control_of
 from actspec.audit.rule import Rule
 from actspec.audit.rules.cfg_groups import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.keywords import renaming
-from actspec.audit.rules.meant_for import Release, release
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, Setting
+from actspec.readings.config_figures import control_of
+from actspec.readings.versions import Release, release
 
 _NEW = {
     "effort_limit": "actuator_effort_limit",

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.artifact import FileKind
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
-from actspec.audit.rules.meant_for import Meant, Release, mujoco_of
 from actspec.audit.rules.mujoco_features import WORDS, Feature, used_features
 from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind
+from actspec.readings.versions import Meant, Release, mujoco_of
 from actspec.robot.xml import parse_document
 
 _TORQUE_SPACE = (3, 12)
@@ -73,7 +73,7 @@ class DcmotorDialect(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Tell the dialects apart."""
-        meant = mujoco_of(case)
+        meant = mujoco_of(case.versions)
         looked = False
         motors: dict[str, list[tuple[WrittenActuator, str]]] = {}
         for found in written_actuators(case, b"<dcmotor"):
@@ -241,7 +241,7 @@ class NeedsAnotherMujoco(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare each file with the release."""
-        meant = mujoco_of(case)
+        meant = mujoco_of(case.versions)
         looked = False
         words = {word for feature, word in WORDS if _may_be_told(feature, meant)}
         for _, artifact in case.of_kind(FileKind.MJCF):

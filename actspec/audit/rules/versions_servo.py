@@ -10,9 +10,9 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import WrittenActuator, drives_in_mjcf, written_actuators
-from actspec.audit.rules.meant_for import Meant, mujoco_of
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
+from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
@@ -94,7 +94,7 @@ class RatioChangedMeaning(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Compare both meanings."""
-        meant = mujoco_of(case)
+        meant = mujoco_of(case.versions)
         for found in written_actuators(case, b"dampratio"):
             owner = found.owner("dampratio")
             if owner is None or not found.text.bias[2] > 0.0:
@@ -248,7 +248,7 @@ class GainsOfAnotherTag(Rule):
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:
         """Resolve the classes by both rules."""
-        meant = mujoco_of(case)
+        meant = mujoco_of(case.versions)
         # Classes of the servo's own tag alone are the same in every release, and lose nothing.
         tags = [b"<" + tag.encode() for tag in _FOLLOWED]
         for found in written_actuators(case, b"<default", two_of=tags):

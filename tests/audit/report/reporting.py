@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 
-from actspec.audit.artifact import Artifact, FileKind, FileReading
-from actspec.audit.case import Case, Robot
+from actspec.audit.case import Case
 from actspec.audit.engine import judge
 from actspec.audit.finding import Confidence, Fix, Safety, Skipped, TextEdit
 from actspec.audit.outcome import Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.pair import Robot
 from actspec.robot.view import ModelFile
 from tests.audit.making import finding, row, rule_of
 

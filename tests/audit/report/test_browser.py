@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from actspec.audit.report import ReportOptions, render
+from actspec.report import ReportOptions, render
 from tests.audit.report.reporting import report
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")

@@ -9,12 +9,12 @@ import pytest
 from actspec.audit.engine import judge
 from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Report
-from actspec.audit.report import ReportOptions, render
-from actspec.audit.report.groups import MOST_ALIKE, Group, grouped, told
-from actspec.audit.report.text import MOST_REASONS
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.report import ReportOptions, render
+from actspec.report.groups import MOST_ALIKE, Group, grouped, told
+from actspec.report.text import MOST_REASONS
 from tests.audit.making import case_of, finding, rule_of
 
 

@@ -13,11 +13,11 @@ from lxml import etree
 
 from actspec.audit.ledger import CONTROLS, LedgerRow
 from actspec.audit.outcome import Report
-from actspec.audit.report import ReportOptions, render
-from actspec.audit.report.columns import COLUMNS, JSON_FIELDS, JSON_FLAGS
-from actspec.audit.report.json import number
-from actspec.audit.report.sarif import location
 from actspec.diagnostics import Severity
+from actspec.report import ReportOptions, render
+from actspec.report.columns import COLUMNS, JSON_FIELDS, JSON_FLAGS
+from actspec.report.json import number
+from actspec.report.sarif import location
 from actspec.resources import data_path
 from tests.audit.report.reporting import EVIL, report
 

@@ -9,13 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.case import Robot
 from actspec.audit.engine import judge
 from actspec.audit.outcome import Report
-from actspec.audit.report import ReportOptions, render
-from actspec.audit.report.compare import comparisons
-from actspec.audit.report.markdown import LONGEST, escaped
 from actspec.audit.settings import Settings
+from actspec.readings.pair import Robot
+from actspec.report import ReportOptions, render
+from actspec.report.compare import comparisons
+from actspec.report.markdown import LONGEST, escaped
 from tests.audit.making import case_of, finding, row, rule_of
 from tests.audit.report.reporting import report
 

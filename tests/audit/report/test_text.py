@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.outcome import Report
-from actspec.audit.report import FORMATS, ReportOptions, render
-from actspec.audit.report.ledger import ledger_lines
-from actspec.audit.report.sources import WIDEST, Sources
-from actspec.audit.report.style import Style
 from actspec.cli import audit_options
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
+from actspec.report import FORMATS, ReportOptions, render
+from actspec.report.ledger import ledger_lines
+from actspec.report.sources import WIDEST, Sources
+from actspec.report.style import Style
 from tests.audit.making import case_of, reading, row
 from tests.audit.report.reporting import report
 

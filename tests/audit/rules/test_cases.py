@@ -46,7 +46,6 @@ import mujoco  # noqa: F401  # readers are forked, and need not load it once eac
 import pytest
 import yaml
 
-from actspec.audit.case import Versions
 from actspec.audit.engine import audit
 from actspec.audit.finding import Safety
 from actspec.audit.fix import apply_fixes
@@ -56,6 +55,7 @@ from actspec.audit.read import PendingFiles
 from actspec.audit.rule import Rule, sections
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.settings import Settings
+from actspec.readings.versions import Versions
 
 CASES = Path(__file__).parent / "cases"
 RULES = {rule.code: rule for rule in all_rules()}

@@ -15,10 +15,10 @@ from actspec import api, output
 from actspec.diagnostics import Collector, EmitError, Severity
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
+from actspec.learn.mujoco import reset
 from actspec.resolution import resolve
 from actspec.robot.listed import listed_robot
 from actspec.robot.view import ModelFile
-from actspec.runtime.mujoco import reset
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission

@@ -1,0 +1,236 @@
+"""What the actuator classes of a configuration make of the settings that are written, joint by joint.
+
+Source for the rules by framework and version: Isaac Lab 2.2.0 and 2.3.2 classes, mjlab 1.6.0 classes,
+legged_gym's `_compute_torques`; measured.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+from actspec.diagnostics import Span
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.friction_unit import Meaning, friction_meaning
+from actspec.readings.pair import matching
+from actspec.readings.versions import Versions
+
+FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
+    Framework.ISAACLAB: {
+        "kp": ("stiffness",),
+        "kd": ("damping",),
+        "armature": ("armature",),
+        "joint_damping": ("viscous_friction",),
+        "stall_torque": ("saturation_effort",),
+    },
+    Framework.MJLAB: {
+        "kp": ("stiffness",),
+        "kd": ("damping",),
+        "effort_limit": ("effort_limit",),
+        "armature": ("armature",),
+        "frictionloss": ("frictionloss",),
+        "joint_damping": ("viscous_damping",),
+        "stall_torque": ("saturation_effort",),
+    },
+    Framework.LEGGED_GYM: {
+        "kp": ("stiffness",),
+        "kd": ("damping",),
+        "armature": ("armature",),
+        "action_scale": ("action_scale",),
+    },
+    Framework.DEPLOY: {
+        name: (name,)
+        for name in (
+            "kp",
+            "kd",
+            "effort_limit",
+            "velocity_limit",
+            "armature",
+            "frictionloss",
+            "joint_damping",
+            "default_position",
+            "action_scale",
+        )
+    },
+}
+"""Ledger field to the settings that hold it, where no class or version decides."""
+
+
+VOLTS = "in volts: constant and resistance of the motor make a torque of it"
+"""Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A setting's value for one joint.
+
+    Attributes:
+        value: None with `stated` is a value that could not be folded.
+        span: Where it is written.
+        stated: Whether somebody wrote it; else it is what a mapping gives a joint that it misses.
+        why: Why it could not be folded.
+    """
+
+    value: float | None
+    span: Span
+    stated: bool = True
+    why: str | None = None
+
+
+def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | None) -> list[tuple[str, str]]:
+    """The joints of a group, each with the pattern that selects it; the patterns themselves without a model."""
+    found: dict[str, str] = {}
+    for pattern in group.joints or ():
+        if named is None:
+            found.setdefault(pattern, pattern)
+        else:
+            for joint in matching(config.framework, pattern, named):
+                found.setdefault(joint, pattern)
+    return list(found.items())
+
+
+def control_of(framework: Framework, *classes: str) -> str:
+    """What a class of a framework is, in the ledger's words.
+
+    Args:
+        framework: Whose class.
+        classes: Its name, then its bases, nearest first; each is judged by the stock name that it contains.
+    """
+    return next((kind for cls in classes if (kind := _control(framework, cls)) != "other"), "other")
+
+
+def control_of_group(framework: Framework, group: ActuatorGroup) -> str:
+    """What a group's class is; of a class that delays another (mjlab before 1.3), what that one is."""
+    inner = group.settings.get("base_cfg")
+    inside = (inner.value,) if inner is not None and isinstance(inner.value, str) else ()
+    return control_of(framework, *inside, group.cls, *group.bases)
+
+
+def _control(framework: Framework, cls: str) -> str:
+    if framework is Framework.DEPLOY:
+        return "ideal_pd"
+    if framework is Framework.LEGGED_GYM:
+        return {"P": "ideal_pd", "V": "velocity", "T": "motor"}.get(cls, "other")
+    name = cls.lower().removeprefix("delayed").replace("_", "")
+    table: tuple[tuple[str, str], ...]
+    if framework is Framework.MJLAB:
+        table = (
+            ("builtinposition", "position"),
+            ("builtinpd", "pid"),
+            ("builtinvelocity", "velocity"),
+            ("builtinmotor", "motor"),
+            ("builtindcmotor", "dcmotor"),
+            ("dcmotor", "dc_motor"),
+            ("learned", "network"),
+            ("idealpd", "ideal_pd"),
+            ("xmlposition", "position"),
+            ("xmlvelocity", "velocity"),
+            ("xmlmotor", "motor"),
+        )
+    else:
+        table = (
+            ("implicit", "implicit"),
+            ("actuatornet", "network"),
+            ("dcmotor", "dc_motor"),
+            ("idealpd", "ideal_pd"),
+            ("remotized", "ideal_pd"),
+            ("pdactuator", "ideal_pd"),
+        )
+    return next((kind for part, kind in table if part in name), "other")
+
+
+def figures_of(
+    config: RobotConfig,
+    group: ActuatorGroup,
+    joint: str,
+    pattern: str,
+    named: Sequence[str] | None,
+    versions: Versions,
+) -> dict[str, Found]:
+    """What the class of a group makes of its settings for one joint, by the names of the ledger's fields.
+
+    Args:
+        config: The configuration.
+        group: One of its groups.
+        joint: The joint; the pattern itself where no joint is known.
+        pattern: What selects it.
+        named: All joints of the robot; None: they are not known.
+        versions: Decides what Isaac Lab's `friction` means; unknown without.
+    """
+    control = control_of_group(config.framework, group)
+    values: dict[str, Found] = {}
+
+    def take(field: str, *settings: str) -> None:
+        for name in settings:
+            setting = group.settings.get(name, config.settings.get(name))
+            if setting is None or (setting.value is None and setting.unknown is None):
+                continue
+            found = value_of(config.framework, setting, joint, pattern, named)
+            if found is not None:
+                values[field] = found
+                return
+
+    for field, settings in FIELDS[config.framework].items():
+        take(field, *settings)
+    take("default_position", "default_position")
+    take("action_scale", "action_scale")
+    if config.framework is Framework.ISAACLAB:
+        _isaaclab_limits(control, take)
+        if friction_meaning(versions) is Meaning.EFFORT:
+            take("frictionloss", "dynamic_friction", "friction")
+    elif config.framework is Framework.MJLAB:
+        take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
+        if control == "dcmotor":
+            values.update(
+                (gain, Found(None, values[gain].span, why=VOLTS)) for gain in ("kp", "kd") if gain in values
+            )
+    return values
+
+
+def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
+    """The limits by class, in the names of 2.x and 3.0.
+
+    An implicit drive is clamped by the solver's limit, and its `velocity_limit` is ignored; an explicit
+    one clamps in the model. `velocity_limit` of a DC motor is the no-load speed.
+    """
+    if control == "implicit":
+        take("effort_limit", "effort_limit_sim", "joint_effort_limit", "effort_limit")
+        take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
+        return
+    take("effort_limit", "effort_limit", "actuator_effort_limit")
+    take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
+    curve = control in ("dc_motor", "network")
+    take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
+
+
+def value_of(
+    framework: Framework, setting: Setting, joint: str, pattern: str, named: Sequence[str] | None
+) -> Found | None:
+    """A setting's value for a joint.
+
+    A mapping that misses a joint gives 0 in Isaac Lab (2.x, measured) and in legged_gym; elsewhere nothing.
+    Without a model only a key that is written like the group's pattern is known to cover it.
+    """
+    if setting.unknown is not None:
+        return Found(None, setting.span, why=setting.unknown)
+    value = setting.value
+    if isinstance(value, bool):
+        return None
+    if isinstance(value, int | float):
+        return Found(float(value), setting.span)
+    if not isinstance(value, Mapping):
+        return None
+    keys = [key for key, number in value.items() if isinstance(number, int | float)]
+    if named is None:
+        chosen = next((key for key in keys if key in (pattern, ".*")), None)
+        return Found(None, setting.span) if chosen is None else Found(_float(value[chosen]), setting.span)
+    chosen = next((key for key in keys if matching(framework, str(key), (joint,))), None)
+    if chosen is not None:
+        return Found(_float(value[chosen]), setting.span)
+    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(keys) == len(value):
+        return Found(0.0, setting.span, stated=False)
+    return None
+
+
+def _float(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None

@@ -1,0 +1,370 @@
+"""Deploy YAML: the gains, limits and pose that run on the robot, with the joints' names or without.
+
+Two shapes are known: lists beside a list of joint names, and mappings from joint (or a part of its
+name) to a number. Lists without names are only used where every entry is the same, because which
+joint an entry belongs to is then no question; the order of a nameless list is never guessed.
+
+Read by PyYAML's composer alone: nothing is constructed, tags are looked at and never acted upon.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from actspec.diagnostics import Collector, Span, listed, one_line
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    Artifact,
+    FileKind,
+    FileReading,
+    Framework,
+    RobotConfig,
+    Setting,
+)
+from actspec.readings.deploy_keys import NAMES, OWN_FORMAT, OWN_LISTS, PER_JOINT, TIMES
+from actspec.robot.view import ModelFile
+
+if TYPE_CHECKING:
+    import yaml
+
+MOST_BYTES = 8 * 1024 * 1024
+"""Chosen: the largest deploy file seen has 30 kB."""
+MOST_STEPS = 200_000
+"""Chosen: values visited in one file, aliases counted each time."""
+MOST_DEPTH = 40
+"""Chosen: deepest nesting that is followed."""
+
+
+def read_deploy(path: str) -> FileReading:
+    """Read a deploy file.
+
+    Args:
+        path: YAML with gains.
+
+    Returns: One artifact for each block that has gains; unreadable with a reason when there is none.
+    """
+    try:
+        data = read_regular(path, MOST_BYTES)
+    except (OSError, NotRegular, TooLarge) as err:
+        reason = err.strerror if isinstance(err, OSError) and err.strerror else str(err)
+        return FileReading(path, None, reason)
+    file = ModelFile(path, "", data)
+    try:
+        root = _compose(data)
+    except _Unfit as err:
+        return FileReading(path, None, str(err), files=(file,))
+    reader = _Reader(path)
+    try:
+        configs = tuple(reader.configs(root))
+    except _Unfit as err:
+        return FileReading(path, FileKind.DEPLOY, str(err), files=(file,))
+    if not configs:
+        return FileReading(path, None, "it has no gains (kp, kps, stiffness, ...)", files=(file,))
+    return FileReading(
+        path,
+        FileKind.DEPLOY,
+        None,
+        tuple(Artifact(path, FileKind.DEPLOY, config.name, config=config) for config in configs),
+        (file,),
+        tuple(note for config in configs for note in config.notes),
+    )
+
+
+class _Unfit(Exception):
+    """The file is no YAML that can be read, or too much of it."""
+
+
+def _compose(data: bytes) -> yaml.Node | None:
+    import yaml
+
+    try:
+        text = data.decode("utf-8-sig")
+    except UnicodeDecodeError as err:
+        raise _Unfit(f"it is not UTF-8 at byte {err.start}") from None
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+    try:
+        depth = 0
+        # libyaml's composer recurses on the C stack: a deep file would end the process.
+        for count, event in enumerate(yaml.parse(text, Loader=loader)):
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > MOST_DEPTH:
+                raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
+            if count > MOST_STEPS:
+                raise _Unfit(f"it has more than {MOST_STEPS} values")
+        node: yaml.Node | None = yaml.compose(text, Loader=loader)
+    except yaml.MarkedYAMLError as err:
+        at = f" (line {err.problem_mark.line + 1})" if err.problem_mark else ""
+        raise _Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
+    except (yaml.YAMLError, ValueError) as err:
+        raise _Unfit(f"it is not YAML: {one_line(str(err))}") from None
+    return node
+
+
+class _Reader:
+    """Walks one file within its limits."""
+
+    def __init__(self, path: str) -> None:
+        self.path = path
+        self.steps = 0
+
+    def configs(self, root: yaml.Node | None) -> Iterator[RobotConfig]:
+        """Every block that has gains, outermost first; a block inside a block with gains belongs to it."""
+        if root is not None:
+            yield from self._search(root, (), os.path.splitext(os.path.basename(self.path))[0], 0)
+
+    def _search(
+        self, node: yaml.Node, above: tuple[dict[str, yaml.Node], ...], name: str, depth: int
+    ) -> Iterator[RobotConfig]:
+        import yaml
+
+        self._step()
+        if depth > MOST_DEPTH:
+            raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
+        if isinstance(node, yaml.SequenceNode):
+            for item in node.value:
+                yield from self._search(item, above, name, depth + 1)
+        if not isinstance(node, yaml.MappingNode):
+            return
+        block = self._mapping(node)
+        if any(_is_per_joint(block.get(key)) for field in ("kp", "kd") for key in PER_JOINT[field]):
+            config = self._config(node, block, above, name)
+            if config.groups or config.notes:
+                yield config
+            return
+        for key, value in block.items():
+            yield from self._search(value, (*above, block), key if depth == 0 else name, depth + 1)
+
+    def _mapping(self, node: yaml.MappingNode) -> dict[str, yaml.Node]:
+        """Keys to values, merges applied as YAML 1.1 does: a key of one's own wins."""
+        import yaml
+
+        found: dict[str, yaml.Node] = {}
+        merged: list[yaml.MappingNode] = []
+        for key, value in node.value:
+            self._step()
+            if not isinstance(key, yaml.ScalarNode):
+                continue
+            if key.tag == "tag:yaml.org,2002:merge":
+                parts = value.value if isinstance(value, yaml.SequenceNode) else [value]
+                merged.extend(
+                    part for part in parts if isinstance(part, yaml.MappingNode) and part is not node
+                )
+            else:
+                found[str(key.value)] = value
+        for part in merged:
+            # A merged mapping's own merges are left: nobody writes them, and they may form a circle.
+            for key, value in part.value:
+                self._step()
+                if isinstance(key, yaml.ScalarNode):
+                    found.setdefault(str(key.value), value)
+        return found
+
+    def _config(
+        self, node: yaml.Node, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...], name: str
+    ) -> RobotConfig:
+        import yaml
+
+        out = Collector()
+        names = self._names(block, above)
+        joints = tuple(names) if names is not None else None
+        fields: dict[str, dict[str, Setting]] = {}
+        scopes = (block, *reversed(above))
+        for field, keys in PER_JOINT.items():
+            found = next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
+            if found is not None:
+                values = self._per_joint(found[0], found[1], joints, out)
+                if values:
+                    fields[field] = values
+        ours = self._is_own(block)
+        if ours and joints is not None:
+            fields.update(self._own_lists(block, joints))
+        everything = {joint: None for values in fields.values() for joint in values}
+        order = [joint for joint in joints or () if joint in everything]
+        order += [joint for joint in everything if joint not in order]
+        groups = []
+        for joint in order:
+            own = {field: values[joint] for field, values in fields.items() if joint in values}
+            groups.append(ActuatorGroup(joint, "deploy", next(iter(own.values())).span, (joint,), own))
+        settings: dict[str, Setting] = {}
+        timing = block.get("timing")
+        if ours and isinstance(timing, yaml.MappingNode):
+            scopes = (self._mapping(timing), *scopes)
+        for field, keys in TIMES.items():
+            at = next((scope[key] for scope in scopes for key in keys if key in scope), None)
+            value = None if at is None else self._number(at)
+            if at is not None and value is not None:
+                settings[field] = Setting(value, self._span(at))
+        if joints is not None and names is not None:
+            settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
+        if ours:
+            settings["sdk_order"] = self._sdk_order(block)
+        return RobotConfig(
+            Framework.DEPLOY, name, self._span(node), tuple(groups), settings, notes=tuple(out)
+        )
+
+    def _is_own(self, block: dict[str, yaml.Node]) -> bool:
+        """Whether a block is a file that actspec wrote."""
+        return str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
+
+    def _own_lists(
+        self, block: dict[str, yaml.Node], joints: tuple[str, ...]
+    ) -> Iterator[tuple[str, dict[str, Setting]]]:
+        """The lists that only actspec writes: setting, and joint to its value."""
+        import yaml
+
+        for name, (key, part) in OWN_LISTS.items():
+            node = block.get(key)
+            if part:
+                node = self._mapping(node).get(part) if isinstance(node, yaml.MappingNode) else None
+            if not isinstance(node, yaml.SequenceNode) or len(node.value) != len(joints):
+                continue
+            found: dict[str, Setting] = {}
+            for joint, item in zip(joints, node.value, strict=True):
+                self._step()
+                value = item.value if name == "command" else self._number(item)
+                if isinstance(value, (str, float)):
+                    found[joint] = Setting(value, self._span(item))
+            yield name, found
+
+    def _sdk_order(self, block: dict[str, yaml.Node]) -> Setting:
+        """The robot's numbering in a file that actspec wrote: names, None for a gap; empty: none is stated."""
+        import yaml
+
+        order = block.get("order")
+        node = self._mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
+        if not isinstance(node, yaml.SequenceNode):
+            return Setting((), self._span(block["format"]))
+        names: list[str | None] = []
+        for item in node.value:
+            self._step()
+            if not isinstance(item, yaml.ScalarNode):
+                return Setting((), self._span(node))
+            names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
+        return Setting(tuple(names), self._span(node))
+
+    def _names(
+        self, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...]
+    ) -> dict[str, Span] | None:
+        """The list of joint names that is nearest: in the block, above it, or in a mapping beside it."""
+        import yaml
+
+        for scope in (block, *reversed(above)):
+            beside = [self._mapping(v) for v in scope.values() if isinstance(v, yaml.MappingNode)]
+            for place in (scope, *beside):
+                for key in NAMES:
+                    found = self._texts(place.get(key))
+                    if found:
+                        return found
+                # What actspec writes: `order: {robot: [...]}`.
+                order = place.get("order")
+                if isinstance(order, yaml.MappingNode):
+                    found = self._texts(self._mapping(order).get("robot"))
+                    if found:
+                        return found
+        return None
+
+    def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
+        import yaml
+
+        if not isinstance(node, yaml.SequenceNode) or not node.value:
+            return None
+        found: dict[str, Span] = {}
+        for item in node.value:
+            self._step()
+            if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
+                return None
+            found[str(item.value)] = self._span(item)
+        # A name twice would put every later number on a wrong joint.
+        return found if len(found) == len(node.value) else None
+
+    def _per_joint(
+        self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
+    ) -> dict[str, Setting]:
+        """Joint to its value; with `.*` for all joints where the names do not matter."""
+        import yaml
+
+        span = self._span(node)
+        if isinstance(node, yaml.MappingNode):
+            return self._by_name(node, joints)
+        single = self._number(node)
+        if single is not None:
+            return {joint: Setting(single, span) for joint in joints or (".*",)}
+        if not isinstance(node, yaml.SequenceNode):
+            return {}
+        values: list[tuple[float | None, Span]] = []
+        for item in node.value:
+            self._step()
+            values.append((self._number(item), self._span(item)))
+        if joints is not None and len(joints) == len(values):
+            return {
+                joint: Setting(value, at)
+                for joint, (value, at) in zip(joints, values, strict=True)
+                if value is not None
+            }
+        if joints is not None:
+            message = f"{key} has {len(values)} values for {len(joints)} joint names"
+            help = f"the names are {listed(joints)}"
+            out.warning("DEPLOY001", message, where=key, span=span, help=help)
+            return {}
+        first = values[0][0] if values else None
+        if first is not None and all(value == first for value, _ in values):
+            return {".*": Setting(first, span)}
+        if values:
+            message = f"{key} is a list without joint names: which joint a value belongs to is not guessed"
+            help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
+            out.info("DEPLOY002", message, where=key, span=span, help=help)
+        return {}
+
+    def _by_name(self, node: yaml.MappingNode, joints: tuple[str, ...] | None) -> dict[str, Setting]:
+        found: dict[str, Setting] = {}
+        for key, value_node in self._mapping(node).items():
+            value = self._number(value_node)
+            if value is None:
+                continue
+            setting = Setting(value, self._span(value_node))
+            if joints is None or key in joints:
+                found[key] = setting
+            else:
+                # legged_gym's rule: a key is part of the joint's name.
+                found.update({joint: setting for joint in joints if key in joint and joint not in found})
+        return found
+
+    def _number(self, node: yaml.Node) -> float | None:
+        """A finite number; None for anything else, a word that Python's YAML takes for text included."""
+        import yaml
+
+        if not isinstance(node, yaml.ScalarNode):
+            return None
+        if node.tag not in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float"):
+            return None
+        construct: Any = yaml.constructor.SafeConstructor()
+        try:
+            # As the robot's own YAML reader does it: `010` is eight there.
+            whole = node.tag == "tag:yaml.org,2002:int"
+            value = float(
+                construct.construct_yaml_int(node) if whole else construct.construct_yaml_float(node)
+            )
+        except (ValueError, OverflowError):
+            return None
+        return value if math.isfinite(value) else None
+
+    def _span(self, node: yaml.Node) -> Span:
+        return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
+
+    def _step(self) -> None:
+        self.steps += 1
+        if self.steps > MOST_STEPS:
+            raise _Unfit(f"it has more than {MOST_STEPS} values")
+
+
+def _is_per_joint(node: yaml.Node | None) -> bool:
+    """Whether a value can be gains of several joints: a single number (a velocity controller's Kp) cannot."""
+    import yaml
+
+    if isinstance(node, yaml.SequenceNode):
+        return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
+    return isinstance(node, yaml.MappingNode) and bool(node.value)

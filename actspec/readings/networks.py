@@ -1,0 +1,108 @@
+"""Networks that a configuration or a spec names: whether their file is here, and what their manifest says."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+from actspec.diagnostics import Collector, Span, SpecError
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.ir import ActuatorSet, Network
+from actspec.readings.artifact import ActuatorGroup, NetworkConventions, NetworkReading, RobotConfig
+
+SETTINGS = ("network_file", "actuator_net_file")
+"""Settings that name a network: of Isaac Lab and mjlab, and of legged_gym."""
+
+MAX_MANIFEST = 1024 * 1024
+"""Largest manifest [bytes]. Chosen: one has some hundred."""
+
+MAX_LEVELS = 12
+"""Folders above the configuration in which a relative path is looked for. Chosen: deeper than any repository."""
+
+_MARK = b"actspec-network/"
+
+
+def with_networks(config: RobotConfig) -> RobotConfig:
+    """The configuration with what is known of its networks; network files are never opened."""
+    if not any(name in group.settings for group in config.groups for name in SETTINGS):
+        return config
+    return replace(config, groups=tuple(replace(group, network=_network(group)) for group in config.groups))
+
+
+def _network(group: ActuatorGroup) -> NetworkReading | None:
+    setting = next((group.settings[name] for name in SETTINGS if name in group.settings), None)
+    if setting is None or not isinstance(setting.value, str):
+        return None
+    file = setting.value
+    if not file or "{" in file or "://" in file or "\0" in file:
+        return NetworkReading(file, setting.span, local=False)
+    folder = os.path.dirname(setting.span.path)
+    # Networks are often left out of a repository, their manifests are not.
+    beside = _find(f"{os.path.splitext(file)[0]}.json", folder)
+    manifest, problem = (None, None) if beside is None else _manifest(beside)
+    return NetworkReading(file, setting.span, True, _find(file, folder), manifest, problem)
+
+
+def networks_of(spec: ActuatorSet) -> tuple[NetworkReading, ...]:
+    """The networks of a spec, each once, with their manifests; network files are never opened."""
+    found: dict[Network, NetworkReading] = {}
+    for actuator in spec.joints:
+        network = actuator.network
+        if network is None or network in found:
+            continue
+        path = network.file if os.path.isfile(network.file) else None
+        manifest = network.manifest or f"{os.path.splitext(network.file)[0]}.json"
+        said, problem = _manifest(manifest) if os.path.isfile(manifest) else (None, None)
+        span = network.span or actuator.span or Span(network.file)
+        found[network] = NetworkReading(network.file, span, True, path, said, problem)
+    return tuple(found.values())
+
+
+def _find(file: str, folder: str) -> str | None:
+    """The file as training code may find it: absolute, or from a folder at or above the configuration."""
+    if os.path.isabs(file):
+        return file if os.path.isfile(file) else None
+    folders = [folder]
+    above = os.path.abspath(folder)
+    while len(folders) < MAX_LEVELS and os.path.dirname(above) != above:
+        above = os.path.dirname(above)
+        folders.append(above)
+    for place in (*folders, ""):
+        if os.path.isfile(os.path.join(place, file)):
+            return os.path.join(place, file)
+    return None
+
+
+def _manifest(path: str) -> tuple[NetworkConventions | None, str | None]:
+    """The manifest beside a network, or why it cannot be read; neither when there is none."""
+    try:
+        if _MARK not in read_regular(path, MAX_MANIFEST):
+            return None, None
+    except (OSError, ValueError, NotRegular, TooLarge):
+        return None, None
+    # Few configurations have one, and the models take time to build.
+    from actspec.spec.document import load_document
+    from actspec.spec.network import NetworkManifest
+    from actspec.spec.validate import checked
+
+    collector = Collector()
+    try:
+        found = checked(NetworkManifest, load_document(path), collector)
+    except SpecError as err:
+        return None, err.diagnostics[0].message
+    if found is None:
+        first = next(iter(collector.sorted()))
+        return None, f"{first.where}: {first.message}"
+    return (
+        NetworkConventions(
+            path,
+            found.kind,
+            found.inputs == "velocity_position",
+            found.taps,
+            found.tap_period.value,
+            found.position_scale,
+            found.velocity_scale,
+            found.torque_scale,
+        ),
+        None,
+    )

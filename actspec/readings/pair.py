@@ -1,0 +1,253 @@
+"""Which artifacts describe the same robot.
+
+By joint names, which are the truth, and by what the files call the robot, because every quadruped of
+one vendor has the same joint names: a Go1 and a Go2 are never compared by accident.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from actspec.ir import JointKind
+from actspec.patterns import PatternError, match_names
+from actspec.readings.artifact import Artifact, Framework, RobotConfig
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Artifacts that describe the same robot.
+
+    Attributes:
+        name: The most telling name among them.
+        artifacts: Indices into `Case.artifacts`, in the order of the files.
+    """
+
+    name: str
+    artifacts: tuple[int, ...]
+
+
+SHARE = 0.8
+"""Joints that two artifacts must share, of the smaller one. Chosen: a G1 of 23 joints and one of 29 share all 23;
+a hand and a leg share none."""
+
+VARIANT = 0.5
+"""Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
+belongs to the model without them."""
+
+# fmt: off
+_GENERIC = frozenset((
+    "dof",
+    "robot", "robots", "scene", "model", "mujoco", "mjcf", "urdf", "usd", "xml", "xmls", "cfg",
+    "config", "configs", "description", "rev", "flat", "rough", "terrain", "env", "task", "train",
+    "play", "deploy", "actuator", "actuators", "articulation", "articulations", "constants",
+    "joint", "joints", "minimal", "main", "base", "hand", "hands", "handless", "with", "custom",
+    "copy", "new", "old", "test", "mjx", "feetonly", "position", "torque", "motor", "velocity",
+    "unitree", "asset", "assets", "source", "the", "and", "of", "my",
+))
+# fmt: on
+"""Words that say nothing about which robot it is. Chosen: from the names in the surveyed repositories."""
+
+_WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+[0-9]*|[A-Z]+[0-9]*|[0-9]+[a-z]*")
+
+
+def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot, ...]:
+    """Put the artifacts of one robot together.
+
+    Artifacts that name their joints (models, specs, deploy files) come together when they share joints
+    and their names do not contradict. A configuration joins the robot of its name, where at least half of
+    its patterns match a joint, else the one whose joints all of its patterns match; where several do,
+    none: nothing is guessed. Ranges of randomisation without actuators join the robot that their file's name tells,
+    or the only one.
+
+    Args:
+        artifacts: All robots of all files.
+        spec: File of the spec that the user holds the others to: what names its joints is its robot, whatever it
+            is called, and so is the one configuration of a file. None: there is none.
+
+    Returns: Every artifact in exactly one robot, in the order of the files.
+    """
+    names = [joint_names(artifact) for artifact in artifacts]
+    sets = [frozenset(own or ()) for own in names]
+    calls = [_names_of(artifact) for artifact in artifacts]
+    words = [distinctive(artifact) for artifact in artifacts]
+
+    def agree(one: int, other: int) -> bool:
+        # A file without a name of its own goes by its folder, which says nothing against the file beside it.
+        unnamed = not calls[one][0] or not calls[other][0]
+        return _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
+
+    held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
+    bound = {
+        i for i, own in enumerate(names) if held and own is not None and _overlap(sets[i], frozenset(held))
+    }
+    groups: list[list[int]] = []
+    for index, own in enumerate(names):
+        if own is None:
+            continue
+        home = next(
+            (
+                group
+                for group in groups
+                if all(
+                    (_overlap(sets[index], sets[i]) and agree(index, i)) or {index, i} <= bound for i in group
+                )
+            ),
+            None,
+        )
+        if home is None:
+            groups.append([index])
+        else:
+            home.append(index)
+    named = [tuple(group) for group in groups]
+    unnamed = [i for i, own in enumerate(names) if own is None]
+    configs = [i for i in unnamed if not _is_events(artifacts[i])]
+    for index in configs:
+        joints_of = [[n for i in group for n in names[i] or ()] for group in named]
+        only = len(_same_file(artifacts, configs, index)) == 1
+        if bound and only and _fits(artifacts[index].config, held or ()):
+            next(group for group in groups if min(bound) in group).append(index)
+            continue
+        fitting = [g for g, joints in enumerate(joints_of) if _fits(artifacts[index].config, joints)]
+        telling = [
+            g
+            for g, joints in enumerate(joints_of)
+            if any(words[index] & words[i] for i in named[g])
+            and _fits(artifacts[index].config, joints, VARIANT)
+        ]
+        silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
+        sole = len(named) == 1 and only and _says_something(artifacts[index].config)
+        alone = fitting if sole else []
+        choice = next((found for found in (telling, silent, alone) if len(found) == 1), None)
+        if choice is None or (not telling and len(fitting) > 1):
+            groups.append([index])
+        else:
+            groups[choice[0]].append(index)
+    for index in unnamed:
+        if _is_events(artifacts[index]):
+            called = words[index] | _telling(os.path.splitext(os.path.basename(artifacts[index].path))[0])
+            named_so = [group for group in groups if any(called & words[i] for i in group)]
+            homes = named_so if len(named_so) == 1 else groups if not named_so and len(groups) == 1 else []
+            if homes:
+                homes[0].append(index)
+            else:
+                groups.append([index])
+    robots = [
+        Robot(_name(artifacts, words, sorted(group)), tuple(sorted(group))) for group in groups if group
+    ]
+    return tuple(sorted(robots, key=lambda robot: robot.artifacts))
+
+
+def _is_events(artifact: Artifact) -> bool:
+    """Whether a configuration has ranges and no actuators: what it randomises is in other files of its robot."""
+    config = artifact.config
+    return config is not None and not config.groups and bool(config.randomize)
+
+
+def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
+    """The joints that an artifact names; None for a configuration that has patterns."""
+    if artifact.robot is not None:
+        return tuple(j.name for j in artifact.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE))
+    if artifact.spec is not None:
+        return tuple(joint.joint for joint in artifact.spec.joints)
+    config = artifact.config
+    if config is not None and "joint_order" in config.settings:
+        order = config.settings["joint_order"].value
+        if isinstance(order, tuple):
+            return tuple(str(name) for name in order)
+    return None
+
+
+def distinctive(artifact: Artifact) -> frozenset[str]:
+    """What the artifact is called, in words that tell robots apart: `go2`, `h1_2`, `anymal_c`."""
+    own, folder = _names_of(artifact)
+    return own or folder
+
+
+def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
+    """Telling words of the artifact's own name, and of its folder."""
+    stem = os.path.splitext(os.path.basename(artifact.path))[0]
+    folder = os.path.basename(os.path.dirname(os.path.abspath(artifact.path)))
+    own = _telling(artifact.name)
+    if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
+        own |= _telling(stem)
+    return own or _telling(stem), _telling(folder)
+
+
+@lru_cache(maxsize=1024)  # a folder's files share most of it
+def _telling(text: str) -> frozenset[str]:
+    return frozenset(_words(text))
+
+
+def _words(text: str) -> Iterable[str]:
+    joined: list[str] = []
+    for found in _WORD.findall(text.replace("MuJoCo", "mujoco")):
+        word = found.lower()
+        # `h1_2` and `anymal_c`: one letter or digit belongs to the word before it.
+        if len(word) == 1 and joined and joined[-1] not in _GENERIC:
+            joined[-1] += f"_{word}"
+        else:
+            joined.append(word)
+    return [
+        word
+        for word in joined
+        if word not in _GENERIC and len(word) > 1 and not re.fullmatch(r"[0-9]+(?:dof|kg|hz)?(?:_\d)?", word)
+    ]
+
+
+def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether names may be of one robot: they share a word, and no sign tells models of one family apart."""
+    if not one or not other:
+        return True
+    signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in (one - other, other - one)]
+    return bool(one & other) and not signs[0] & signs[1]
+
+
+def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:
+    least = min(len(one), len(other))
+    return least > 0 and len(one & other) >= SHARE * least
+
+
+def _fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
+    """Whether that share of a configuration's joint patterns, or more, match a joint."""
+    if config is None or not config.groups:
+        return False
+    patterns = [pattern for group in config.groups for pattern in group.joints or ()]
+    met = sum(bool(matching(config.framework, pattern, joints)) for pattern in patterns)
+    return bool(patterns) and met >= share * len(patterns)
+
+
+def _says_something(config: RobotConfig | None) -> bool:
+    """Whether a pattern has a word in it: `.*` fits every robot."""
+    patterns = [pattern for group in config.groups for pattern in group.joints or ()] if config else []
+    return any(re.search("[A-Za-z]{2}", pattern) for pattern in patterns)
+
+
+def matching(framework: Framework, pattern: str, joints: Sequence[str]) -> tuple[str, ...]:
+    """The joints that a configuration's key selects, by its framework's rule.
+
+    Isaac Lab and mjlab match a regular expression in full, legged_gym takes a part of the name, and
+    a deploy file names the joint (`.*` for all). A pattern that is refused selects nothing.
+    """
+    if framework is Framework.LEGGED_GYM:
+        return tuple(joint for joint in joints if pattern in joint)
+    if framework is Framework.DEPLOY:
+        return tuple(joint for joint in joints if pattern in (joint, ".*"))
+    try:
+        return match_names(pattern, joints)
+    except PatternError:
+        return ()
+
+
+def _same_file(artifacts: Sequence[Artifact], configs: Sequence[int], index: int) -> list[int]:
+    return [i for i in configs if artifacts[i].path == artifacts[index].path]
+
+
+def _name(artifacts: Sequence[Artifact], words: Sequence[frozenset[str]], group: Sequence[int]) -> str:
+    shared = [word for i in group for word in sorted(words[i])]
+    if shared:
+        return max(shared, key=lambda word: (shared.count(word), -shared.index(word)))
+    return artifacts[group[0]].name

@@ -1,0 +1,365 @@
+"""Functions that are folded by what is published about them: Python's, numpy's and mjlab's pure ones.
+
+Each takes positional and named arguments and gives data, or `Unknown`. `copy` and methods are here too.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Mapping, Sequence
+
+from actspec.diagnostics import Span
+from actspec.readings.python.arithmetic import bounded, text_of
+from actspec.readings.python.values import (
+    MAX_ITEMS,
+    Budget,
+    Data,
+    External,
+    Key,
+    Obj,
+    Seq,
+    Table,
+    Unknown,
+    Value,
+    class_names,
+    possible,
+    reason_of,
+    shallow,
+    truth,
+)
+
+_NOWHERE = Span("")
+
+Args = Sequence[Value]
+Named = Mapping[str, Value]
+Number = Callable[..., object]
+
+CONSTANTS: dict[str, float] = {
+    **dict.fromkeys(("math.pi", "numpy.pi", "torch.pi"), math.pi),
+    **dict.fromkeys(("math.tau",), math.tau),
+    **dict.fromkeys(("math.e", "numpy.e"), math.e),
+    **dict.fromkeys(("math.inf", "numpy.inf", "torch.inf"), math.inf),
+}
+"""Names of other modules that are numbers."""
+
+
+def _two_stage(rotor_inertia: tuple[float, ...], gear_ratio: tuple[float, ...]) -> float:
+    """Inertia of three rotors at a two-stage planetary gear's output: J1 (g1 g2)^2 + J2 g2^2 + J3 [kg*m^2].
+
+    Source: mjlab 1.6.0, mjlab/utils/actuator.py, `reflected_inertia_from_two_stage_planetary`.
+    """
+    (first, second, third), (_, inner, outer) = rotor_inertia, gear_ratio
+    return first * (inner * outer) ** 2 + second * outer**2 + third
+
+
+def _linear(
+    armature_rotary: float,
+    velocity_limit_rotary: float,
+    effort_limit_rotary: float,
+    transmission_ratio: float,
+) -> tuple[float, float, float]:
+    """Armature [kg], speed [m/s] and force [N] behind a transmission of r [m/rad]: J/r^2, r w, T/r.
+
+    Source: mjlab 1.6.0, mjlab/utils/actuator.py, `reflect_rotary_to_linear`.
+    """
+    ratio = transmission_ratio
+    return armature_rotary / ratio**2, velocity_limit_rotary * ratio, effort_limit_rotary / ratio
+
+
+def _rounded(number: float, digits: int | None = None) -> float:
+    """`round`, which for a whole number and a great many digits would take for ever."""
+    if digits is not None and abs(digits) > 300:
+        raise ValueError("so many digits")
+    return round(number, digits)
+
+
+def _named(*modules: str, **functions: Number) -> dict[str, Number]:
+    return {f"{module}.{name}": function for module in modules for name, function in functions.items()}
+
+
+NUMERIC: dict[str, Number] = {
+    **_named(
+        "math",
+        "numpy",
+        sqrt=math.sqrt,
+        radians=math.radians,
+        degrees=math.degrees,
+        sin=math.sin,
+        cos=math.cos,
+        tan=math.tan,
+        exp=math.exp,
+        log=math.log,
+        hypot=math.hypot,
+        fabs=math.fabs,
+        floor=math.floor,
+        ceil=math.ceil,
+    ),
+    **_named("math", asin=math.asin, acos=math.acos, atan=math.atan, atan2=math.atan2, pow=math.pow),
+    **_named(
+        "numpy", deg2rad=math.radians, rad2deg=math.degrees, abs=abs, arctan2=math.atan2, power=math.pow
+    ),
+    **_named("builtins", abs=abs, round=_rounded),
+    **_named(
+        "mjlab",
+        # Source: mjlab 1.6.0, mjlab/utils/actuator.py: J N^2; 2 pi / 60.
+        reflected_inertia=lambda rotor_inertia, gear_ratio: rotor_inertia * gear_ratio**2,
+        rpm_to_rad=lambda rpm: rpm * 2 * math.pi / 60,
+        reflect_rotary_to_linear=_linear,
+        reflected_inertia_from_two_stage_planetary=_two_stage,
+    ),
+}
+"""Functions of numbers and tuples of numbers."""
+
+
+def known(dotted: str) -> str:
+    """The name under which a function is in the tables: mjlab re-exports its own from several modules."""
+    root, _, rest = dotted.partition(".")
+    return f"mjlab.{rest.rpartition('.')[2]}" if root == "mjlab" else dotted
+
+
+def numeric(function: Number, args: Args, named: Named) -> Data:
+    """A function of `NUMERIC`."""
+    # Elsewhere a tuple would be repeated by a product, as often as the file likes.
+    tuples = function is _two_stage
+    try:
+        plain = [_number(value, tuples) for value in args]
+        by_name = {key: _number(value, tuples) for key, value in named.items()}
+        result: object = function(*plain, **by_name)
+    except _NotANumberError as err:
+        return Unknown(str(err))
+    except (ArithmeticError, ValueError, TypeError) as err:
+        return Unknown(f"{getattr(function, '__name__', 'it')}: {err}")
+    if isinstance(result, tuple):
+        span = (*args, *named.values())[0].span
+        return Seq([Value(one, span) for one in result], "tuple")
+    return bounded(result) if isinstance(result, (int, float)) else Unknown("a complex number")
+
+
+class _NotANumberError(Exception):
+    pass
+
+
+def _number(value: Value, tuples: bool) -> float | tuple[object, ...]:
+    data = value.data
+    reason = reason_of(data)
+    if reason is not None:
+        raise _NotANumberError(reason)
+    if isinstance(data, (int, float)):
+        return data
+    if isinstance(data, Seq) and tuples:
+        return tuple(_number(one, False) for one in data.items)
+    raise _NotANumberError("an argument that is no number")
+
+
+def elements(data: Data, budget: Budget) -> list[Value] | Unknown:
+    """What iterating gives; a dict gives its keys, each at its value's place."""
+    reason = reason_of(data)
+    if reason is not None:
+        return Unknown(reason, among=data.among if isinstance(data, Unknown) else ())
+    if isinstance(data, Seq) and budget.spend(len(data.items)):
+        return list(data.items)
+    if isinstance(data, Table) and data.open is None and budget.spend(len(data.items)):
+        return [_key(key, value) for key, value in data.items.items()]
+    if isinstance(data, Obj) and "NamedTuple" in class_names(data.cls):
+        return list(data.fields.values())
+    return Unknown("iterated over")
+
+
+def _key(key: Key, value: Value) -> Value:
+    if isinstance(key, tuple):
+        return Value(Seq([Value(part, value.span) for part in key], "tuple"), value.span)
+    return Value(key, value.span)
+
+
+def key_of(data: Data) -> Key | Unknown:
+    """Data as a dict's key."""
+    if isinstance(data, (str, int, float, type(None))):
+        return data
+    if isinstance(data, Seq) and data.kind == "tuple":
+        parts = [key_of(one.data) for one in data.items]
+        if all(isinstance(part, (str, int, float, type(None))) for part in parts):
+            return tuple(part for part in parts if not isinstance(part, (Unknown, tuple)))
+    return Unknown(reason_of(data) or "a key that is neither text nor number")
+
+
+def builtin(name: str, args: Args, named: Named, value: Value, budget: Budget) -> Data:
+    """A function of Python's own; `value` is the call, for its place."""
+    first = args[0].data if args else None
+    if name == "dict":
+        return _dict(args, named, budget)
+    if name in ("float", "int", "str", "bool") and len(args) == 1 and not named:
+        return _converted(name, first)
+    if named:
+        return Unknown(f"{name}() with named arguments is not folded")
+    if name == "len" and len(args) == 1 and isinstance(first, (str, Seq)):
+        return len(first if isinstance(first, str) else first.items)
+    if name == "range" and 1 <= len(args) <= 3:
+        return _range(args)
+    if name in ("min", "max", "sum") and args:
+        found = elements(first, budget) if len(args) == 1 else list(args)
+        if isinstance(found, Unknown):
+            return found
+        functions: dict[str, Number] = {"min": min, "max": max, "sum": sum}
+        return numeric(lambda *plain: functions[name](plain), found, {})
+    if name in ("tuple", "list", "set", "frozenset", "sorted", "reversed", "enumerate", "zip"):
+        return _sequence(name, args, value, budget)
+    return Unknown(f"calls {name}(), which is not folded")
+
+
+def _sequence(name: str, args: Args, value: Value, budget: Budget) -> Data:
+    lists: list[list[Value]] = []
+    for arg in args:
+        found = elements(arg.data, budget)
+        if isinstance(found, Unknown):
+            return found
+        lists.append(found)
+    if name == "zip":
+        return Seq(
+            [Value(Seq(list(pair), "tuple"), value.span) for pair in zip(*lists, strict=False)], "tuple"
+        )
+    if len(lists) > 1 or (not lists and name in ("sorted", "reversed", "enumerate")):
+        return Unknown(f"{name}() with {len(lists)} arguments is not folded")
+    items = lists[0] if lists else []
+    if name == "enumerate":
+        pairs = [[Value(i, one.span), one] for i, one in enumerate(items)]
+        return Seq([Value(Seq(pair, "tuple"), value.span) for pair in pairs], "tuple")
+    if name == "reversed":
+        return Seq(items[::-1], "tuple")
+    if name == "sorted":
+        try:
+            return Seq(sorted(items, key=lambda one: one.data))  # type: ignore[arg-type,return-value]
+        except TypeError:
+            return Unknown("sorted() of mixed values")
+    return Seq(items, {"frozenset": "set"}.get(name, name))
+
+
+def _range(args: Args) -> Data:
+    numbers = [arg.data for arg in args]
+    whole = [number for number in numbers if isinstance(number, int)]
+    if len(whole) < len(numbers) or (len(whole) == 3 and whole[2] == 0):
+        return Unknown(next((r for r in map(reason_of, numbers) if r), "range() of what is no whole number"))
+    found = range(*whole)
+    # len() of a range that is too long for the machine raises.
+    if found[MAX_ITEMS : MAX_ITEMS + 1]:
+        return Unknown(f"more than {MAX_ITEMS} values")
+    return Seq([Value(number, args[0].span) for number in found], "tuple")
+
+
+def _dict(args: Args, named: Named, budget: Budget) -> Data:
+    table = Table({})
+    if args:
+        first = args[0].data
+        budget.spend(len(first.items) if isinstance(first, (Seq, Table)) else 0)
+        if isinstance(first, Table):
+            table = Table(dict(first.items), first.open)
+        elif isinstance(first, Seq):
+            for pair in first.items:
+                if not isinstance(pair.data, Seq) or len(pair.data.items) != 2:
+                    return Unknown("dict() of what are no pairs")
+                key = key_of(pair.data.items[0].data)
+                if isinstance(key, Unknown):
+                    return key
+                table.items[key] = pair.data.items[1]
+        else:
+            return Unknown(reason_of(first) or "dict() of what is no dict")
+    table.items.update(named)
+    return table
+
+
+def _converted(name: str, data: Data) -> Data:
+    if name == "str":
+        return str(data) if isinstance(data, (str, int, float)) else _as_text(data)
+    reason = reason_of(data)
+    if reason is not None:
+        return Unknown(reason)
+    if name == "bool":
+        known_truth = truth(Value(data, _NOWHERE))
+        return Unknown("bool() of it") if known_truth is None else known_truth
+    try:
+        if isinstance(data, (int, float, str)):
+            return bounded(float(data) if name == "float" else int(data))
+    except (ValueError, OverflowError) as err:
+        return Unknown(f"{name}(): {err}"[:100])
+    return Unknown(f"{name}() of what is no number")
+
+
+def _as_text(data: Data) -> Data:
+    reason = reason_of(data)
+    return Unknown(reason, text_of(data)) if reason is not None else Unknown("str() of an object")
+
+
+def look_up(owner: Value, index: Data) -> Value:
+    """`owner[index]`; for an index that is not known, any of the values."""
+    data = owner.data
+    if isinstance(data, Unknown) and data.among:
+        return Value(Unknown(data.reason, among=_inside(data.among)), owner.span)
+    reason = reason_of(data)
+    if reason is not None:
+        return Value(Unknown(reason), owner.span)
+    reason = reason_of(index)
+    if reason is not None and isinstance(data, (Seq, Table)):
+        return Value(Unknown(reason, among=_inside((owner,))), owner.span)
+    if isinstance(data, Table):
+        key = key_of(index)
+        if isinstance(key, Unknown):
+            return Value(key, owner.span)
+        if key in data.items:
+            return data.items[key]
+        return Value(Unknown(data.open or f"there is no {str(key)[:40]!r} in it"), owner.span)
+    if isinstance(data, (Seq, str)) and isinstance(index, int):
+        size = len(data.items if isinstance(data, Seq) else data)
+        if -size <= index < size:
+            return data.items[index] if isinstance(data, Seq) else Value(data[index], owner.span)
+        return Value(Unknown(f"there is no item {index} in it"), owner.span)
+    return Value(Unknown(reason_of(index) or "indexed in a way that is not folded"), owner.span)
+
+
+def _inside(owners: Sequence[Value]) -> tuple[Value, ...]:
+    """Objects one step inside."""
+    found: list[Value] = []
+    for owner in owners:
+        data = owner.data
+        found.extend(
+            data.items.values() if isinstance(data, Table) else data.items if isinstance(data, Seq) else ()
+        )
+    return possible(found)
+
+
+def table_method(
+    owner: Value, table: Table, name: str, args: Args, named: Named, budget: Budget
+) -> Data | Value:
+    """A method of a dict that changes nothing."""
+    if name in ("keys", "values", "items") and not args:
+        if table.open is not None or not budget.spend(len(table.items)):
+            return Unknown(table.open or "iterated over", among=possible(table.items.values()))
+        if name == "values":
+            return Seq(list(table.items.values()), "tuple")
+        keys = [_key(key, value) for key, value in table.items.items()]
+        if name == "keys":
+            return Seq(keys, "tuple")
+        pairs = [[key, value] for key, value in zip(keys, table.items.values(), strict=True)]
+        return Seq([Value(Seq(pair, "tuple"), pair[1].span) for pair in pairs], "tuple")
+    if name == "copy" and not args:
+        return shallow(owner, budget)
+    if name == "get" and 1 <= len(args) <= 2 and not named:
+        key = key_of(args[0].data)
+        if not isinstance(key, Unknown) and key not in table.items and table.open is None:
+            return args[1] if len(args) == 2 else None
+        return look_up(owner, args[0].data)
+    return Unknown(f"calls .{name}() of a dict, which is not folded")
+
+
+def field_default(obj: Obj) -> tuple[str, Value] | None:
+    """What `dataclasses.field(...)` holds: ("default" or "default_factory", its value); None for another object."""
+    if isinstance(obj.cls, External) and obj.cls.dotted == "dataclasses.field":
+        for name in ("default", "default_factory"):
+            if name in obj.fields:
+                return name, obj.fields[name]
+    return None
+
+
+def operator_name(node: ast.AST) -> str:
+    """A node's kind in words: `a GeneratorExp`."""
+    name = type(node).__name__
+    return f"{'an' if name[0] in 'AEIOU' else 'a'} {name}"

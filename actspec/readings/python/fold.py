@@ -1,0 +1,336 @@
+"""Constant folding: the value of an expression of a Python file, computed from its syntax and never executed.
+
+What cannot be folded is `Unknown` with the reason. Every step is counted, nesting and sizes are limited.
+"""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+from actspec.readings.python import arithmetic, calls
+from actspec.readings.python.names import Names
+from actspec.readings.python.values import (
+    MAX_DEPTH,
+    MAX_TEXT,
+    SPENT,
+    Data,
+    Func,
+    Obj,
+    Scope,
+    Seq,
+    Table,
+    Unknown,
+    Value,
+    possible,
+    reason_of,
+    truth,
+)
+
+Node = TypeVar("Node", bound=ast.AST)
+
+
+class Expressions(Names):
+    """Folds expressions of one reading; what runs functions and classes is `Interpreter`."""
+
+    def call_super(
+        self, node: ast.Call, args: list[Value], named: dict[str, Value], scope: Scope
+    ) -> Value | None:
+        """What `super().method(...)` gives; None when a call is none."""
+        raise NotImplementedError
+
+    def bind(self, target: ast.expr, value: Value, scope: Scope) -> None:
+        """Assign to a target."""
+        raise NotImplementedError
+
+    def eval(self, node: ast.expr, scope: Scope) -> Value:
+        """The value of an expression."""
+        span = scope.source.span(node)
+        if not self.budget.spend():
+            return Value(SPENT, span)
+        if self.depth >= MAX_DEPTH:
+            return Value(Unknown(f"nested deeper than {MAX_DEPTH}"), span)
+        handler = _HANDLERS.get(type(node))
+        if handler is None:
+            return Value(Unknown(f"{calls.operator_name(node)} is not folded"), span)
+        self.depth += 1
+        try:
+            found = handler(self, node, scope)
+        finally:
+            self.depth -= 1
+        data = found.data if isinstance(found, Value) else found
+        if isinstance(data, str):
+            # Texts cost what they take: names may hold many.
+            self.budget.spend(len(data) // 64)
+        return found if isinstance(found, Value) else Value(data, span)
+
+    # Expressions, by kind.
+
+    def _constant(self, node: ast.Constant, scope: Scope) -> Data:
+        if node.value is None or isinstance(node.value, (bool, int, float, str)):
+            return arithmetic.bounded(node.value)
+        return Unknown(f"a {type(node.value).__name__} is not folded")
+
+    def _name(self, node: ast.Name, scope: Scope) -> Value:
+        return self.lookup(node.id, scope, scope.source.span(node))
+
+    def _attribute(self, node: ast.Attribute, scope: Scope) -> Value:
+        return self.attribute(self.eval(node.value, scope), node.attr)
+
+    def _subscript(self, node: ast.Subscript, scope: Scope) -> Value | Data:
+        owner = self.eval(node.value, scope)
+        if not isinstance(node.slice, ast.Slice):
+            index = self.eval(node.slice, scope).data
+            if reason_of(index) is not None and isinstance(owner.data, (Seq, Table)):
+                self.budget.spend(len(owner.data.items))
+            return calls.look_up(owner, index)
+        ends = [
+            self.eval(end, scope).data if end else None
+            for end in (node.slice.lower, node.slice.upper, node.slice.step)
+        ]
+        known = [end for end in ends if end is None or isinstance(end, int)]
+        if len(known) == 3 and known[2] != 0:
+            part = slice(*known)
+            if isinstance(owner.data, str):
+                return owner.data[part]
+            if isinstance(owner.data, Seq) and self.budget.spend(len(owner.data.items)):
+                return Seq(owner.data.items[part], owner.data.kind)
+        return Unknown(reason_of(owner.data) or "a slice of it is not folded")
+
+    def _binary(self, node: ast.BinOp, scope: Scope) -> Data:
+        left, right = self.eval(node.left, scope).data, self.eval(node.right, scope).data
+        made = arithmetic.binary(node.op, left, right)
+        if isinstance(made, (Seq, Table)) and not self.budget.spend(len(made.items)):
+            return SPENT
+        return made
+
+    def _unary(self, node: ast.UnaryOp, scope: Scope) -> Data:
+        operand = self.eval(node.operand, scope)
+        if isinstance(node.op, ast.Not):
+            known = truth(operand)
+            return Unknown(reason_of(operand.data) or "a test") if known is None else not known
+        return arithmetic.unary(node.op, operand.data)
+
+    def _bool(self, node: ast.BoolOp, scope: Scope) -> Value:
+        wanted = isinstance(node.op, ast.Or)
+        value = self.eval(node.values[0], scope)
+        for operand in node.values[1:]:
+            known = truth(value)
+            if known is None:
+                # `unknown or x` may be either.
+                other = self.eval(operand, scope)
+                return Value(
+                    Unknown(reason_of(value.data) or "a test", among=possible((value, other))), value.span
+                )
+            if known is wanted:
+                return value
+            value = self.eval(operand, scope)
+        return value
+
+    def _compare(self, node: ast.Compare, scope: Scope) -> Data:
+        left = self.eval(node.left, scope).data
+        for op, comparator in zip(node.ops, node.comparators, strict=True):
+            right = self.eval(comparator, scope).data
+            self.budget.spend(len(right.items) if isinstance(right, Seq) else 0)
+            result = arithmetic.compare(op, left, right)
+            if result is not True:
+                return result
+            left = right
+        return True
+
+    def _if(self, node: ast.IfExp, scope: Scope) -> Value | Data:
+        test = self.eval(node.test, scope)
+        known = truth(test)
+        if known is not None:
+            return self.eval(node.body if known else node.orelse, scope)
+        return self.either(
+            [self.eval(node.body, scope), self.eval(node.orelse, scope)],
+            f"depends on a test that is not folded: {reason_of(test.data) or 'unknown'}",
+        )
+
+    def either(self, values: Sequence[Value], reason: str) -> Value:
+        """One of several values, of which nobody knows which: known where they are equal."""
+        raise NotImplementedError
+
+    def _items(self, nodes: Sequence[ast.expr], scope: Scope) -> list[Value] | Unknown:
+        items: list[Value] = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                inner = calls.elements(self.eval(node.value, scope).data, self.budget)
+                if isinstance(inner, Unknown):
+                    return inner
+                items.extend(inner)
+            else:
+                items.append(self.eval(node, scope))
+        return items
+
+    def _sequence(self, node: ast.Tuple | ast.List | ast.Set, scope: Scope) -> Data:
+        items = self._items(node.elts, scope)
+        kind = {ast.Tuple: "tuple", ast.List: "list"}.get(type(node), "set")
+        return items if isinstance(items, Unknown) else arithmetic.bounded(Seq(items, kind))
+
+    def _dict(self, node: ast.Dict, scope: Scope) -> Data:
+        table = Table({})
+        for key, one in zip(node.keys, node.values, strict=True):
+            value = self.eval(one, scope)
+            if key is None:
+                if isinstance(value.data, Table) and self.budget.spend(len(value.data.items)):
+                    table.items.update(value.data.items)
+                    table.open = table.open or value.data.open
+                else:
+                    table.open = reason_of(value.data) or "unpacks what is no dict"
+                continue
+            name = calls.key_of(self.eval(key, scope).data)
+            if isinstance(name, Unknown):
+                table.open = f"a key is not known: {name.reason}"
+            else:
+                table.items[name] = value
+        return arithmetic.bounded(table)
+
+    def _joined(self, node: ast.JoinedStr, scope: Scope) -> Data:
+        text, reason, textual = "", None, True
+        for part in node.values:
+            data: Data
+            if isinstance(part, ast.FormattedValue):
+                spec = self.eval(part.format_spec, scope).data if part.format_spec else ""
+                value = self.eval(part.value, scope).data
+                plain = part.conversion in (-1, ord("s")) and isinstance(spec, str)
+                data = (
+                    arithmetic.formatted(value, spec)
+                    if plain and isinstance(spec, str)
+                    else Unknown("a format")
+                )
+            else:
+                data = self.eval(part, scope).data
+            known = arithmetic.text_of(data)
+            textual = textual and known is not None
+            text += known or ""
+            reason = reason or reason_of(data)
+            if len(text) > MAX_TEXT:
+                return arithmetic.bounded(text)
+        return text if reason is None else Unknown(reason, text if textual else None)
+
+    def _lambda(self, node: ast.Lambda, scope: Scope) -> Data:
+        return self.function(node, scope, ())
+
+    def function(self, node: ast.FunctionDef | ast.Lambda, scope: Scope, decorators: tuple[str, ...]) -> Func:
+        """A function, its defaults folded where it is defined."""
+        arguments = node.args
+        ordered = [*arguments.posonlyargs, *arguments.args]
+        given = zip(ordered[len(ordered) - len(arguments.defaults) :], arguments.defaults, strict=True)
+        named = zip(arguments.kwonlyargs, arguments.kw_defaults, strict=True)
+        defaults = {
+            arg.arg: self.eval(default, scope) for arg, default in [*given, *named] if default is not None
+        }
+        name = node.name if isinstance(node, ast.FunctionDef) else "a lambda"
+        return Func(name, node, scope, defaults, decorators)
+
+    def _comprehension(
+        self, node: ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp, scope: Scope
+    ) -> Data:
+        table, items = Table({}), list[Value]()
+
+        def take(inner: Scope) -> Unknown | None:
+            if isinstance(node, ast.DictComp):
+                key = calls.key_of(self.eval(node.key, inner).data)
+                if isinstance(key, Unknown):
+                    return key
+                table.items[key] = self.eval(node.value, inner)
+            else:
+                items.append(self.eval(node.elt, inner))
+            return None
+
+        problem = self._generate(node.generators, Scope("comprehension", scope.source, scope), take)
+        if problem is not None:
+            return Unknown(f"built in a comprehension: {problem.reason}", among=problem.among)
+        if isinstance(node, ast.DictComp):
+            return arithmetic.bounded(table)
+        kinds = {ast.ListComp: "list", ast.SetComp: "set"}
+        return arithmetic.bounded(Seq(items, kinds.get(type(node), "tuple")))
+
+    def _generate(
+        self, loops: Sequence[ast.comprehension], scope: Scope, take: Callable[[Scope], Unknown | None]
+    ) -> Unknown | None:
+        if not loops:
+            return take(scope)
+        if len(loops) > 4:
+            return Unknown("of more than four loops")
+        first, *rest = loops
+        found = calls.elements(self.eval(first.iter, scope).data, self.budget)
+        if isinstance(found, Unknown):
+            return found
+        for one in found:
+            if not self.budget.spend():
+                return SPENT
+            self.bind(first.target, one, scope)
+            tests = [self.eval(test, scope) for test in first.ifs]
+            unknown = next((test for test in tests if truth(test) is None), None)
+            if unknown is not None:
+                return Unknown(reason_of(unknown.data) or "a test")
+            if all(truth(test) for test in tests):
+                problem = self._generate(rest, scope, take)
+                if problem is not None:
+                    return problem
+        return None
+
+    def _walrus(self, node: ast.NamedExpr, scope: Scope) -> Value:
+        value = self.eval(node.value, scope)
+        self.bind(node.target, value, scope)
+        return value
+
+    def _call(self, node: ast.Call, scope: Scope) -> Value:
+        span = scope.source.span(node)
+        args = self._items(node.args, scope)
+        if isinstance(args, Unknown):
+            return Value(args, span)
+        named: dict[str, Value] = {}
+        unpacked: str | None = None
+        for keyword in node.keywords:
+            value = self.eval(keyword.value, scope)
+            if keyword.arg is not None:
+                named[keyword.arg] = value
+            elif isinstance(value.data, Table) and self.budget.spend(len(value.data.items)):
+                named.update({key: one for key, one in value.data.items.items() if isinstance(key, str)})
+                unpacked = unpacked or value.data.open
+            else:
+                unpacked = reason_of(value.data) or "unpacks what is no dict"
+        inherited = self.call_super(node, args, named, scope)
+        if inherited is not None:
+            return inherited
+        made = self.call(self.eval(node.func, scope), args, named, span)
+        if unpacked is not None and isinstance(made.data, Obj) and made.data.span == span:
+            made.data.open = unpacked
+        elif unpacked is not None:
+            return Value(Unknown(unpacked), span)
+        return made
+
+
+_HANDLERS: dict[type[ast.AST], Callable[[Expressions, object, Scope], Value | Data]] = {}
+
+
+def _handles(kind: type[Node], handler: Callable[[Expressions, Node, Scope], Value | Data]) -> None:
+    _HANDLERS[kind] = handler  # type: ignore[assignment]
+
+
+_handles(ast.Constant, Expressions._constant)
+_handles(ast.Name, Expressions._name)
+_handles(ast.Attribute, Expressions._attribute)
+_handles(ast.Subscript, Expressions._subscript)
+_handles(ast.BinOp, Expressions._binary)
+_handles(ast.UnaryOp, Expressions._unary)
+_handles(ast.BoolOp, Expressions._bool)
+_handles(ast.Compare, Expressions._compare)
+_handles(ast.IfExp, Expressions._if)
+_handles(ast.Tuple, Expressions._sequence)
+_handles(ast.List, Expressions._sequence)
+_handles(ast.Set, Expressions._sequence)
+_handles(ast.Dict, Expressions._dict)
+_handles(ast.JoinedStr, Expressions._joined)
+_handles(ast.Lambda, Expressions._lambda)
+_handles(ast.ListComp, Expressions._comprehension)
+_handles(ast.SetComp, Expressions._comprehension)
+_handles(ast.GeneratorExp, Expressions._comprehension)
+_handles(ast.DictComp, Expressions._comprehension)
+_handles(ast.NamedExpr, Expressions._walrus)
+_handles(ast.Call, Expressions._call)

@@ -1,0 +1,240 @@
+"""Isaac Lab's configurations, 2.x and 3.0: robots, loose actuators and environments, from folded values.
+
+Settings keep the names of the version that they are written for; nothing is converted.
+"""
+
+from __future__ import annotations
+
+from actspec.diagnostics import Span
+from actspec.readings.artifact import Framework, RobotConfig
+from actspec.readings.python.settings import (
+    Draft,
+    comes_from,
+    fields_of,
+    is_actuator,
+    is_named,
+    known,
+    texts,
+    unknown_inside,
+)
+from actspec.readings.python.values import External, Obj, Seq, Table, Unknown, Value, reason_of
+
+_RANGES = {
+    "randomize_actuator_gains": {
+        "stiffness_distribution_params": "kp",
+        "damping_distribution_params": "kd",
+    },
+    "randomize_joint_parameters": {
+        "friction_distribution_params": "friction",
+        "armature_distribution_params": "armature",
+        "lower_limit_distribution_params": "lower_limit",
+        "upper_limit_distribution_params": "upper_limit",
+    },
+    # Of whole_body_tracking: https://github.com/HybridRobotics/whole_body_tracking, tasks/tracking/mdp/events.py.
+    "randomize_joint_default_pos": {"pos_distribution_params": "joint_default_pos"},
+}
+"""Event function to its parameters and what they randomise. Source: Isaac Lab 2.3.2, isaaclab/envs/mdp/events.py."""
+
+
+def is_mjlab(obj: Obj) -> bool:
+    """Whether an object is mjlab's: by its class, or by a field that only mjlab's actuators have."""
+    return comes_from(obj, "mjlab") or (
+        "target_names_expr" in obj.fields and not comes_from(obj, "isaaclab", "omni")
+    )
+
+
+def is_group(value: Value) -> bool:
+    """Whether a value is an actuator group of Isaac Lab."""
+    data = value.data
+    return isinstance(data, Obj) and is_actuator(value) and not is_mjlab(data)
+
+
+def is_group_dict(value: Value) -> bool:
+    """Whether a value is a dict of actuator groups, as `ArticulationCfg.actuators` takes it."""
+    data = value.data
+    return isinstance(data, Table) and bool(data.items) and all(is_group(one) for one in data.items.values())
+
+
+def is_robot(value: Value) -> bool:
+    """Whether a value is a robot's cfg: an `ArticulationCfg`, or an object that holds actuator groups by name."""
+    data = value.data
+    if not isinstance(data, Obj) or is_mjlab(data) or "actuators" not in data.fields:
+        return False
+    return is_named(data, "ArticulationCfg") or is_group_dict(data.fields["actuators"])
+
+
+def is_environment(value: Value) -> bool:
+    """Whether a value is an environment's cfg."""
+    data = value.data
+    if not isinstance(data, Obj) or is_mjlab(data):
+        return False
+    return is_named(data, "EnvCfg") and bool(
+        {"decimation", "sim", "actions", "scene", "events"} & set(data.fields)
+    )
+
+
+def is_events(value: Value) -> bool:
+    """Whether a value holds event terms that randomise actuators, as a class `EventCfg` does."""
+    data = value.data
+    return (
+        isinstance(data, Obj)
+        and not comes_from(data, "mjlab")
+        and any(map(_function, fields_of(value).values()))
+    )
+
+
+def robot(name: str, value: Value, span: Span) -> RobotConfig:
+    """A robot's cfg, a dict of actuator groups, or one group alone."""
+    draft = Draft()
+    _robot(draft, name, value)
+    return _config(name, span, draft)
+
+
+def environment(name: str, value: Value, span: Span) -> RobotConfig:
+    """An environment's cfg: step, decimation, action scale, randomisation, and its robot."""
+    draft = Draft()
+    fields = fields_of(value)
+    draft.set("physics_dt", fields_of(fields.get("sim")).get("dt"))
+    draft.set("decimation", fields.get("decimation"))
+    _actions(draft, fields)
+    _events(draft, fields.get("events"))
+    _scene(draft, fields)
+    return _config(name, span, draft)
+
+
+def events(name: str, value: Value, span: Span) -> RobotConfig:
+    """A class of event terms alone."""
+    draft = Draft()
+    _events(draft, value)
+    return _config(name, span, draft)
+
+
+def _config(name: str, span: Span, draft: Draft) -> RobotConfig:
+    return RobotConfig(
+        Framework.ISAACLAB,
+        name,
+        span,
+        tuple(draft.groups),
+        draft.settings,
+        tuple(draft.ranges),
+        tuple(draft.notes),
+    )
+
+
+def _robot(draft: Draft, name: str, value: Value) -> None:
+    if is_group(value):
+        _group(draft, name, value)
+        return
+    fields = fields_of(value)
+    actuators = fields.get("actuators") if isinstance(value.data, Obj) else value
+    if actuators is not None:
+        _groups(draft, actuators)
+    if not isinstance(value.data, Obj):
+        return
+    draft.set("soft_joint_pos_limit_factor", fields.get("soft_joint_pos_limit_factor"))
+    draft.set("default_position", fields_of(fields.get("init_state")).get("joint_pos"))
+    spawn = fields_of(fields.get("spawn"))
+    draft.set("model", spawn.get("usd_path", spawn.get("asset_path")), "usd_path")
+    # Of unitree_rl_lab: the robot's own order; https://github.com/unitreerobotics/unitree_rl_lab.
+    order = fields.get("joint_sdk_names")
+    if order is not None and isinstance(order.data, Seq):
+        draft.set("joint_order", order)
+
+
+def _groups(draft: Draft, actuators: Value) -> None:
+    data = actuators.data
+    if not isinstance(data, Table):
+        draft.note("actuators", reason_of(data) or "no dict of groups", actuators.span)
+        return
+    if data.open is not None:
+        draft.note("actuators", data.open, actuators.span)
+    for key, one in data.items.items():
+        if isinstance(one.data, Obj):
+            _group(draft, str(key), one)
+        elif one.data is not None:
+            draft.note(f"actuators.{key}", reason_of(one.data) or "no actuator cfg", one.span)
+
+
+def _group(draft: Draft, name: str, value: Value) -> None:
+    if isinstance(value.data, Obj):
+        fields = dict(value.data.fields)
+        draft.group(name, value.data, fields.pop("joint_names_expr", None), fields)
+
+
+def _scene(draft: Draft, fields: dict[str, Value]) -> None:
+    """The robot: `scene.robot`, else the first articulation of the scene or, in a direct task, of the cfg itself."""
+    scene = fields_of(fields.get("scene"))
+    places = {**fields, **scene}
+    robots = sorted({"robot", "robot_cfg"} & set(places), reverse=True)[:1]
+    robots += [name for name, one in places.items() if name not in robots and is_robot(one)]
+    for name in robots:
+        value = places[name]
+        if is_robot(value):
+            _robot(draft, name, value)
+            for other in robots[1:]:
+                if is_robot(places[other]):
+                    draft.note(other, "a second robot of the scene, left out", places[other].span)
+            return
+        if isinstance(value.data, (Unknown, External)):
+            draft.note(name, reason_of(value.data) or "", value.span)
+        elif isinstance(value.data, Obj) and value.data.open is not None:
+            draft.note(name, value.data.open, value.span)
+
+
+def _actions(draft: Draft, fields: dict[str, Value]) -> None:
+    actions = fields.get("actions")
+    terms = {
+        name: one
+        for name, one in fields_of(actions).items()
+        if isinstance(one.data, Obj) and (is_named(one.data, "JointPositionActionCfg") or _opened(one.data))
+    }
+    scales = {name: fields_of(one)["scale"] for name, one in terms.items() if "scale" in fields_of(one)}
+    if len(scales) == 1:
+        draft.set("action_scale", next(iter(scales.values())))
+    for name, one in list(scales.items())[1:] and scales.items():
+        draft.note(f"actions.{name}.scale", "one of several position actions", one.span)
+    if "action_scale" in fields and not scales:
+        draft.set("action_scale", fields["action_scale"])
+    if actions is not None and isinstance(actions.data, (Unknown, External)):
+        draft.note("actions", reason_of(actions.data) or "", actions.span)
+
+
+def _opened(obj: Obj) -> bool:
+    """Whether an object stands for a default of a class that is not read."""
+    return isinstance(obj.cls, External) and obj.cls.dotted.startswith("?.")
+
+
+def _function(term: Value) -> str:
+    """Name of the randomising function of an event term; "" for another."""
+    function = fields_of(term).get("func")
+    data = function.data if function is not None else None
+    name = data.name if isinstance(data, External) else getattr(data, "name", "")
+    return name if isinstance(name, str) and name in _RANGES else ""
+
+
+def _events(draft: Draft, value: Value | None) -> None:
+    for name, one in unknown_inside(value):
+        draft.note(f"events.{name}", reason_of(one.data) or "", one.span)
+    for term in fields_of(value).values():
+        function = _function(term)
+        params = fields_of(fields_of(term).get("params"))
+        if not function:
+            continue
+        operation = known(params.get("operation"))
+        distribution = known(params.get("distribution"))
+        joints = selected(params.get("asset_cfg"))
+        for parameter, field in _RANGES[function].items():
+            draft.range(
+                field,
+                params.get(parameter),
+                operation if isinstance(operation, str) else "abs",
+                joints,
+                distribution if isinstance(distribution, str) else "uniform",
+                term=term,
+            )
+
+
+def selected(entity: Value | None, names: str = "joint_names") -> tuple[str, ...] | None:
+    """What a `SceneEntityCfg` names in one of its fields; None for all."""
+    found = fields_of(entity).get(names)
+    return texts(found) if found is not None and found.data is not None else None

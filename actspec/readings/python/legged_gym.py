@@ -1,0 +1,139 @@
+"""legged_gym-style configurations: a class with nested classes `control`, `init_state`, `asset`, `sim`.
+
+A key of `stiffness` and `damping` selects every joint whose name contains it; keys stay as written.
+Source: https://github.com/leggedrobotics/legged_gym, legged_gym/envs/base/legged_robot.py, `_process_dof_props`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.python.settings import Draft, known, setting
+from actspec.readings.python.values import Cls, Unknown, Value, reason_of
+
+Get = Callable[[Cls, str], "Value | None"]
+"""An attribute of a class or of its bases; None when no class that is read has it."""
+
+_RANGES = (
+    ("strength", "scale", "motor_strength_range", ("randomize_motor", "randomize_motor_strength")),
+    (
+        "kp",
+        "scale",
+        "kp_range",
+        ("randomize_kpkd", "randomize_pd_gain", "randomize_pd_gains", "randomize_kp"),
+    ),
+    (
+        "kd",
+        "scale",
+        "kd_range",
+        ("randomize_kpkd", "randomize_pd_gain", "randomize_pd_gains", "randomize_kd"),
+    ),
+    ("kp", "scale", "Kp_factor_range", ("randomize_Kp_factor",)),
+    ("kd", "scale", "Kd_factor_range", ("randomize_Kd_factor",)),
+    ("kp", "scale", "stiffness_multiplier_range", ("randomize_gains", "randomize_pd_gains")),
+    ("kd", "scale", "damping_multiplier_range", ("randomize_gains", "randomize_pd_gains")),
+    ("encoder_bias", "add", "motor_offset_range", ("randomize_motor_offset",)),
+)
+"""Field, operation, name in `domain_rand`, and the switches that turn it on; only names with one meaning.
+
+Source: Improbable-AI/walk-these-ways and forks of legged_gym (`domain_rand` of their cfgs).
+"""
+
+
+def is_robot(cls: Cls, get: Get) -> bool:
+    """Whether a class is a robot's cfg: it has `control` with gains, and names an asset if it names any."""
+    control = _inner(cls, "control", get)
+    if control is None or not any(get(control, name) is not None for name in ("stiffness", "damping")):
+        return False
+    asset = _inner(cls, "asset", get)
+    # The base class of a framework has an empty `file` and gains of joints that no robot has.
+    return asset is None or known(get(asset, "file")) != ""
+
+
+def robot(cls: Cls, get: Get) -> RobotConfig:
+    """A robot's cfg."""
+    draft = Draft()
+    control = _inner(cls, "control", get)
+    assert control is not None, "is_robot"
+    for name in ("decimation", "action_scale"):
+        draft.set(name, get(control, name))
+    for name, inner, attribute in (
+        ("physics_dt", "sim", "dt"),
+        ("default_position", "init_state", "default_joint_angles"),
+        ("model", "asset", "file"),
+    ):
+        found = _inner(cls, inner, get)
+        if found is not None:
+            draft.set(name, get(found, attribute), "file" if name == "model" else "")
+    _group(draft, cls, control, get)
+    _ranges(draft, cls, get)
+    for base in cls.bases:
+        if not isinstance(base, Cls):
+            draft.note(cls.name, f"what it inherits: {reason_of(base)}", cls.span)
+    return RobotConfig(
+        Framework.LEGGED_GYM,
+        cls.name,
+        cls.span,
+        tuple(draft.groups),
+        draft.settings,
+        tuple(draft.ranges),
+        tuple(draft.notes),
+    )
+
+
+def _inner(cls: Cls, name: str, get: Get) -> Cls | None:
+    found = get(cls, name)
+    return found.data if found is not None and isinstance(found.data, Cls) else None
+
+
+def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
+    values = {
+        name: get(control, name) for name in ("stiffness", "damping", "control_type", "actuator_net_file")
+    }
+    asset = _inner(cls, "asset", get)
+    if asset is not None:
+        values["armature"] = get(asset, "armature")
+    settings: dict[str, Setting] = {
+        name: setting(value, "network_file" if name.endswith("_file") else name)
+        for name, value in values.items()
+        if value is not None and not isinstance(value.data, Unknown)
+    }
+    for name, value in values.items():
+        if value is not None and isinstance(value.data, Unknown):
+            settings[name] = setting(value)
+    joints: dict[str, None] = {}
+    certain = True
+    for name in ("stiffness", "damping"):
+        held = settings.get(name)
+        if held is None:
+            continue
+        if isinstance(held.value, dict):
+            joints.update(dict.fromkeys(held.value))
+        else:
+            certain = False
+    for name, held in settings.items():
+        if held.unknown is not None:
+            draft.note(f"control.{name}", held.unknown, held.span)
+    kind = settings.pop("control_type", None)
+    cls_name = kind.value if kind is not None and isinstance(kind.value, str) else ""
+    span = control.span
+    draft.groups.append(
+        ActuatorGroup("control", cls_name, span, tuple(joints) if certain else None, settings)
+    )
+
+
+def _ranges(draft: Draft, cls: Cls, get: Get) -> None:
+    domain = _inner(cls, "domain_rand", get)
+    if domain is None:
+        return
+    for field, operation, name, switches in _RANGES:
+        value = get(domain, name)
+        if value is None:
+            continue
+        found = [switch for switch in (get(domain, one) for one in switches) if switch is not None]
+        unknown = next((reason_of(switch.data) for switch in found if reason_of(switch.data)), None)
+        if unknown is not None:
+            draft.note(f"domain_rand.{name}", f"whether it is in force: {unknown}", value.span)
+        elif all(switch.data for switch in found):
+            draft.range(field, value, operation, None)

@@ -1,0 +1,220 @@
+"""mjlab's configurations: articulations, entities and environments, from folded values.
+
+Settings keep mjlab's names; nothing is converted.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from actspec.diagnostics import Span
+from actspec.readings.artifact import Framework, RobotConfig
+from actspec.readings.config_figures import VOLTS
+from actspec.readings.python.isaaclab import is_mjlab, selected
+from actspec.readings.python.settings import (
+    UNFOLDED,
+    Draft,
+    comes_from,
+    fields_of,
+    is_actuator,
+    is_named,
+    known,
+    unknown_inside,
+)
+from actspec.readings.python.values import External, Func, Obj, Seq, Unknown, Value, reason_of
+
+_RANGES = {
+    "pd_gains": ({"kp_range": "kp", "kd_range": "kd"}, "scale"),
+    "effort_limits": ({"effort_limit_range": "effort_limit"}, "scale"),
+    "encoder_bias": ({"bias_range": "encoder_bias"}, "add"),
+    "joint_armature": ({"ranges": "armature"}, "abs"),
+    "dof_armature": ({"ranges": "armature"}, "abs"),
+    "joint_friction": ({"ranges": "friction"}, "abs"),
+    "dof_frictionloss": ({"ranges": "friction"}, "abs"),
+    "joint_damping": ({"ranges": "joint_damping"}, "abs"),
+    "dof_damping": ({"ranges": "joint_damping"}, "abs"),
+    "joint_stiffness": ({"ranges": "joint_stiffness"}, "abs"),
+    "joint_default_pos": ({"ranges": "joint_default_pos"}, "add"),
+}
+"""Event function to its parameters, what they randomise, and its default operation.
+
+Source: mjlab 1.6.0, mjlab/envs/mdp/dr/.
+"""
+
+Call = Callable[[Value], Value]
+"""Calls a function without arguments."""
+
+
+def is_articulation(value: Value) -> bool:
+    """Whether a value is an `EntityArticulationInfoCfg`."""
+    return isinstance(value.data, Obj) and is_named(value.data, "EntityArticulationInfoCfg")
+
+
+def is_entity(value: Value) -> bool:
+    """Whether a value is an `EntityCfg` with an articulation."""
+    return (
+        isinstance(value.data, Obj)
+        and is_named(value.data, "EntityCfg")
+        and "articulation" in value.data.fields
+        and is_articulation(value.data.fields["articulation"])
+    )
+
+
+def is_group(value: Value) -> bool:
+    """Whether a value is an actuator cfg of mjlab."""
+    data = value.data
+    return isinstance(data, Obj) and is_actuator(value) and is_mjlab(data)
+
+
+def is_environment(value: Value) -> bool:
+    """Whether a value is an environment's cfg."""
+    data = value.data
+    return isinstance(data, Obj) and is_named(data, "EnvCfg") and comes_from(data, "mjlab")
+
+
+def is_events(value: Value) -> bool:
+    """Whether a value is a dict of event terms that randomise actuators."""
+    return not isinstance(value.data, Obj) and any(map(_function, fields_of(value).values()))
+
+
+def articulation(
+    name: str, value: Value, entity: Value | None, call: Call, names: Mapping[int, str]
+) -> RobotConfig:
+    """An articulation, or one actuator cfg alone.
+
+    Args:
+        name: Of the constant or function that has it.
+        value: It.
+        entity: The one `EntityCfg` that uses it; None when there is none.
+        call: For its `spec_fn`, which tells the model.
+        names: Names of objects by identity, for the groups.
+    """
+    draft = Draft()
+    if is_group(value):
+        _group(draft, name, value)
+    else:
+        _articulation(draft, value, names)
+    _entity(draft, entity, call)
+    return _config(name, value.data.span if isinstance(value.data, Obj) else value.span, draft)
+
+
+def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[int, str]) -> RobotConfig:
+    """An environment's cfg: step, decimation, action scale, randomisation, and its first robot."""
+    draft = Draft()
+    fields = fields_of(value)
+    mujoco = fields_of(fields_of(fields.get("sim")).get("mujoco"))
+    draft.set("physics_dt", mujoco.get("timestep"))
+    draft.set("decimation", fields.get("decimation"))
+    for term, one in fields_of(fields.get("actions")).items():
+        if isinstance(one.data, Obj) and is_named(one.data, "JointPositionActionCfg"):
+            scale = fields_of(one).get("scale")
+            if "action_scale" not in draft.settings:
+                draft.set("action_scale", scale)
+            else:
+                draft.note(f"actions.{term}", "another position action, left out", one.span)
+    _events(draft, fields.get("events"))
+    entities = fields_of(fields_of(fields.get("scene")).get("entities"))
+    robots = [one for one in entities.values() if is_entity(one)]
+    for key, one in entities.items():
+        if isinstance(one.data, (Unknown, External)):
+            draft.note(f"scene.entities.{key}", reason_of(one.data) or "", one.span)
+    if robots:
+        _articulation(draft, fields_of(robots[0])["articulation"], names)
+        _entity(draft, robots[0], call)
+    for other in robots[1:]:
+        draft.note("scene.entities", "another robot, left out", other.span)
+    return _config(name, span, draft)
+
+
+def events(name: str, value: Value, span: Span) -> RobotConfig:
+    """A dict of event terms alone."""
+    draft = Draft()
+    _events(draft, value)
+    return _config(name, span, draft)
+
+
+def _config(name: str, span: Span, draft: Draft) -> RobotConfig:
+    return RobotConfig(
+        Framework.MJLAB,
+        name,
+        span,
+        tuple(draft.groups),
+        draft.settings,
+        tuple(draft.ranges),
+        tuple(draft.notes),
+    )
+
+
+def _articulation(draft: Draft, value: Value, names: Mapping[int, str]) -> None:
+    fields = fields_of(value)
+    draft.set("soft_joint_pos_limit_factor", fields.get("soft_joint_pos_limit_factor"))
+    actuators = fields.get("actuators")
+    if actuators is None:
+        return
+    if not isinstance(actuators.data, Seq):
+        draft.note("actuators", reason_of(actuators.data) or "no sequence of cfgs", actuators.span)
+        return
+    for index, one in enumerate(actuators.data.items):
+        place = f"actuators[{index}]"
+        if isinstance(one.data, Obj):
+            _group(draft, names.get(id(one.data), place), one)
+        else:
+            draft.note(place, reason_of(one.data) or "no actuator cfg", one.span)
+
+
+def _group(draft: Draft, name: str, value: Value) -> None:
+    if not isinstance(value.data, Obj):
+        return
+    fields = dict(value.data.fields)
+    # mjlab 1.0 to 1.2 wrapped an actuator to delay it.
+    inner = fields.pop("base_cfg", None)
+    if inner is not None and isinstance(inner.data, Obj):
+        fields = {**inner.data.fields, **fields, "base_cfg": Value(inner.data.cls.name, inner.data.span)}
+    joints = fields.pop("target_names_expr", None) or fields.pop("joint_names_expr", None)
+    if is_named(value.data, "BuiltinDcMotorActuatorCfg"):
+        for gain in ("stiffness", "damping"):
+            if gain in fields:
+                said = f"{gain} is unknown at the joint: it is {VOLTS}"
+                draft.notes.info(UNFOLDED, said, where=f"{name}.{gain}", span=fields[gain].span)
+    draft.group(name, value.data, joints, fields)
+
+
+def _entity(draft: Draft, entity: Value | None, call: Call) -> None:
+    fields = fields_of(entity)
+    draft.set("default_position", fields_of(fields.get("init_state")).get("joint_pos"))
+    maker = fields.get("spec_fn")
+    if maker is not None and isinstance(maker.data, Func):
+        made = call(maker).data
+        if isinstance(made, Obj) and made.cls.name == "from_file":
+            draft.set("model", made.args[0], "file")
+
+
+def _function(term: Value) -> str:
+    """Name of the randomising function of an event term; "" for another."""
+    function = fields_of(term).get("func")
+    data = function.data if function is not None else None
+    name = data.name if isinstance(data, (External, Func)) else ""
+    return name if name in _RANGES else ""
+
+
+def _events(draft: Draft, value: Value | None) -> None:
+    for name, one in unknown_inside(value):
+        draft.note(f"events.{name}", reason_of(one.data) or "", one.span)
+    for term in fields_of(value).values():
+        function = _function(term)
+        if not function:
+            continue
+        params = fields_of(fields_of(term).get("params"))
+        parameters, default = _RANGES[function]
+        operation = known(params.get("operation"))
+        distribution = known(params.get("distribution"))
+        for parameter, field in parameters.items():
+            draft.range(
+                field,
+                params.get(parameter),
+                operation if isinstance(operation, str) else default,
+                selected(params.get("asset_cfg")),
+                distribution if isinstance(distribution, str) else "uniform",
+                selected(params.get("asset_cfg"), "actuator_names"),
+                term,
+            )

@@ -1,0 +1,270 @@
+"""From folded values to the settings, groups and ranges of a configuration."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+from actspec.diagnostics import Collector, Span, shortened
+from actspec.patterns import PatternError, compile_pattern
+from actspec.readings.artifact import ActuatorGroup, RandomizedRange, Setting
+from actspec.readings.python.arithmetic import text_of
+from actspec.readings.python.values import (
+    MAX_NESTING,
+    Cls,
+    Data,
+    External,
+    Obj,
+    Seq,
+    Table,
+    Unknown,
+    Value,
+    class_names,
+    class_roots,
+    reason_of,
+)
+
+UNFOLDED = "CFG001"
+"""Code of what could not be folded."""
+
+NOTHING = "CFG002"
+"""Code of a file without any configuration."""
+
+MAX_LEAVES = 20_000
+"""Numbers and texts in one setting. Chosen: Isaac Lab's largest table has 300."""
+
+_ACTUATOR = re.compile(r"(Actuator|Motor)\w*Cfg(_\w+)?")
+"""Class names of actuator cfgs: `DCMotorCfg`, `ActuatorNetMLPCfg`, `UnitreeActuatorCfg_Go2HV`."""
+
+_PATHS = frozenset({"network_file", "usd_path", "asset_path", "file"})
+"""Settings that keep `{NAME}` where a folder is not known."""
+
+_NAMES = frozenset({"class_type", "command_field", "mode", "transmission_type"})
+"""Settings whose value is a name of the framework; kept as that name."""
+
+
+class _NotPlainError(Exception):
+    pass
+
+
+def plain(value: Value) -> tuple[object, str | None]:
+    """A value without places: (numbers, texts, tuples and mappings, None) or (None, why it is not known)."""
+    left = [MAX_LEAVES]
+    try:
+        return _plain(value.data, left, 0), None
+    except _NotPlainError as err:
+        return None, str(err)
+
+
+def _plain(data: Data, left: list[int], depth: int) -> object:
+    left[0] -= 1
+    if left[0] < 0 or depth > MAX_NESTING:
+        raise _NotPlainError(f"more than {MAX_LEAVES} values, or nested deeper than {MAX_NESTING}")
+    if data is None or isinstance(data, (bool, int, float)):
+        return data
+    if isinstance(data, str):
+        return str(data)
+    if isinstance(data, Seq):
+        return tuple(_plain(one.data, left, depth + 1) for one in data.items)
+    if isinstance(data, Table):
+        if data.open is not None:
+            raise _NotPlainError(data.open)
+        found = {}
+        for key, one in data.items.items():
+            if not isinstance(key, str):
+                raise _NotPlainError(f"the key {key!r} is no text")
+            try:
+                found[key] = _plain(one.data, left, depth + 1)
+            except _NotPlainError as err:
+                raise _NotPlainError(f"{shortened(key, 40)}: {err}" if depth == 0 else str(err)) from err
+        return found
+    if isinstance(data, Obj):
+        if data.open is not None or data.args:
+            raise _NotPlainError(data.open or f"a {data.cls.name}, which is not folded")
+        return {name: _plain(one.data, left, depth + 1) for name, one in data.fields.items()}
+    raise _NotPlainError(reason_of(data) or "it is no value")
+
+
+def setting(value: Value, name: str = "") -> Setting:
+    """A value as a setting; a path or a name of the framework stays a text where the rest is not known."""
+    text = text_of(value.data)
+    if name in _PATHS and text is not None:
+        return Setting(text, value.span)
+    if name in _NAMES and isinstance(value.data, (External, Cls)):
+        return Setting(value.data.name, value.span)
+    found, reason = plain(value)
+    if reason is not None:
+        return Setting(None, value.span, reason)
+    return Setting(found, value.span)  # type: ignore[arg-type]
+
+
+def known(value: Value | None) -> object:
+    """A value without places; None when it is None or not known."""
+    return plain(value)[0] if value is not None else None
+
+
+def is_actuator(value: Value) -> bool:
+    """Whether a value is an actuator cfg."""
+    data = value.data
+    if not isinstance(data, Obj):
+        return False
+    if has_joints(data):
+        return True
+    return bool(class_roots(data.cls)) and any(map(_ACTUATOR.search, class_names(data.cls)))
+
+
+def has_joints(obj: Obj) -> bool:
+    """Whether an actuator cfg says which joints it is for."""
+    return any(name in obj.fields for name in ("joint_names_expr", "target_names_expr", "base_cfg"))
+
+
+def comes_from(obj: Obj, *roots: str) -> bool:
+    """Whether an object's class is, or derives from, one of these packages."""
+    return any(root.startswith(roots) for root in class_roots(obj.cls))
+
+
+def is_named(obj: Obj, ending: str) -> bool:
+    """Whether an object's class, or one that it derives from, has a name with this ending."""
+    return any(name.endswith(ending) for name in class_names(obj.cls))
+
+
+@dataclass(slots=True)
+class Draft:
+    """What is found of one configuration, and what cannot be folded."""
+
+    settings: dict[str, Setting] = field(default_factory=dict)
+    groups: list[ActuatorGroup] = field(default_factory=list)
+    ranges: list[RandomizedRange] = field(default_factory=list)
+    notes: Collector = field(default_factory=Collector)
+
+    def note(self, where: str, reason: str, span: Span) -> None:
+        """Say that something could not be folded."""
+        self.notes.info(UNFOLDED, f"not folded: {shortened(reason, 200)}", where=where, span=span)
+
+    def set(self, name: str, value: Value | None, as_name: str = "") -> None:
+        """Take a robot-wide setting; None: it is not written."""
+        if value is not None:
+            found = setting(value, as_name or name)
+            self.settings[name] = found
+            if found.unknown is not None:
+                self.note(name, found.unknown, found.span)
+
+    def group(self, name: str, obj: Obj, joints: Value | None, values: Mapping[str, Value]) -> None:
+        """Take an actuator group.
+
+        Args:
+            name: Its key.
+            obj: Its cfg.
+            joints: What selects its joints.
+            values: Its fields without that.
+        """
+        settings = {key: setting(value, key) for key, value in values.items()}
+        if obj.open is not None:
+            self.note(name, obj.open, obj.span)
+        patterns = None if joints is None else texts(joints)
+        if patterns is None:
+            reason = (
+                "its joints are not given"
+                if joints is None
+                else plain(joints)[1] or "its joints are no texts"
+            )
+            self.note(name, reason, obj.span)
+        for key, one in settings.items():
+            if one.unknown is not None:
+                self.note(f"{name}.{key}", one.unknown, one.span)
+            elif isinstance(one.value, Mapping):
+                self._patterns(f"{name}.{key}", one.value, one.span)
+        self._patterns(f"{name}.joints", patterns or (), obj.span)
+        bases = tuple(class_names(obj.cls)[1:])
+        self.groups.append(ActuatorGroup(name, obj.cls.name, obj.span, patterns, settings, bases))
+
+    def _patterns(self, where: str, patterns: Iterable[object], span: Span) -> None:
+        """Say which patterns are not matched, and so select nothing."""
+        for pattern in patterns:
+            try:
+                if isinstance(pattern, str):
+                    compile_pattern(pattern)
+            except PatternError as err:
+                self.notes.info(UNFOLDED, f"not matched: {err}", where=where, span=span)
+
+    def range(
+        self,
+        field: str,
+        value: Value | None,
+        operation: str,
+        joints: tuple[str, ...] | None,
+        distribution: str = "uniform",
+        actuators: tuple[str, ...] | None = None,
+        term: Value | None = None,
+    ) -> None:
+        """Take a randomisation range; a dict holds one for each pattern.
+
+        Args:
+            field: What it randomises.
+            value: Its ends.
+            operation: `scale`, `add` or `abs`.
+            joints: Patterns; None: all joints.
+            distribution: `uniform`, `log_uniform` or `gaussian`.
+            actuators: Patterns of actuators' names; None: not given.
+            term: The event term, which says when it is drawn; None without one.
+        """
+        if value is None or value.data is None:
+            return
+        if isinstance(value.data, Table) and value.data.open is None:
+            for key, one in value.data.items.items():
+                chosen = (key,) if isinstance(key, str) else joints
+                self.range(field, one, operation, chosen, distribution, actuators, term)
+            return
+        ends, reason = plain(value)
+        numbers = [float(end) for end in ends if _is_number(end)] if isinstance(ends, tuple) else []
+        if isinstance(ends, tuple) and len(ends) == len(numbers) == 2:
+            low, high = numbers
+            mode, every = known(fields_of(term).get("mode")), _pair(fields_of(term).get("interval_range_s"))
+            when = mode if isinstance(mode, str) else ""
+            self.ranges.append(
+                RandomizedRange(
+                    field, operation, low, high, joints, value.span, distribution, actuators, when, every
+                )
+            )
+        else:
+            self.note(field, reason or "a range is two numbers", value.span)
+
+
+def _pair(value: Value | None) -> tuple[float, float] | None:
+    """Two numbers; None for anything else."""
+    found = known(value)
+    if not isinstance(found, tuple) or len(found) != 2 or not all(map(_is_number, found)):
+        return None
+    return float(found[0]), float(found[1])
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def texts(value: Value) -> tuple[str, ...] | None:
+    """One text or several; None when they are not known."""
+    found = known(value)
+    if isinstance(found, str):
+        return (found,)
+    if isinstance(found, tuple) and all(isinstance(one, str) for one in found):
+        return tuple(str(one) for one in found)
+    return None
+
+
+def fields_of(value: Value | None) -> dict[str, Value]:
+    """Fields of an object, or values of a dict by text; {} for anything else."""
+    data = value.data if value is not None else None
+    if isinstance(data, Obj):
+        return dict(data.fields)
+    if isinstance(data, Table):
+        return {key: one for key, one in data.items.items() if isinstance(key, str)}
+    return {}
+
+
+def unknown_inside(value: Value | None) -> Iterable[tuple[str, Value]]:
+    """Fields of an object or dict that are not known, by name."""
+    return [
+        (name, one) for name, one in fields_of(value).items() if isinstance(one.data, (Unknown, External))
+    ]

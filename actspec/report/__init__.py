@@ -1,0 +1,52 @@
+"""Reports of an audit, one module a format; each has `render(report, options) -> str`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from importlib import import_module
+
+from actspec.audit.outcome import Report
+from actspec.diagnostics import Severity
+
+FORMATS = ("full", "concise", "json", "sarif", "github", "junit", "markdown", "html")
+"""Names of `--output-format`, the default first."""
+
+
+@dataclass(frozen=True, slots=True)
+class ReportOptions:
+    """How a report is to look.
+
+    Attributes:
+        colour: Colours of a terminal (full, concise).
+        ledger: Print the ledger too (full, concise); markdown, html and json always have it.
+        statistics: Counts by rule in place of findings (full, concise).
+        chosen: Whether rules were selected: then junit says of those without input what they lack.
+        fail_on: Least severity that makes a junit test case fail; None: none does.
+    """
+
+    colour: bool = False
+    ledger: bool = False
+    statistics: bool = False
+    chosen: bool = False
+    fail_on: Severity | None = Severity.ERROR
+
+
+def prepare(output_format: str) -> None:
+    """Import what a report needs, while there is something else to wait for.
+
+    Args:
+        output_format: One of `FORMATS`.
+    """
+    import_module(f"actspec.report.{output_format}")
+
+
+def render(report: Report, output_format: str, options: ReportOptions) -> str:
+    """A report as text, ending in a line break.
+
+    Args:
+        report: What was found.
+        output_format: One of `FORMATS`.
+        options: How it is to look.
+    """
+    text: str = import_module(f"actspec.report.{output_format}").render(report, options)
+    return text

@@ -1,0 +1,268 @@
+"""One page with everything in it: no script, nothing fetched, readable on a phone and in the dark."""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from html import escape
+
+import actspec
+from actspec.audit.outcome import SEVERITIES, Report
+from actspec.audit.pages import page
+from actspec.audit.rule import Rule
+from actspec.diagnostics import Severity, Span, listed, one_line
+from actspec.readings.artifact import FileReading
+from actspec.report import ReportOptions
+from actspec.report.columns import cell
+from actspec.report.compare import Comparison, Line, comparisons
+from actspec.report.groups import Group, grouped
+from actspec.report.ledger import LedgerTable, ledger_tables
+from actspec.report.sources import Sources
+from actspec.report.text import counted, many
+
+_MOST_OPEN = 8
+"""So many files or tables are shown, more are folded away. Chosen: they fit on a screen."""
+
+_STYLE = """
+:root { color-scheme: light dark; --line: #d0d7de; --soft: #f6f8fa; --error: #b42318; --warning: #9a6700;
+  --info: #0969da; --text: #1f2328; --ground: #ffffff; --faint: #59636e; }
+@media (prefers-color-scheme: dark) { :root { --line: #3d444d; --soft: #151b23; --error: #ff7b72;
+  --warning: #d29922; --info: #58a6ff; --text: #e6edf3; --ground: #0d1117; --faint: #9198a1; } }
+* { box-sizing: border-box; }
+body { margin: 0 auto; max-width: 76rem; padding: 1rem; color: var(--text); background: var(--ground);
+  font: 1rem/1.5 system-ui, sans-serif; overflow-wrap: anywhere; }
+h1 { font-size: 1.5rem; } h2 { font-size: 1.2rem; margin-top: 2rem; } a { color: var(--info); }
+.wide { overflow-x: auto; margin: .5rem 0; }
+table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
+th, td { border: 1px solid var(--line); padding: .25rem .5rem; text-align: left; vertical-align: top; }
+th { background: var(--soft); } .n { text-align: right; white-space: nowrap; }
+.long { min-width: 14rem; overflow-wrap: anywhere; } .file { min-width: 8rem; overflow-wrap: anywhere; }
+/* The first column stays while the others are scrolled: on a phone it says which joint a figure is of. */
+.wide th:first-child, .wide td:first-child { position: sticky; left: 0; max-width: 60vw; }
+.wide td:first-child { background: var(--ground); }
+.wide tr.differs td { background: color-mix(in srgb, var(--warning) 15%, var(--ground)); }
+pre { background: var(--soft); border: 1px solid var(--line); padding: .5rem; overflow-x: auto; font-size: .85rem;
+  margin: .5rem 0; }
+article { border: 1px solid var(--line); border-left: .3rem solid var(--line); border-radius: .3rem;
+  padding: .5rem 1rem; margin: 1rem 0; }
+article.error { border-left-color: var(--error); } article.warning { border-left-color: var(--warning); }
+article.info { border-left-color: var(--info); } .severity { font-weight: bold; }
+.error .severity { color: var(--error); } .warning .severity { color: var(--warning); }
+.info .severity { color: var(--info); } article p { margin: .3rem 0; }
+.place, .faint, caption { color: var(--faint); font-size: .85rem; }
+caption { text-align: left; padding: .3rem 0; } summary { cursor: pointer; padding: .3rem 0; }
+"""
+
+
+def render(report: Report, options: ReportOptions) -> str:
+    """The report as one page."""
+    body = "\n".join(
+        (
+            *_head(report),
+            *_findings(report),
+            *_comparisons(report),
+            *_ledger(report),
+            *_files(report),
+            *_rules(report),
+            f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
+        )
+    )
+    return (
+        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
+        # A second lock: should a name ever slip through unescaped, it can load and run nothing.
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
+        f"<title>actspec audit: {escape(counted(report))}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<body>\n{body}\n</body>\n</html>\n"
+    )
+
+
+def _text(text: str) -> str:
+    return escape(one_line(text))
+
+
+def _fold(title: str, lines: Iterator[str], *, shown: bool) -> Iterator[str]:
+    """What can be folded away."""
+    yield f"<details{' open' * shown}><summary>{_text(title)}</summary>"
+    yield from lines
+    yield "</details>"
+
+
+def _head(report: Report) -> Iterator[str]:
+    yield f"<h1>actspec audit: {_text(counted(report))}</h1>"
+    problems = report.told()
+    if problems:
+        lines = "".join(f"<li>{_text(str(item).partition(chr(10))[0])}</li>" for item in problems)
+        yield f"<ul>{lines}</ul>"
+    counts = Counter((item.severity, item.finding.code, item.name) for item in report.findings)
+    if counts:
+        heads = "<th>rule</th><th>severity</th><th>findings</th>"
+        yield f'<div class="wide"><table><tr>{heads}</tr>'
+        for (severity, code, name), count in sorted(counts.items(), key=_worst_first):
+            yield (
+                f'<tr class="{severity.value}"><td>{_link(code)} {_text(name)}</td>'
+                f'<td class="severity">{severity.value}</td><td class="n">{count}</td></tr>'
+            )
+        yield "</table></div>"
+    if report.suppressed:
+        yield f'<p class="faint">{many(len(report.suppressed), "finding")} set aside.</p>'
+
+
+def _worst_first(entry: tuple[tuple[Severity, str, str], int]) -> tuple[int, int, str]:
+    (severity, code, _), count = entry
+    return -SEVERITIES.index(severity), -count, code
+
+
+def _link(code: str) -> str:
+    return f'<a href="#rule-{_text(code)}">{_text(code)}</a>'
+
+
+def _state(file: FileReading) -> str:
+    return "read" if file.reason is None else f"not read: {file.reason}"
+
+
+def _files(report: Report) -> Iterator[str]:
+    files = report.case.files
+    if files:
+        yield "<h2>Files</h2>"
+        unread = sum(not file.readable for file in files)
+        title = many(len(files), "file") + (f", {unread} not read" if unread else "")
+        yield from _fold(title, _file_table(files), shown=len(files) <= _MOST_OPEN)
+
+
+def _file_table(files: Sequence[FileReading]) -> Iterator[str]:
+    yield '<div class="wide"><table><tr><th>file</th><th>kind</th><th>robots</th><th>state</th></tr>'
+    for file in files:
+        names = ", ".join(artifact.name for artifact in file.artifacts)
+        kind = file.kind.value if file.kind is not None else ""
+        yield (
+            f'<tr><td class="long">{_text(file.path)}</td><td>{_text(kind)}</td><td>{_text(names)}</td>'
+            f'<td class="long">{_text(_state(file))}</td></tr>'
+        )
+    yield "</table></div>"
+
+
+def _findings(report: Report) -> Iterator[str]:
+    sources = Sources(report.case.files)
+    groups = grouped(report.findings)
+    if groups:
+        yield "<h2>Findings</h2>"
+    for group in groups:
+        yield from _finding(group, sources)
+
+
+def _finding(group: Group, sources: Sources) -> Iterator[str]:
+    item, finding = group.first, group.first.finding
+    severity = item.severity.value
+    yield f'<article class="{severity}">'
+    rule = f"{_link(finding.code)} {_text(item.name)}"
+    yield f'<p class="place">{_text(str(finding.span))}</p>'
+    yield f'<p><span class="severity">{severity}</span> {rule}, {item.confidence.value} confidence</p>'
+    joints = f"<strong>{_text(listed(group.joints, 12))}</strong>: " if group.joints else ""
+    yield f"<p>{joints}{_text(finding.message)}</p>"
+    yield from _excerpt(finding.span, sources)
+    also_on = group.also_on(12)
+    if also_on:
+        yield f'<p class="faint">{also_on}</p>'
+    if finding.help:
+        yield f"<p>Help: {_text(finding.help)}</p>"
+    for span in group.related()[:4]:
+        yield f'<p class="place">see {_text(str(span))}</p>'
+        yield from _excerpt(span, sources)
+    yield "</article>"
+
+
+def _excerpt(span: Span, sources: Sources) -> Iterator[str]:
+    lines = list(sources.excerpt(span))[1:]
+    if lines:
+        yield f"<pre>{escape(chr(10).join(lines))}</pre>"
+
+
+def _comparisons(report: Report) -> Iterator[str]:
+    found = list(comparisons(report.case))
+    if not found:
+        return
+    yield "<h2>Joint by file</h2>"
+    for comparison in found:
+        differing = [line for line in comparison.lines if line.differs]
+        equal = [line for line in comparison.lines if not line.differs]
+        if differing:
+            title = f"{comparison.robot}: files disagree"
+            yield from _fold(title, _comparison(comparison, differing), shown=True)
+        if equal:
+            title = f"{comparison.robot}: files agree ({many(len(equal), 'line')})"
+            yield from _fold(title, _comparison(comparison, equal), shown=False)
+
+
+def _comparison(comparison: Comparison, lines: list[Line]) -> Iterator[str]:
+    # Paths are long: the folders that they share are told once.
+    folder = _shared_folder(comparison.sources)
+    if folder:
+        yield f'<p class="faint">below {_text(folder)}</p>'
+    sources = [source.removeprefix(folder) for source in comparison.sources]
+    heads = "<th>field</th><th>joints</th>"
+    heads += "".join(f'<th class="file">{_text(source)}</th>' for source in sources) + "<th>ratio</th>"
+    yield f'<div class="wide"><table><tr>{heads}</tr>'
+    for line in lines:
+        title = f"{line.column.title} [{line.unit}]" if line.unit else line.column.title
+        values = "".join(f'<td class="n">{_text(cell(value))}</td>' for value in line.values)
+        css = ' class="differs"' if line.differs else ""
+        yield (
+            f'<tr{css}><td>{_text(title)}</td><td class="long">{_text(listed(line.joints, 6))}</td>{values}'
+            f'<td class="n">{line.shown_ratio}</td></tr>'
+        )
+    yield "</table></div>"
+
+
+def _shared_folder(paths: Sequence[str]) -> str:
+    """The folder that all are in, with a `/` at its end; "" when there is none to speak of."""
+    try:
+        folder = os.path.commonpath([os.path.dirname(path) for path in paths])
+    except ValueError:  # absolute and relative ones, or several drives
+        return ""
+    return os.path.join(folder, "") if folder.strip(os.sep) else ""
+
+
+def _ledger(report: Report) -> Iterator[str]:
+    tables = list(ledger_tables(report.case))
+    if not tables:
+        return
+    yield "<h2>Ledger: what acts on each joint</h2>"
+    for found in tables:
+        yield from _fold(found.title, _table(found), shown=len(tables) <= _MOST_OPEN)
+
+
+def _table(found: LedgerTable) -> Iterator[str]:
+    titles = ["joints", "control"]
+    for column in found.columns:
+        unit = column.unit(found.kind)
+        titles.append(f"{column.title} [{unit}]" if unit else column.title)
+    heads = "".join(f"<th>{_text(title)}</th>" for title in titles)
+    yield f'<div class="wide"><table><tr>{heads}</tr>'
+    for joints, control, cells in found.rows:
+        figures = "".join(f'<td class="n">{_text(text)}</td>' for text in cells)
+        yield f'<tr><td class="long">{_text(listed(joints, 6))}</td><td>{_text(control)}</td>{figures}</tr>'
+    yield "</table></div>"
+    if found.legend:
+        yield f'<p class="faint">{_text(found.legend)}</p>'
+    if found.zero:
+        yield f'<p class="faint">0 for all: {_text(", ".join(found.zero))}</p>'
+
+
+def _rules(report: Report) -> Iterator[str]:
+    found = {item.finding.code for item in report.findings}
+    told = [rule for rule in report.rules if rule.code in found]
+    if told:
+        yield "<h2>Rules</h2>"
+    for rule in told:
+        yield from _rule(rule)
+    if report.skipped:
+        lines = "".join(f"<li>{_text(item.code)}: {_text(item.reason)}</li>" for item in report.skipped)
+        yield from _fold("Rules without input", iter((f"<ul>{lines}</ul>",)), shown=False)
+
+
+def _rule(rule: type[Rule]) -> Iterator[str]:
+    # A link to what is inside opens it, one to the fold itself does not.
+    text = f'<pre id="rule-{_text(rule.code)}">{escape(page(rule))}</pre>'
+    yield from _fold(f"{rule.code} {rule.name}", iter((text,)), shown=False)

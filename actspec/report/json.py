@@ -1,0 +1,95 @@
+"""`actspec-report/1`: the audit for programs. SI units at the joint; null is unknown; `Infinity` is no limit."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any
+
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.outcome import Report, Reported
+from actspec.diagnostics import Diagnostic, one_line
+from actspec.readings.artifact import FileReading
+from actspec.report import ReportOptions
+from actspec.report.columns import JSON_FIELDS, JSON_FLAGS
+
+FORMAT = "actspec-report/1"
+
+
+def render(report: Report, options: ReportOptions) -> str:
+    """The report as one JSON object."""
+    return json.dumps(record(report), indent=2, ensure_ascii=True, allow_nan=False) + "\n"
+
+
+def record(report: Report) -> dict[str, Any]:
+    """The report as data."""
+    return {
+        "format": FORMAT,
+        "files": [_file(file) for file in report.case.files],
+        "ledger": [_row(row) for row in report.case.rows],
+        "findings": [_finding(item) for item in report.findings],
+        "skipped": [{"code": item.code, "reason": item.reason} for item in report.skipped],
+        "diagnostics": [diagnostic(item) for item in report.diagnostics()],
+    }
+
+
+def number(value: float | None) -> float | str | None:
+    """A figure for JSON, which has no infinity: the text `Infinity`, which Python and JavaScript read as one."""
+    if value is None or math.isnan(value):
+        return None
+    if math.isinf(value):
+        return "Infinity" if value > 0 else "-Infinity"
+    return float(value)
+
+
+def diagnostic(item: Diagnostic) -> dict[str, Any]:
+    """A diagnostic as all machine output has it."""
+    return {
+        "code": item.code,
+        "severity": item.severity.value,
+        "file": item.span.path if item.span is not None else None,
+        "line": item.span.line or None if item.span is not None else None,
+        "column": item.span.column or None if item.span is not None else None,
+        "where": item.where or None,
+        "message": item.message,
+        "help": item.help,
+    }
+
+
+def _file(file: FileReading) -> dict[str, Any]:
+    reason = None if file.reason is None else one_line(file.reason)
+    kind = None if file.kind is None else file.kind.value
+    return {"path": file.path, "kind": kind, "readable": file.readable, "reason": reason}
+
+
+def _row(row: LedgerRow) -> dict[str, Any]:
+    return {
+        "file": row.file,
+        "line": row.span.line or None,
+        "joint": row.joint,
+        "actuator": row.actuator,
+        "control": row.control,
+        "drives": row.drives or None,
+        **{field: number(getattr(row, field)) for field in JSON_FIELDS},
+        **{field: getattr(row, field) for field in JSON_FLAGS},
+    }
+
+
+def _finding(item: Reported) -> dict[str, Any]:
+    finding = item.finding
+    return {
+        "code": finding.code,
+        "name": item.name,
+        "severity": item.severity.value,
+        "confidence": item.confidence.value,
+        "file": finding.span.path,
+        "line": finding.span.line or None,
+        "column": finding.span.column or None,
+        "joint": finding.joint or None,
+        "message": finding.message,
+        "value": number(finding.value),
+        "unit": finding.unit,
+        "expected": number(finding.expected),
+        "help": finding.help,
+        "fix": finding.fix.safety.value if finding.fix is not None else None,
+    }

@@ -1,7 +1,0 @@
-"""What a compiled model needs while it runs."""
-
-from __future__ import annotations
-
-from actspec.runtime.mujoco import reset
-
-__all__ = ["reset"]
