@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from actspec.audit.dynamics import NOUNS, SETTING_NOUNS, Figure, JointDynamics, RobotDynamics
+from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS
 
 SAME = 1e-9
 """Largest relative difference of equal figures. Chosen: what is left of a float after units and sums."""
@@ -28,7 +30,7 @@ class Change:
 
     Attributes:
         joint: Whose; "" for the whole robot.
-        field: Of `NOUNS`, `SETTING_NOUNS` or `EFFECTS`, or `control`, `network`, `inertia_min`, `inertia_max`.
+        field: Of `FIELDS`, `SETTING_NOUNS` or `EFFECTS`, or `control`, `network`, `inertia_min`, `inertia_max`.
         noun: The field in words.
         old: Before, in `unit`; None is unknown, or that there was none.
         new: After.
@@ -129,11 +131,11 @@ def _joint(
     if alike and old.control != new.control:
         yield Change(new.joint, "control", "drive", old.control, new.control, "", old.place, new.place)
     found = []
-    for name, noun in NOUNS.items():
+    for name, field in FIELDS.items():
         before, after = old.figures.get(name), new.figures.get(name)
         if not alike and not (_tells(old, before, name, old_kind) and _tells(new, after, name, new_kind)):
             continue
-        change = _figure(new.joint, name, noun, before, after, tolerance)
+        change = _figure(new.joint, name, field.noun, before, after, tolerance)
         if change is not None:
             found.append(change)
     parts = [change for change in found if change.field in ("kd", "joint_damping", "actuator_damping")]

@@ -14,43 +14,12 @@ from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
 from actspec.diagnostics import Span
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import JointActuator, JointKind
+from actspec.ir import JointActuator
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS, Role, unit_of
 from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
-from actspec.units import Kind
-
-NOUNS = {
-    "kp": "stiffness kp",
-    "kd": "drive gain kd",
-    "joint_damping": "joint damping",
-    "actuator_damping": "actuator damping",
-    "back_emf": "back-EMF",
-    "total_damping": "total damping",
-    "frictionloss": "dry friction",
-    "friction_static": "break-away friction",
-    "stribeck_velocity": "Stribeck velocity",
-    "friction_setting": "friction as written",
-    "dynamic_friction_setting": "dynamic friction as written",
-    "spring": "joint stiffness",
-    "effort_limit": "effort limit",
-    "velocity_limit": "velocity limit",
-    "stall_torque": "stall torque",
-    "no_load_speed": "no-load speed",
-    "armature": "armature",
-    "delay": "delay",
-    "delay_low": "least delay",
-    "delay_high": "largest delay",
-    "filter_cutoff": "cutoff of the command filter",
-    "command_low": "least command",
-    "command_high": "largest command",
-    "position_low": "lower position limit",
-    "position_high": "upper position limit",
-    "encoder_bias": "encoder bias",
-    "action_scale": "action scale",
-    "default_position": "default position",
-}
-"""Field to its words, in the order in which they are told."""
 
 SETTING_NOUNS = {
     "physics_dt": "physics step",
@@ -58,53 +27,15 @@ SETTING_NOUNS = {
     "control_dt": "control period",
     "integrator": "integrator",
 }
-"""What concerns the whole robot, likewise."""
+"""What concerns the whole robot, in words, in the order in which it is shown."""
 
-_KINDS = {
-    "kp": Kind.STIFFNESS,
-    "spring": Kind.STIFFNESS,
-    "kd": Kind.VELOCITY_GAIN,
-    "joint_damping": Kind.VELOCITY_GAIN,
-    "actuator_damping": Kind.VELOCITY_GAIN,
-    "back_emf": Kind.VELOCITY_GAIN,
-    "total_damping": Kind.VELOCITY_GAIN,
-    "frictionloss": Kind.TORQUE,
-    "friction_static": Kind.TORQUE,
-    "effort_limit": Kind.TORQUE,
-    "stall_torque": Kind.TORQUE,
-    "velocity_limit": Kind.SPEED,
-    "no_load_speed": Kind.SPEED,
-    "stribeck_velocity": Kind.SPEED,
-    "armature": Kind.INERTIA,
-    "position_low": Kind.POSITION,
-    "position_high": Kind.POSITION,
-    "encoder_bias": Kind.POSITION,
-    "action_scale": Kind.POSITION,
-    "default_position": Kind.POSITION,
-}
-_UNITS = {"delay": "s", "delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
-_SUMMED = frozenset({"kp", "kd", "actuator_damping", "back_emf"})
-"""What adds up over the actuators of a joint; the other fields of a row are the joint's already."""
 _MOST_NETWORK_BYTES = 1 << 28
 """Chosen: actuator networks have some 10 kB."""
-_OF_ROW = tuple(name for name in NOUNS if name in LedgerRow.__dataclass_fields__)
-
-
-@dataclass(frozen=True, slots=True)
-class Figure:
-    """One number of one joint as one file has it.
-
-    Attributes:
-        value: In `unit`; None is unknown, inf no limit.
-        unit: SI unit; "" where it has none, or nobody says.
-        place: Where it is written.
-        stated: Whether the file states it itself; else it is an engine's default or computed.
-    """
-
-    value: float | None
-    unit: str
-    place: Span
-    stated: bool
+_OF_ROW = tuple(
+    name
+    for name, field in FIELDS.items()
+    if name in LedgerRow.__dataclass_fields__ and field.role is not Role.DERIVED
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,7 +46,7 @@ class JointDynamics:
         joint: Its name; `actuator NAME` for what drives a tendon, site or body.
         control: The controls of its actuators (`CONTROLS`), joined by `+`.
         place: Where the actuator (or the bare joint) is written.
-        figures: Field of `NOUNS` to its figure.
+        figures: Field of `FIELDS` to its figure.
         network: SHA-256 of its actuator network, or the network's name where only that is known; None: none.
         inertia: Least and largest inertia of the links over the poses, armature left out; None when unknown.
         natural_frequency: [rad/s]; None when unknown.
@@ -177,15 +108,15 @@ def figure(rows: Sequence[LedgerRow], name: str) -> Figure:
     """
     if len(rows) == 1:
         row = rows[0]
-        return Figure(getattr(row, name), _unit(name, row.kind), row.place(name), name in row.stated)
+        return Figure(getattr(row, name), unit_of(name, row.kind), row.place(name), name in row.stated)
     said = [row for row in rows if name in row.stated]
     values: list[float | None] = [getattr(row, name) for row in rows]
     value = values[0]
-    if name in _SUMMED and len(rows) > 1:
+    if FIELDS[name].summed and len(rows) > 1:
         known = [item for item in values if item is not None]
         value = math.fsum(known) if len(known) == len(values) else None
     first = said[0] if said else rows[0]
-    return Figure(value, _unit(name, rows[0].kind), first.place(name), bool(said))
+    return Figure(value, unit_of(name, rows[0].kind), first.place(name), bool(said))
 
 
 def settings_of(artifact: Artifact) -> dict[str, float | str]:
@@ -254,20 +185,12 @@ def _covers(config: RobotConfig, key: str, joint: str) -> bool:
     return key == joint or bool(matching(config.framework, key, (joint,)))
 
 
-def _unit(name: str, kind: JointKind | None) -> str:
-    """SI unit of a field; a joint of unknown kind is taken for a hinge, as nearly all are."""
-    quantity = _KINDS.get(name)
-    if quantity is not None:
-        return quantity.linear_unit if kind is JointKind.SLIDE else quantity.rotary_unit
-    return _UNITS.get(name, "")
-
-
 def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
     first = rows[0]
     figures = {name: figure(rows, name) for name in _OF_ROW}
 
     def add(name: str, value: float | None, place: Span | None = None) -> None:
-        figures[name] = Figure(value, _unit(name, first.kind), place or first.span, True)
+        figures[name] = Figure(value, unit_of(name, first.kind), place or first.span, True)
 
     command = _least_range([row.command_range for row in rows])
     for name, ends in (("command", command), ("position", first.position_range)):
@@ -297,7 +220,7 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
         first.joint,
         "+".join(dict.fromkeys(row.control for row in rows)),
         first.span,
-        {name: figures[name] for name in NOUNS if name in figures},
+        {name: figures[name] for name in FIELDS if name in figures},
         network,
         _links(first),
         first.natural_frequency,

@@ -16,10 +16,12 @@ from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, difference
-from actspec.audit.dynamics import NOUNS, SETTING_NOUNS, Figure, JointDynamics, RobotDynamics, dynamics_of
+from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Span, shortened
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
@@ -162,7 +164,7 @@ def _dynamics(name: str, file: str, kind: FileKind, entry: Mapping[str, Any] | N
 
 def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynamics:
     place = Span(file)
-    figures = {field: Figure(float(entry[field]), "", place, True) for field in NOUNS if field in entry}
+    figures = {field: Figure(float(entry[field]), "", place, True) for field in FIELDS if field in entry}
     return JointDynamics(name, entry["control"], place, figures, entry.get("network"))
 
 
@@ -205,7 +207,7 @@ def _robot_fault(record: Any) -> str | None:
         if not all(isinstance(text, str) for text in texts):
             return f"{shortened(name)} {shape}"
         figures = {key: value for key, value in joint.items() if key not in ("hash", "control", "network")}
-        if not all(key in NOUNS and _is_figure(value) for key, value in figures.items()):
+        if not all(key in FIELDS and _is_figure(value) for key, value in figures.items()):
             return f"{shortened(name)} {shape}"
         own = {key: value for key, value in joint.items() if key != "hash"}
         if _hash(own) != joint.get("hash"):

@@ -7,15 +7,16 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.dynamics import NOUNS, Figure
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator, Level
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS
 from actspec.targets.isaaclab.versions import FrictionUnit, isaaclab_dialect
 from actspec.verify.agreement import Row, keys
 from actspec.verify.classify import Difference, classify
 from actspec.verify.compiled import compiled_rows
 from actspec.verify.layout import NOTHING, TOLERANCE, driven, figure_text, layout_rows
-from actspec.verify.overlay import FIELDS
+from actspec.verify.overlay import FIELDS as OVERLAY_FIELDS
 from actspec.verify.readback import ABSENT, Figures, Reading
 from actspec.verify.target import Target, alike
 
@@ -32,7 +33,7 @@ HELD: Mapping[str, tuple[str, ...]] = {
         *("kp", "kd", "effort_limit", "velocity_limit", "delay_nominal", "delay_low", "delay_high"),
         *("command_low", "command_high", "position_low", "position_high", "default_position", "action_scale"),
     ),
-    "newton": FIELDS,
+    "newton": OVERLAY_FIELDS,
     "urdf": ("effort_limit", "velocity_limit", "joint_damping", "frictionloss"),
 }
 """Kind of target to the fields that it can hold, which are held to the spec; all others are held to what actspec
@@ -64,14 +65,6 @@ LOSSES: Mapping[str, tuple[str, ...]] = {
 
 _TOLD_ELSEWHERE = frozenset({"total_damping", "actuator_damping", "back_emf", "delay"})
 """Sums and parts of other fields."""
-
-_NOUNS = {
-    "curve.drive_torque": "drive torque of the curve",
-    "curve.brake_torque": "brake torque of the curve",
-    "curve.knee_speed": "knee speed of the curve",
-    "solver_effort_limit": "effort limit of the solver",
-    "delay_nominal": "delay",
-}
 
 _FACTOR = re.compile(r"[x/] ([0-9.eE+-]+) \((gear_ratio|reduction|stages?|lead|radius|factor)\w*(\^2)?\)")
 """A factor in the formula of a derived number: `x 81 (gear_ratio^2)`."""
@@ -290,7 +283,7 @@ def _row(
 
 
 def _message(one: _Compared, reason: str, engine: str | None) -> str:
-    noun = NOUNS.get(one.field) or _NOUNS.get(one.field, one.field)
+    noun = FIELDS[one.field].noun if one.field in FIELDS else one.field
     said = figure_text(one.value, one.unit)
     where = f" in {engine}" if engine is not None else ""
     what = "is not said" if one.value is None else f"is {said}"

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import replace
 
-from actspec.audit.dynamics import Figure
 from actspec.diagnostics import ActspecError, Collector
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import lift_newton
 from actspec.lift.newton_joint import READ
 from actspec.lift.newton_prims import TARGETS, NewtonJoint, newton_joints
+from actspec.readings.compare import Figure
 from actspec.robot.read_usda import MAX_BYTES, read_usda
 from actspec.robot.usda import Asset, UsdaAttribute, UsdaLayer
 from actspec.robot.view import RobotView

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import Figure, JointDynamics, dynamics_of
+from actspec.audit.dynamics import JointDynamics, dynamics_of
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.read import read_files
 from actspec.audit.rows.config import rows_of_config
@@ -22,6 +22,7 @@ from actspec.readings.artifact import (
     Framework,
     RandomizedRange,
 )
+from actspec.readings.compare import Figure
 from actspec.readings.friction_unit import Meaning, friction_meaning
 from actspec.readings.pair import Robot, matching
 from actspec.readings.versions import Versions

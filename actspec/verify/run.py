@@ -12,9 +12,9 @@ from dataclasses import replace
 from functools import partial
 from importlib import import_module
 
-from actspec.audit.dynamics import Figure
 from actspec.diagnostics import Collector, Span
 from actspec.ir import ActuatorSet
+from actspec.readings.compare import Figure
 from actspec.robot.view import RobotView
 from actspec.targets.base import Emission, TargetOptions
 from actspec.verify.agreement import Agreement, Row, Skip

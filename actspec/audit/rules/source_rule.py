@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import NOUNS
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.audit.rules.source_pairs import (
@@ -16,6 +15,7 @@ from actspec.audit.rules.source_pairs import (
     unit_slip,
 )
 from actspec.diagnostics import Severity
+from actspec.readings.fields import FIELDS
 from actspec.units import format_quantity
 
 
@@ -74,7 +74,7 @@ class SourceRule(Rule):
         other = found.others[0].file
         return Finding(
             self.code,
-            f"the {NOUNS[found.field]} is {shown(mine.value, mine.unit)} here and "
+            f"the {FIELDS[found.field].noun} is {shown(mine.value, mine.unit)} here and "
             f"{shown(theirs.value, theirs.unit)} in {other}{found.times}: {self.consequence(case, found)}",
             mine.place,
             found.rows[0].joint,

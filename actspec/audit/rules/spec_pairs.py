@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import NOUNS, Figure, figure, friction_setting
+from actspec.audit.dynamics import figure, friction_setting
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
@@ -17,6 +17,8 @@ from actspec.audit.rules.source_rule import shown
 from actspec.diagnostics import Severity
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1
@@ -188,11 +190,11 @@ class SpecRule(Rule):
         assert mine.value is not None and wanted.value is not None
         ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
         if math.isinf(mine.value):
-            told = f"there is no {NOUNS[field]}"
+            told = f"there is no {FIELDS[field].noun}"
         elif mine.stated:
-            told = f"the {NOUNS[field]} is {shown(mine.value, mine.unit)}"
+            told = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
         else:
-            told = f"the {NOUNS[field]} is not written, so {shown(mine.value, mine.unit)}"
+            told = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
         if math.isinf(mine.value) or math.isinf(wanted.value):
             ratio = ""
         return Finding(
