@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from actspec.robot.mesh import MeshDependence
+
 POSES = 256
 """Sampled poses beside the reference pose. Source: the design, §4."""
 
@@ -57,19 +59,19 @@ class Masses:
         return {joint.name: self.of_dofs[joint.dof] for joint in joints if joint.dof in self.of_dofs}
 
 
-def masses_of(model: mujoco.MjModel, mesh_body: str | None, poses: int, matrices: bool) -> Masses:
+def masses_of(model: mujoco.MjModel, meshes: MeshDependence | None, poses: int, matrices: bool) -> Masses:
     """The inertia of a model.
 
     Args:
         model: Compiled.
-        mesh_body: Name of a body whose mass needs mesh files that are not there; None: no such body.
+        meshes: Bodies whose mass comes from mesh files; None: no such body.
         poses: Sampled poses beside the reference pose.
         matrices: Whole matrices.
     """
     from actspec.robot.mjspec import quiet
 
-    if mesh_body is not None:
-        return Masses(None, {}, f"the mass of body {mesh_body!r} comes from mesh files that are not there")
+    if meshes is not None and meshes.missing:
+        return Masses(None, {}, meshes.reason)
     try:
         with quiet():
             if matrices:

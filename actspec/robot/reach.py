@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 _INDIRECT = frozenset({"tendon", "site", "slidercrank"})
 
 
-def reached_joints(model: ModelLists, index: int, transmission: str) -> tuple[str, ...]:
-    """Names of the joints that feel an actuator's force, in the model's order; those without a name are left out.
+def reached_joints(model: ModelLists, index: int, transmission: str) -> list[int]:
+    """Joints that feel an actuator's force over a tendon, a site or a crank, in the model's order.
 
     A fixed tendon reaches its joints. A spatial one, a site and a crank reach what lies between the two bodies that
     they pull at, for a site without `refsite` what lies between its body and the world.
@@ -26,15 +26,21 @@ def reached_joints(model: ModelLists, index: int, transmission: str) -> tuple[st
         transmission: As `ActuatorView.transmission`.
     """
     if transmission not in _INDIRECT:
-        return ()
+        return []
     first, second = model.actuator_trnid[index]
     if transmission == "tendon":
         joints = _of_tendon(model, first)
     else:
         bodies = model.site_bodyid
         joints = _between(model, bodies[first], bodies[second] if second >= 0 else 0)
-    names = (model.name("mjOBJ_JOINT", joint) for joint in sorted(joints))
-    return tuple(name for name in names if name)
+    return sorted(joints)
+
+
+def moved_joints(model: ModelLists, index: int, transmission: str) -> list[int] | None:
+    """Joints that an actuator drives, directly or not; None: it may be any. Arguments as in `reached_joints`."""
+    if transmission in _INDIRECT:
+        return reached_joints(model, index, transmission)
+    return [model.actuator_trnid[index][0]] if transmission in ("joint", "jointinparent") else None
 
 
 def _of_tendon(model: ModelLists, tendon: int) -> set[int]:

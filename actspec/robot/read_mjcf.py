@@ -4,17 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields
-from math import isnan
+from dataclasses import dataclass, fields, replace
+from math import isnan, nan
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, RobotError, Span
+from actspec.diagnostics import Collector, RobotError, Span, listed
 from actspec.joints import JointKind
 from actspec.robot.classify import control, transmission
 from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
+from actspec.robot.mesh import MeshDependence, give_placeholder_masses, unknown_inertia
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.model_lists import ModelLists, named_parents
-from actspec.robot.reach import reached_joints
+from actspec.robot.reach import moved_joints, reached_joints
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
 if TYPE_CHECKING:
@@ -83,23 +84,31 @@ def read_mjcf(
     written = read_elements(document)
     masses = Masses(None, {}, "not asked for")
     if inertia:
-        masses = masses_of(model, compiled.missing, poses, matrices)
-    if inertia and masses.reason and any(e.get("dampratio") for e in written.actuators):
-        out.warning("ROBOT114", f"a dampratio is not resolved: {masses.reason}", span=main)
+        masses = masses_of(model, compiled.meshes, poses, matrices)
     lists = ModelLists(model)
-    joints = _joints(lists, spec, written, document, main, not masses.reason)
+    weightless = unknown_inertia(model, compiled.meshes)
+    ratios = _unknown_ratios(lists, compiled.ratios, weightless)
+    joints = _joints(lists, spec, written, document, main, not masses.reason, weightless)
     unnamed = _unnamed(lists)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
     switched_off = _switched_off(model)
     actuators = tuple(
-        _actuator(lists, index, element, written, document, main, switched_off)
+        _actuator(lists, index, element, written, document, main, switched_off, index in ratios)
         for index, element in enumerate(_actuator_elements(lists, written))
     )
     for actuator in actuators:
         if actuator.transmission == "joint" and not actuator.target:
             what = f"actuator {actuator.name or actuator.index} drives a joint without a name"
             out.info("ROBOT113", what, where=actuator.name, span=actuator.span)
+    if compiled.meshes is not None:
+        for what, names in (
+            ("stiffness and damping from springdamper", [j.name for j in joints if "stiffness" in j.unknown]),
+            ("velocity gains from dampratio", [a.name for a in actuators if a.index in ratios]),
+        ):
+            if names:
+                message = f"{what} are unknown ({listed(names)}): {compiled.meshes.reason}"
+                out.warning("ROBOT114", message, span=main)
     if not _is_finite(model):
         _refuse_nan((*joints, *actuators), out)
     return RobotView(
@@ -122,11 +131,21 @@ def read_mjcf(
 
 @dataclass(frozen=True, slots=True)
 class _Compiled:
-    """A model and its spec, a body whose mass needs mesh files that are not there, and MuJoCo's warnings."""
+    """A model with its spec.
+
+    Attributes:
+        spec: Compiled.
+        model: Of the spec.
+        meshes: Bodies whose mass comes from mesh files.
+        ratios: Actuators with a positive number in the place of -kv, which MuJoCo takes for a damping ratio in
+            a servo, and the number.
+        said: MuJoCo's warnings.
+    """
 
     spec: mujoco.MjSpec
     model: mujoco.MjModel
-    missing: str | None
+    meshes: MeshDependence | None
+    ratios: tuple[tuple[mujoco.MjsActuator, float], ...]
     said: tuple[str, ...]
 
 
@@ -137,9 +156,13 @@ def _compiled(files: Sequence[ModelFile]) -> _Compiled:
     meshes = mesh_dependence(spec)
     if meshes is not None and not meshes.missing:
         spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True, parsed=True)
+    elif meshes is not None:
+        give_placeholder_masses(meshes)
+    # From 3.16 on compiling may write the gain into the spec.
+    ratios = tuple((one, float(one.biasprm[2])) for one in spec.actuators if one.biasprm[2] > 0.0)
     said: list[str] = []
     model = compile_spec(spec, files, said=said)
-    return _Compiled(spec, model, meshes.body if meshes and meshes.missing else None, tuple(said))
+    return _Compiled(spec, model, meshes, ratios, tuple(said))
 
 
 def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
@@ -153,6 +176,21 @@ def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
     return _compiled(document.files)
 
 
+def _unknown_ratios(
+    model: ModelLists, ratios: Sequence[tuple[mujoco.MjsActuator, float]], weightless: frozenset[int]
+) -> frozenset[int]:
+    """Actuators whose velocity gain MuJoCo makes of a damping ratio and an inertia that is unknown."""
+    unknown = {model.dof_jntid[dof] for dof in weightless}
+    found = set()
+    for actuator, ratio in ratios if weightless else ():
+        index = actuator.id
+        if model.actuator_biasprm[index][2] != ratio:
+            moved = moved_joints(model, index, transmission(model, index)[0])
+            if moved is None or not unknown.isdisjoint(moved):
+                found.add(index)
+    return frozenset(found)
+
+
 def _joints(
     model: ModelLists,
     spec: mujoco.MjSpec,
@@ -160,6 +198,7 @@ def _joints(
     document: XmlDocument,
     main: Span,
     masses: bool,
+    weightless: frozenset[int],
 ) -> tuple[JointView, ...]:
     import mujoco
 
@@ -183,6 +222,8 @@ def _joints(
         scalar = kind in (JointKind.HINGE, JointKind.SLIDE)
         element = written.joint(name)
         springdamper = (element is None or "springdamper" in element.owners) and _is_sprung(spec, name)
+        # Stiffness and damping are then made of 1/(M^-1)_jj.
+        invented = springdamper and dof in weightless
         if element is not None:
             stated, places = stated_fields(element.element, element.owners, document)
         else:
@@ -205,9 +246,9 @@ def _joints(
             body=model.name("mjOBJ_BODY", model.jnt_bodyid[index]),
             dof=dof,
             range=_pair(model.jnt_range[index]) if limited[index] else None,
-            damping=model.dof_damping[dof],
+            damping=0.0 if invented else model.dof_damping[dof],
             damping_polynomial=_pair(model.dof_dampingpoly[dof]),
-            stiffness=model.jnt_stiffness[index],
+            stiffness=0.0 if invented else model.jnt_stiffness[index],
             armature=model.dof_armature[dof],
             frictionloss=model.dof_frictionloss[dof],
             effort_range=_pair(model.jnt_actfrcrange[index]) if effort_limited[index] else None,
@@ -218,6 +259,7 @@ def _joints(
             reference_position=reference[model.jnt_qposadr[index]] if scalar else 0.0,
             parent=parents[index],
             places=places,
+            unknown=frozenset({"damping", "stiffness"}) if invented else frozenset(),
             # For a hinge or slide MuJoCo's `invweight0` is the diagonal of M^-1 itself.
             zero_inertia=(held[dof], 1.0 / mobility[dof])
             if masses and scalar and mobility[dof] > 0.0
@@ -287,9 +329,12 @@ def _actuator(
     document: XmlDocument,
     main: Span,
     switched_off: frozenset[str],
+    invented: bool,
 ) -> ActuatorView:
     tag = element.tag if element is not None else ""
     kind = control(model, index, tag)
+    if invented:
+        kind = replace(kind, kd=nan)
     transmitted, target = transmission(model, index)
     gear = model.actuator_gear[index][0]
     # From 3.11 on an actuator may have several controls, and its own are found by address.
@@ -298,6 +343,7 @@ def _actuator(
     limited = 0 <= address < len(model.actuator_ctrllimited) and bool(model.actuator_ctrllimited[address])
     limited = limited and "CLAMPCTRL" not in switched_off
     group = model.actuator_group[index]
+    reached = (model.name("mjOBJ_JOINT", joint) for joint in reached_joints(model, index, transmitted))
     return ActuatorView(
         name=model.name("mjOBJ_ACTUATOR", index),
         index=index,
@@ -324,7 +370,7 @@ def _actuator(
         places=places,
         unknown=frozenset(name for name in ("kp", "kd") if isnan(getattr(kind, name))),
         disabled="ACTUATION" in switched_off or _is_disabled(model.model, group),
-        moves=reached_joints(model, index, transmitted),
+        moves=tuple(name for name in reached if name),
     )
 
 

@@ -23,6 +23,7 @@ from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 if TYPE_CHECKING:
     import mujoco
 
+    from actspec.robot.mesh import MeshDependence
     from actspec.robot.xml import Element, XmlDocument
 
 _KINDS = {
@@ -73,8 +74,8 @@ def read_urdf(
     masses = Masses(None, {}, refusal or "")
     if refusal is None:
         try:
-            model, missing = _compiled(document.files) if shapes else _compiled_without_shapes(document)
-            masses = masses_of(model, missing, poses, matrices)
+            model, meshes = _compiled(document.files) if shapes else _compiled_without_shapes(document)
+            masses = masses_of(model, meshes, poses, matrices)
         except RobotError as err:
             # Other tools may take it.
             refusal = err.diagnostics[0].message
@@ -300,18 +301,18 @@ def _range(
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
 
 
-def _compiled(files: Sequence[ModelFile]) -> tuple[mujoco.MjModel, str | None]:
-    """The model, and a body whose mass comes from mesh files that are not there."""
+def _compiled(files: Sequence[ModelFile]) -> tuple[mujoco.MjModel, MeshDependence | None]:
+    """The model, and the bodies whose mass comes from mesh files."""
     from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
 
     spec, files = open_urdf(files)
     meshes = mesh_dependence(spec)
     if meshes is not None and not meshes.missing:
         spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
-    return compile_spec(spec, files), meshes.body if meshes and meshes.missing else None
+    return compile_spec(spec, files), meshes
 
 
-def _compiled_without_shapes(document: XmlDocument) -> tuple[mujoco.MjModel, str | None]:
+def _compiled_without_shapes(document: XmlDocument) -> tuple[mujoco.MjModel, MeshDependence | None]:
     """As in `read_mjcf`."""
     from actspec.robot.shapes import without_shapes
 

@@ -69,7 +69,8 @@ class JointView:
         parent: The named joint that it hangs on, over fixed bodies; "" for a joint of the base.
         places: Name in `stated` to the element that states it (of a default class, or a part of a URDF's
             joint); the others are at `span`.
-        unknown: Fields whose value the text alone does not tell; what stands in them means nothing.
+        unknown: Fields whose value neither the text nor, without its meshes, the compiled model tells; what stands
+            in them means nothing.
         zero_inertia: M_jj and 1/(M^-1)_jj at qpos0, armature included [kg*m^2 or kg], of a compiled hinge or
             slide; None: unknown.
     """
@@ -128,8 +129,8 @@ class ActuatorView:
         back_emf: Part of `kd` that is back-EMF of a dcmotor in voltage or passive mode; 0 for others.
         stated: Attributes that the element or its default class states, by their names in the file.
         places: Attribute to the default class's element that states it; the others are at `span`.
-        unknown: Fields whose value the text alone does not tell, and gains that the control or a plugin decides on;
-            what stands in them means nothing.
+        unknown: Fields whose value the text alone does not tell, velocity gains that follow the mass of a missing
+            mesh, and gains that the control or a plugin decides on; what stands in them means nothing.
         disabled: Whether the file's `option` switches it off: it gives no force, but its damping and
             armature stay. Source: MuJoCo 3.7, 3.11 and 4.0, measured.
         moves: Joints that feel its force over a tendon, a site or a crank; None: it may be any of the file's.

@@ -480,6 +480,56 @@ def test_what_depends_on_meshes(head: str, geom: str, inertial: bool, unknown: b
     assert ("'c'" in view.inertia_reason) == unknown
 
 
+WEIGHTLESS = """<mujoco>{head}<asset><mesh name="leg" file="leg.stl"/></asset><worldbody>
+  <body name="a"><joint name="hip" axis="0 1 0" springdamper="0.1 1"/><geom type="mesh" mesh="leg"/>
+   <body name="b" pos="0 0 -1"><joint name="knee" axis="0 1 0" springdamper="0.1 1"/>
+    <inertial pos="0 0 0" mass="1" diaginertia="0.02 0.02 0.02"/></body></body>
+  <body name="c"><joint name="lone" axis="0 1 0" springdamper="0.1 1"/>
+   <inertial pos="0 0 0" mass="1" diaginertia="0.02 0.02 0.02"/></body></worldbody>
+ <tendon>{tendon}</tendon>
+ <actuator><position name="h" joint="hip" kp="50" dampratio="1"/><position name="k" joint="knee" kp="50" kv="3"/>
+  <position name="l" joint="lone" kp="50" dampratio="1"/></actuator></mujoco>"""
+
+
+def test_what_follows_the_mass_of_an_absent_mesh_is_unknown() -> None:
+    """hip and knee are in one tree with the mesh. The other tree is known: with I = 0.02, k = I/tc^2 = 2 and
+    b = 2 I/tc = 0.4; kv = 2 zeta sqrt(kp I) = 2 sqrt(50 * 0.02) = 2.
+    """
+    view = read(WEIGHTLESS.format(head="", tendon=""))
+    hip, knee, lone = view.joints
+    assert hip.unknown == knee.unknown == {"stiffness", "damping"}
+    assert (hip.stiffness, hip.damping, knee.stiffness, knee.damping) == (0.0, 0.0, 0.0, 0.0)
+    assert (lone.unknown, lone.stiffness, lone.damping) == (set(), pytest.approx(2.0), pytest.approx(0.4))
+    assert [(a.name, a.kd, set(a.unknown)) for a in view.actuators] == [
+        ("h", 0.0, {"kd"}),
+        ("k", pytest.approx(3.0), set()),
+        ("l", pytest.approx(2.0), set()),
+    ]
+    reason = "the mass of body 'a' comes from mesh files that are not there"
+    assert [d.message for d in view.diagnostics] == [
+        f"stiffness and damping from springdamper are unknown (hip, knee): {reason}",
+        f"velocity gains from dampratio are unknown (h): {reason}",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("head", "tendon"),
+    [
+        ('<compiler settotalmass="3"/>', ""),
+        (
+            "",
+            '<fixed name="t" armature="0.1"><joint joint="lone" coef="1"/><joint joint="knee" coef="1"/></fixed>',
+        ),
+    ],
+    ids=["total mass", "coupled by a tendon"],
+)
+def test_a_mesh_may_change_the_inertia_of_other_trees(head: str, tendon: str) -> None:
+    """All masses are scaled to the total, and the armature of a tendon couples what it is tied to."""
+    view = read(WEIGHTLESS.format(head=head, tendon=tendon))
+    assert all(joint.unknown == {"stiffness", "damping"} for joint in view.joints)
+    assert [set(a.unknown) for a in view.actuators] == [{"kd"}, set(), {"kd"}]
+
+
 def test_meshes_that_are_there_are_weighed() -> None:
     """A cube of 0.2 m: 8 kg, I = m a^2/6 = 8*0.04/6 = 0.05333 about its middle."""
     corners = [(x, y, z) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
