@@ -442,11 +442,19 @@ def test_convert_refuses() -> None:
         (0.25, "", 6, "0.25"),
         (None, "N*m", 6, "unknown"),
         (math.inf, "N*m", 6, "inf N*m"),
+        (35.55, "N*m", 3, "35.55 N*m"),
+        (1000.0, "", 3, "1000"),
+        (0.1 + 0.2, "s", 3, "0.3 s"),
+        (1234.5678, "", 3, "1235"),
+        (999.99951, "", 3, "1000"),
+        (2e6, "N*m", 6, "2000000 N*m"),
+        (14.250623, "", 3, "14.3"),
     ],
-    ids=["plain", "digits", "small", "minus-zero", "ratio", "no-unit", "unknown", "inf"],
+    ids=["plain", "digits", "small", "minus-zero", "ratio", "no-unit", "unknown", "inf"]
+    + ["written", "thousand", "noise", "whole", "rounded-up", "million", "computed"],
 )
 def test_format_quantity(value: float | None, unit: str, digits: int, text: str) -> None:
-    """Unknown is a word, never 0, and nothing is ever minus zero."""
+    """Unknown is a word, never 0; what was written keeps its digits, what was computed is rounded."""
     assert format_quantity(value, unit, digits) == text
 
 

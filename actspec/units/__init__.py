@@ -16,7 +16,7 @@ the float nearest to 0.008 and `180 deg` gives pi.
 
 from __future__ import annotations
 
-from actspec.units.kinds import Kind, Parsed, UnitError, format_quantity
+from actspec.units.kinds import Kind, Parsed, UnitError, format_number, format_quantity
 from actspec.units.parse import MAX_LENGTH, convert, parse_quantity, parse_with_unit
 
 __all__ = [
@@ -25,6 +25,7 @@ __all__ = [
     "Parsed",
     "UnitError",
     "convert",
+    "format_number",
     "format_quantity",
     "parse_quantity",
     "parse_with_unit",

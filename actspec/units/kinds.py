@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
+
+_GIVEN = 6
+"""Digits up to which a number is taken as written. Chosen: robot files that people write have three to five."""
 
 
 class Kind(Enum):
@@ -79,15 +83,32 @@ def format_quantity(value: float | None, unit: str, digits: int = 6) -> str:
     Args:
         value: Number in `unit`; None is unknown.
         unit: Unit text; `1` or empty for a dimensionless number.
-        digits: Significant digits.
+        digits: Significant digits of a computed number; see `format_number`.
 
     Returns:
         `33.5 N*m`, or `unknown`.
     """
     if value is None:
         return "unknown"
-    number = f"{value + 0.0:.{digits}g}"  # + 0.0: no "-0"
+    number = format_number(value, digits)
     return number if unit in ("", "1") else f"{number} {unit}"
+
+
+def format_number(value: float, digits: int = 6) -> str:
+    """Write a number with the digits that it was given with.
+
+    What six digits give is taken for a number that somebody wrote, and keeps its digits: `35.55`, `1000`. Any other
+    is computed, and is rounded. No whole digit is lost and no exponent stands below 1e9: `1235`, not `1.23e+03`.
+
+    Args:
+        value: Any float.
+        digits: Significant digits of a computed number.
+    """
+    value += 0.0  # no "-0"
+    if math.isclose(value, float(f"{value:.{_GIVEN}g}"), rel_tol=1e-9):
+        digits = max(digits, _GIVEN)
+    text = f"{value:.{digits}g}"
+    return f"{value:.0f}" if "e+" in text and abs(value) < 1e9 else text
 
 
 def in_units(kind: Kind) -> str:
