@@ -450,8 +450,23 @@ def test_convert_refuses() -> None:
         (2e6, "N*m", 6, "2000000 N*m"),
         (14.250623, "", 3, "14.3"),
     ],
-    ids=["plain", "digits", "small", "minus-zero", "ratio", "no-unit", "unknown", "inf"]
-    + ["written", "thousand", "noise", "whole", "rounded-up", "million", "computed"],
+    ids=[
+        "plain",
+        "digits",
+        "small",
+        "minus-zero",
+        "ratio",
+        "no-unit",
+        "unknown",
+        "inf",
+        "written",
+        "thousand",
+        "noise",
+        "whole",
+        "rounded-up",
+        "million",
+        "computed",
+    ],
 )
 def test_format_quantity(value: float | None, unit: str, digits: int, text: str) -> None:
     """Unknown is a word, never 0; what was written keeps its digits, what was computed is rounded."""
