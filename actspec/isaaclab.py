@@ -77,9 +77,10 @@ def module(path: str | os.PathLike[str], *, target: str | None = None) -> dict[s
 def _options(spec: Spec, version: str, target: str | None) -> TargetOptions:
     """The target's options for what is installed."""
     from actspec.diagnostics import Collector
-    from actspec.live import distribution_version, known_release
+    from actspec.live import distribution_version
+    from actspec.simulators import newest_known, text_of
+    from actspec.simulators.isaaclab import RELEASES
     from actspec.targets.choose import choose_targets
-    from actspec.targets.isaaclab.versions import SIMS
 
     name = _target(spec, version, target)
     (options,) = choose_targets(spec, [f"{name}=={version}"], None, False, Collector())
@@ -89,9 +90,9 @@ def _options(spec: Spec, version: str, target: str | None) -> TargetOptions:
     sim = distribution_version("isaacsim")
     if sim is None:
         return options
-    runs_on = {"{}.{}".format(*release): sims for release, sims in SIMS.items()}.get(version)
+    runs_on = {text_of(release): row.sims for release, row in RELEASES.items()}.get(version)
     # Its place in the spec is not where this one comes from.
-    return replace(options, isaac_sim=known_release(sim, runs_on) if runs_on else sim, spans={})
+    return replace(options, isaac_sim=newest_known(sim, runs_on) if runs_on else sim, spans={})
 
 
 def _target(spec: Spec, version: str, asked: str | None) -> str:
@@ -114,11 +115,10 @@ def _target(spec: Spec, version: str, asked: str | None) -> str:
 
 def _stated_release(spec: Spec, name: str) -> str:
     """The version that the spec's target is for."""
-    from actspec.live import known_release
-    from actspec.targets.isaaclab.versions import SIMS
-    from actspec.targets.versions import DEFAULT_VERSIONS
+    from actspec.simulators import DEFAULT_VERSIONS, newest_known
+    from actspec.simulators.isaaclab import RELEASES
 
-    return known_release(spec.model.targets[name].version or DEFAULT_VERSIONS["isaaclab"], tuple(SIMS))
+    return newest_known(spec.model.targets[name].version or DEFAULT_VERSIONS["isaaclab"], tuple(RELEASES))
 
 
 def _installed_release(package: ModuleSpec) -> str:
@@ -127,8 +127,9 @@ def _installed_release(package: ModuleSpec) -> str:
     Raises:
         ModuleNotFoundError: nothing tells its version.
     """
-    from actspec.live import distribution_version, known_release
-    from actspec.targets.isaaclab.versions import SIMS
+    from actspec.live import distribution_version
+    from actspec.simulators import newest_known
+    from actspec.simulators.isaaclab import RELEASES
 
     version = _checkout_version(package) or distribution_version("isaaclab")
     if version is None:
@@ -136,7 +137,7 @@ def _installed_release(package: ModuleSpec) -> str:
             "nothing here tells which Isaac Lab this is: install it with pip, or from its repository",
             name="isaaclab",
         )
-    return known_release(version, tuple(SIMS))
+    return newest_known(version, tuple(RELEASES))
 
 
 def _checkout_version(package: ModuleSpec) -> str | None:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
-from collections.abc import Sequence
 from importlib import metadata
 from importlib.machinery import ModuleSpec
 from importlib.util import find_spec
@@ -43,19 +41,6 @@ def distribution_version(name: str) -> str | None:
         return metadata.version(name)
     except metadata.PackageNotFoundError:
         return None
-
-
-def known_release(version: str, releases: Sequence[tuple[int, int]]) -> str:
-    """`2.3` of `2.3.2.post1`; a release that is newer than every known one counts as the last of them.
-
-    Args:
-        version: Of what is installed.
-        releases: Those that can be compiled for, oldest first.
-    """
-    found = re.match(r"(\d{1,6})\.(\d{1,6})", version)
-    if found is None:
-        return version
-    return "{}.{}".format(*min((int(found[1]), int(found[2])), releases[-1]))
 
 
 def run_module(

@@ -56,11 +56,12 @@ def module(path: str | os.PathLike[str]) -> dict[str, Any]:
 
 def _installed_release() -> str:
     """The installed mjlab, as a version to compile for."""
-    from actspec.live import distribution_version, find_package, known_release
-    from actspec.targets.mjlab.versions import MJLAB_RELEASES
+    from actspec.live import distribution_version, find_package
+    from actspec.simulators import newest_known
+    from actspec.simulators.mjlab import RELEASES
 
     find_package("mjlab", "pip install mjlab")
     version = distribution_version("mjlab")
     if version is None:
         raise ModuleNotFoundError("nothing here tells which mjlab this is: install it with pip", name="mjlab")
-    return known_release(version, MJLAB_RELEASES)
+    return newest_known(version, tuple(RELEASES))

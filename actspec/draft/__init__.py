@@ -22,7 +22,7 @@ from actspec.draft.lines import (
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
 from actspec.patterns import PatternError
-from actspec.targets.versions import MUJOCO_RELEASES
+from actspec.simulators.mujoco import RELEASES
 
 EFFORT = "Torque motors: the gains are the caller's. For a servo write `command: position`, kp and kd."
 
@@ -48,7 +48,7 @@ class Draft:
 
 def starting_spec() -> str:
     """A commented spec that shows the language, with example values."""
-    major, minor = MUJOCO_RELEASES[-1]
+    major, minor = max(RELEASES)
     return render("start.yaml.j2", mujoco=f"{major}.{minor}")
 
 

@@ -12,7 +12,7 @@ from actspec.ir import Command, Level
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.config_figures import control_of_group
 from actspec.readings.versions import Versions
-from actspec.targets.versions import DEFAULT_VERSIONS
+from actspec.simulators import DEFAULT_VERSIONS
 
 _STACKS = {
     Framework.ISAACLAB: "isaaclab",

@@ -21,9 +21,8 @@ from actspec.lift.quantities import stated, unknown
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
 from actspec.readings.config_figures import selected
-from actspec.readings.friction_unit import friction_meaning
 from actspec.readings.pair import joint_names, matching
-from actspec.readings.versions import Versions, meant_for
+from actspec.readings.versions import Versions, friction_unit_of, meant_for
 from actspec.robot.view import JointView
 
 _NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
@@ -164,7 +163,7 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
         return
     fields = ("friction", "dynamic_friction", "viscous_friction")
     frictions = [s for g in config.groups for name in fields if (s := g.settings.get(name)) is not None]
-    if friction_meaning(versions) is None and any(s.value for s in frictions):
+    if friction_unit_of(versions) is None and any(s.value for s in frictions):
         yield (
             "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), "
             "which nobody says: it is left unknown"

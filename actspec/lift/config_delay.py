@@ -10,7 +10,7 @@ from actspec.diagnostics import Span
 from actspec.ir import Delay, Quantity
 from actspec.lift.quantities import stated, unknown
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
-from actspec.readings.versions import Versions, release
+from actspec.readings.versions import Versions, isaaclab_row
 from actspec.resolution.quantities import tidy
 
 HELD_FROM = 1_000_000
@@ -49,7 +49,8 @@ def delay_of(
     else:
         low, high = (group.settings.get(f"{end}_delay") for end in ("min", "max"))
         sampling, notes = "episode", ()
-        if versions.isaaclab is not None and release(versions.isaaclab) >= (3,):
+        lab = isaaclab_row(versions)
+        if lab is not None and lab.native:
             low = high
     if high is None:
         return DelayReading(None)

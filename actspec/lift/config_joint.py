@@ -21,9 +21,9 @@ from actspec.lift.config_unsaid import control_of
 from actspec.lift.quantities import Units, assumed, stated, unknown
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config_figures import Found, figures_of, value_of
-from actspec.readings.friction_unit import Meaning, friction_meaning, has_dynamic
-from actspec.readings.versions import Versions
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
 from actspec.robot.view import JointView
+from actspec.simulators.isaaclab import FrictionUnit
 
 NONE_FROM = 1e9
 """A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
@@ -260,18 +260,20 @@ class ConfigJoint:
         if self._config.framework is not Framework.ISAACLAB:
             return self._figure("frictionloss", unit, self._kept("frictionloss")), None
         first, second = self._setting("friction", unit), self._setting("dynamic_friction", unit)
-        meaning = friction_meaning(self._versions)
+        kind = friction_unit_of(self._versions)
         if first is None and second is None:
             return unknown(unit, self._kept("friction")), None
         written = first or second
         assert written is not None
-        if meaning is Meaning.DEAD:
+        if kind is FrictionUnit.DEAD:
             return unknown(unit, "this Isaac Lab never writes friction to the solver", written.span), None
         if written.value == 0.0 and (second is None or second.value == 0.0):
             return written, None
-        if meaning is not Meaning.EFFORT:
+        if kind is None or not kind.torque:
             why = (
-                "a factor on the joint's load" if meaning is Meaning.COEFFICIENT else "its unit is not known"
+                "a factor on the joint's load"
+                if kind is not None and kind.coefficient
+                else "its unit is not known"
             )
             return unknown(unit, f"friction {written.value} is no torque: {why}", written.span), None
         if not has_dynamic(self._versions):
@@ -285,10 +287,8 @@ class ConfigJoint:
         found = self._figure("joint_damping", unit, self._kept("viscous friction"))
         if self._config.framework is not Framework.ISAACLAB or not found.known:
             return found
-        if self._versions.backend == "ovphysx":
-            return found
-        meaning = friction_meaning(self._versions)
-        if meaning in (Meaning.COEFFICIENT, Meaning.DEAD):
+        kind = friction_unit_of(self._versions)
+        if kind is not None and not kind.viscous:
             return unknown(unit, "this Isaac Lab never writes viscous_friction to the solver", found.span)
         return found
 

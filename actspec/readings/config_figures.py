@@ -11,9 +11,8 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
-from actspec.readings.friction_unit import Meaning, friction_meaning
 from actspec.readings.pair import matching
-from actspec.readings.versions import Versions
+from actspec.readings.versions import Versions, friction_is_torque
 
 FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
     Framework.ISAACLAB: {
@@ -176,7 +175,7 @@ def figures_of(
     take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
         _isaaclab_limits(control, take)
-        if friction_meaning(versions) is Meaning.EFFORT:
+        if friction_is_torque(versions):
             take("frictionloss", "dynamic_friction", "friction")
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")

@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from actspec.readings.artifact import Artifact
-
-Release = tuple[int, ...]
-
-_MJLAB = {(1, 4): (3, 8), (1, 5): (3, 10), (1, 6): (3, 11)}
-"""mjlab to the one MuJoCo that it takes. Source: the requirements of mjlab 1.4.0, 1.5.3 and 1.6.0."""
+from actspec.simulators import Release as Release
+from actspec.simulators import release as release
+from actspec.simulators import text_of
+from actspec.simulators.isaaclab import FrictionUnit, IsaacLabRelease, friction_unit, row_of
+from actspec.simulators.mjlab import mujoco_taken_by
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,19 +61,39 @@ class Meant:
         return self.release < (*other, *(0 for _ in range(count)))[:count]
 
 
-def release(text: str) -> Release:
-    """Numbers of a version that the settings have checked."""
-    return tuple(int(part) for part in text.split("."))
-
-
 def mujoco_of(versions: Versions) -> Meant | None:
     """The MuJoCo that the files are meant for: named, or the one that the named mjlab takes."""
     if versions.mujoco is not None:
         return Meant(release(versions.mujoco), f"MuJoCo {versions.mujoco}")
     if versions.mjlab is None:
         return None
-    major, minor = (*release(versions.mjlab), 0)[:2]
-    taken = _MJLAB.get((major, minor))
+    taken = mujoco_taken_by(release(versions.mjlab))
     if taken is None:
         return None
-    return Meant(taken, f"MuJoCo {'.'.join(map(str, taken))} (which mjlab {versions.mjlab} takes)")
+    return Meant(taken, f"MuJoCo {text_of(taken)} (which mjlab {versions.mjlab} takes)")
+
+
+def isaaclab_row(versions: Versions) -> IsaacLabRelease | None:
+    """What the Isaac Lab does that the files are meant for; None: none is named."""
+    return row_of(_release(versions.isaaclab))
+
+
+def friction_unit_of(versions: Versions) -> FrictionUnit | None:
+    """What Isaac Lab's `friction` means; None where the versions do not tell."""
+    return friction_unit(_release(versions.isaaclab), _release(versions.isaac_sim), versions.backend)
+
+
+def friction_is_torque(versions: Versions) -> bool:
+    """Whether Isaac Lab's `friction` is known to be a torque."""
+    unit = friction_unit_of(versions)
+    return unit is not None and unit.torque
+
+
+def has_dynamic(versions: Versions) -> bool:
+    """Whether the solver has a kinetic friction beside the static one, as far as the versions tell."""
+    unit = FrictionUnit.COEFFICIENT_VISCOUS if versions.backend == "ovphysx" else friction_unit_of(versions)
+    return unit in (FrictionUnit.EFFORT, FrictionUnit.COEFFICIENT_VISCOUS)
+
+
+def _release(text: str | None) -> Release | None:
+    return None if text is None else release(text)

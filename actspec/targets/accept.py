@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed, nearest
+from actspec.simulators import DEFAULT_VERSIONS
 from actspec.spec.rules.targets import SPEC_ITSELF
-from actspec.targets.versions import DEFAULT_VERSIONS
 
 if TYPE_CHECKING:
     from actspec.spec.validate import Spec

@@ -9,10 +9,10 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, SpecError, nearest, one_line
+from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion
+from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.spec.rules import TARGETS
 from actspec.targets.base import Emission, TargetOptions
-from actspec.targets.isaaclab.versions import UnknownDialect, isaaclab_dialect
-from actspec.targets.versions import DEFAULT_VERSIONS
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
@@ -116,7 +116,7 @@ def _at_version(options: TargetOptions, version: str) -> TargetOptions:
     for _ in ("isaac_sim", "backend"):
         try:
             isaaclab_dialect(version, options.isaac_sim, options.backend)
-        except UnknownDialect as err:
+        except UnknownVersion as err:
             if err.key == "isaac_sim":
                 options = replace(options, isaac_sim=None, spans=_without(options.spans, "isaac_sim"))
             elif err.key == "backend":

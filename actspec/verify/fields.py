@@ -11,7 +11,7 @@ from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.readings.compare import Figure
 from actspec.readings.fields import FIELDS
-from actspec.targets.isaaclab.versions import FrictionUnit, isaaclab_dialect
+from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.verify.agreement import Row, keys
 from actspec.verify.classify import Difference, classify
 from actspec.verify.compiled import compiled_rows
@@ -327,7 +327,7 @@ def _versioned(target: Target) -> bool:
         return False
     options = target.options
     dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
-    return dialect.friction in (FrictionUnit.EFFORT, FrictionUnit.EFFORT_ONE)
+    return dialect.friction.torque
 
 
 def without_repeats(rows: Iterable[Row]) -> tuple[Row, ...]:

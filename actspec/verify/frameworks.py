@@ -22,6 +22,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+from actspec.simulators import isaaclab, newton
 from actspec.verify.probing import ProbeAnswer, run_probe
 from actspec.verify.releases import EngineUnavailableError, cache_folder, pip, quiet, run, whole
 
@@ -31,14 +32,13 @@ BARE = HERE / "requirements-bare.txt"
 CONTENTS = "contents.txt"
 """File of an environment that lists what was asked for."""
 
-ISAACLAB = ("2.2.0", "2.3.2.post1")
+ISAACLAB = tuple(row.wheel for row in isaaclab.RELEASES.values() if row.wheel)
 """Isaac Lab's releases, oldest first: the least and the newest that the registry has, but for 2.3.0 and 2.3.1."""
 ISAACLAB_WHEEL = ("--python-version", "3.11", "--platform", "manylinux_2_35_x86_64", "--only-binary=:all:")
 """The one wheel there is; it holds Python text alone, and runs elsewhere too."""
 
-NEWTON = ("1.3.0", "1.4.0", "1.6.1")
-"""Older releases of Newton, beside the one that is installed: the first that runs on this warp, the first that reads
-a joint's damping, the first with drives in place of controllers."""
+NEWTON = tuple(package for package in newton.RELEASES.values() if package)[:-1]
+"""Older releases of Newton, beside the one that is installed."""
 
 UNPACKED = (("isaaclab", ISAACLAB, ISAACLAB_WHEEL), ("newton", NEWTON, ()))
 """Releases that lie beside the environment: distribution, versions, options of pip."""

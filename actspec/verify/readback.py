@@ -23,9 +23,8 @@ from actspec.readings.artifact import (
     RandomizedRange,
 )
 from actspec.readings.compare import Figure
-from actspec.readings.friction_unit import Meaning, friction_meaning
 from actspec.readings.pair import Robot, matching
-from actspec.readings.versions import Versions
+from actspec.readings.versions import Versions, friction_is_torque
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 from actspec.targets.base import TargetOptions
 
@@ -201,7 +200,7 @@ def _reading(
 
 def versions_of(options: TargetOptions) -> Versions:
     """What a target's files are meant for, in the audit's words."""
-    from actspec.targets.isaaclab.versions import isaaclab_dialect
+    from actspec.simulators.isaaclab import isaaclab_dialect
 
     if options.kind == "mujoco":
         return Versions(mujoco=options.version)
@@ -344,7 +343,7 @@ def _of_config(
         figure = found.get(name)
         if figure is not None and figure.value is not None and figure.value >= NO_LIMIT:
             yield name, replace(figure, value=math.inf)
-    if config.framework is Framework.ISAACLAB and friction_meaning(versions_of(options)) is Meaning.EFFORT:
+    if config.framework is Framework.ISAACLAB and friction_is_torque(versions_of(options)):
         value = _number(config.framework, group, "friction", row.joint)
         if value is not None:
             yield "friction_static", Figure(value, "", group.settings["friction"].span, True)

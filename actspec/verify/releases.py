@@ -23,27 +23,6 @@ from pathlib import Path
 TIMEOUT = 300
 """Seconds for one download."""
 
-MUJOCO = {
-    (3, 2): "3.2.7",
-    (3, 3): "3.3.7",
-    (3, 4): "3.4.0",
-    (3, 5): "3.5.0",
-    (3, 6): "3.6.0",
-    (3, 7): "3.7.0",
-    (3, 8): "3.8.1",
-    (3, 9): "3.9.0",
-    (3, 10): "3.10.0",
-    (3, 11): "3.11.0",
-    (3, 12): "3.12.0",
-    (3, 13): "3.13.0",
-    (3, 14): "3.14.0",
-    (3, 15): "3.15.0",
-    (3, 16): "3.16.0",
-    (3, 17): "3.17.0",
-    (4, 0): "4.0.0",
-}
-"""Version of a target to the release that stands for it, the last of its number."""
-
 
 class EngineUnavailableError(Exception):
     """A release cannot be had here; the message says why."""

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, law_of
+from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.targets.base import Approximation
-from actspec.targets.isaaclab.versions import isaaclab_dialect
 from actspec.verify.agreement import At, Row, Skip, keys
 from actspec.verify.engines.question import EngineAnswer
 from actspec.verify.expected import lags, torques

@@ -43,11 +43,14 @@ from actspec.audit.rules.registry import all_rules
 from actspec.audit.settings import Settings, load_settings
 from actspec.cli.main import parser
 from actspec.diagnostics import ActspecError, Diagnostic, Severity
+from actspec.simulators.isaaclab import RELEASES as ISAACLAB_RELEASES
+from actspec.simulators.isaaclab import FrictionUnit, isaaclab_dialect
+from actspec.simulators.mjlab import RELEASES as MJLAB_RELEASES
+from actspec.simulators.mjlab import mjlab_dialect
+from actspec.simulators.newton import RELEASES as NEWTON_RELEASES
+from actspec.simulators.newton import newton_dialect
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
-from actspec.targets.isaaclab.versions import SIMS, FrictionUnit, isaaclab_dialect
-from actspec.targets.mjlab.versions import MJLAB_RELEASES, mjlab_dialect
-from actspec.targets.newton.versions import NEWTON_RELEASES, newton_dialect
 from actspec.verify.releases import EngineUnavailableError
 from tests.frameworks.prepare import prepare
 
@@ -498,11 +501,11 @@ def test_isaaclab_versions_are_the_capability_rows() -> None:
         FrictionUnit.DEAD: "not written by it: left out",
     }
     rows = []
-    for release, sims in SIMS.items():
-        for sim in sims:
-            for backend in ("PhysX", "Newton", "OVPhysX") if release >= (3, 0) else ("PhysX",):
+    for release, row in ISAACLAB_RELEASES.items():
+        for sim in row.sims:
+            for backend in ("PhysX", "Newton", "OVPhysX") if row.native else ("PhysX",):
                 d = isaaclab_dialect(f"{release[0]}.{release[1]}", f"{sim[0]}.{sim[1]}", backend.lower())
-                row = [
+                cells = [
                     d.text,
                     d.sim_text,
                     d.backend_text,
@@ -515,7 +518,7 @@ def test_isaaclab_versions_are_the_capability_rows() -> None:
                     "yes" if d.custom else "no",
                     "yes" if d.executed else "no",
                 ]
-                rows.append(row)
+                rows.append(cells)
     merged: list[list[str]] = []
     for row in sorted(rows, key=lambda r: (r[0], r[2] != "PhysX", r[2], r[1])):
         if merged and merged[-1][:1] + merged[-1][2:] == row[:1] + row[2:]:

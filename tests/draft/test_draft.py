@@ -17,10 +17,9 @@ from actspec.draft import starting_spec
 from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.load import load_robot
 from actspec.robot.view import RobotView
+from actspec.simulators.mujoco import DcMotorDialect, installed_dialect
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from actspec.targets.mujoco.emit import installed_dialect
-from actspec.targets.versions import DcMotorDialect
 from tests.importing import NASTY, Imported, bare, imported, mjcf
 
 TOLERANCE = 1e-9

@@ -17,7 +17,7 @@ PACKAGE = ROOT / "actspec"
 LAYERS = (
     {"units", "diagnostics", "resources", "files", "tables", "patterns"},
     {"joints"},
-    {"ir"},
+    {"ir", "simulators"},
     {"laws"},
     {"simulate"},
     {"spec", "robot"},

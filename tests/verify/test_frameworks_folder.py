@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from actspec.simulators.mujoco import RELEASES
 from actspec.verify import frameworks
 from actspec.verify.frameworks import CONTENTS, ISAACLAB, NEWTON, PYTHONS, find, requirements
-from actspec.verify.releases import MUJOCO, EngineUnavailableError, prepare, release_folder
+from actspec.verify.releases import EngineUnavailableError, prepare, release_folder
 from tests.frameworks.prepare import EXTRA
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -83,12 +84,9 @@ def test_pins_are_those_of_the_checks() -> None:
     (torch,) = [line for line in constraints if line.startswith("torch==")]
     assert torch in requirements()
     (mujoco,) = [line for line in requirements() if line.startswith("mujoco==")]
-    assert mujoco.removeprefix("mujoco==") in MUJOCO.values()
+    assert mujoco.removeprefix("mujoco==") in RELEASES.values()
 
 
 def test_every_version_of_a_target_has_a_release() -> None:
     """Each MuJoCo that can be compiled for stands for one release, of its own number."""
-    from actspec.targets.versions import MUJOCO_RELEASES
-
-    assert set(MUJOCO) == set(MUJOCO_RELEASES)
-    assert all(tuple(map(int, text.split(".")[:2])) == version for version, text in MUJOCO.items())
+    assert all(tuple(map(int, text.split(".")[:2])) == version for version, text in RELEASES.items())

@@ -16,8 +16,8 @@ from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind, Framework
-from actspec.readings.friction_unit import Meaning, friction_meaning, has_dynamic
-from actspec.readings.versions import Versions, release
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, isaaclab_row
+from actspec.simulators.isaaclab import FrictionUnit as SolverUnit
 
 SAME = 0.01
 """Relative difference up to which two frictions are one figure. Chosen: rounding of published figures."""
@@ -126,9 +126,10 @@ class FrictionUnit(Rule):
 
     def _judge(self, case: Case, row: LedgerRow, friction: float, span: Span) -> Iterator[Finding]:
         versions = case.versions_of(row.artifact)
-        meaning, place = friction_meaning(versions), _place(versions)
-        if meaning is None:
-            by_backend = versions.isaaclab is not None and release(versions.isaaclab) >= (3,)
+        found, place = friction_unit_of(versions), _place(versions)
+        if found is None:
+            lab = isaaclab_row(versions)
+            by_backend = lab is not None and lab.native
             named = "backend" if by_backend else "version"
             yield Finding(
                 self.code,
@@ -143,7 +144,7 @@ class FrictionUnit(Rule):
                 confidence=Confidence.HIGH,
             )
             return
-        if meaning is Meaning.DEAD:
+        if found is SolverUnit.DEAD:
             yield Finding(
                 self.code,
                 f"this friction does nothing: {place} never writes it to the solver",
@@ -158,7 +159,7 @@ class FrictionUnit(Rule):
             if torque is None or torque <= 0.0:
                 continue
             told, file = shown(row, "frictionloss", torque), basename(other.file)
-            if meaning is Meaning.COEFFICIENT and math.isclose(friction, torque, rel_tol=SAME):
+            if found.coefficient and math.isclose(friction, torque, rel_tol=SAME):
                 yield Finding(
                     self.code,
                     f"on {place} friction is a dimensionless coefficient, and {file} has the same figure as a torque, "
@@ -172,7 +173,7 @@ class FrictionUnit(Rule):
                     related=(other.place("frictionloss"),),
                 )
                 return
-            if meaning is Meaning.EFFORT and torque >= self.option(case, "ratio") * friction:
+            if found.torque and torque >= self.option(case, "ratio") * friction:
                 yield Finding(
                     self.code,
                     f"on {place} friction is a torque, here {shown(row, 'frictionloss', friction)}, and {file} has "
@@ -244,7 +245,7 @@ class DynamicAboveStatic(Rule):
         looked = False
         for group in groups_of(case, Framework.ISAACLAB):
             versions = case.versions_of(group.artifact)
-            silent = friction_meaning(versions) is not None and not has_dynamic(versions)
+            silent = friction_unit_of(versions) is not None and not has_dynamic(versions)
             static, dynamic = group.written("friction"), group.written("dynamic_friction")
             if static is None or dynamic is None or silent:
                 continue
@@ -358,7 +359,8 @@ class StaticFrictionAlone(Rule):
 
 
 def _unit(row: LedgerRow, versions: Versions) -> str:
-    return "1" if friction_meaning(versions) is Meaning.COEFFICIENT else unit(row, "frictionloss")
+    found = friction_unit_of(versions)
+    return "1" if found is not None and found.coefficient else unit(row, "frictionloss")
 
 
 RULES: tuple[type[Rule], ...] = (FrictionUnit, DynamicAboveStatic, StaticFrictionAlone)

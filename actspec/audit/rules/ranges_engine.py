@@ -12,8 +12,8 @@ from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.randomized import ends, ranges, rows_in, written
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, RobotConfig
-from actspec.readings.friction_unit import Meaning, friction_meaning
 from actspec.readings.pair import matching
+from actspec.readings.versions import friction_unit_of
 
 SPEED = 10.0
 """Joint speed at which a consequence is told [rad/s]. Chosen: a leg's joint in a trot."""
@@ -91,11 +91,11 @@ class FrictionRangeSetsViscous(Rule):
         """Find ranges of friction that are not scales."""
         looked = False
         for index, config, one in ranges(case):
-            meaning = friction_meaning(case.versions_of(index))
+            unit = friction_unit_of(case.versions_of(index))
             if one.field != "friction" or config.framework is not Framework.ISAACLAB:
                 continue
             looked = True
-            if one.operation == "scale" or meaning in (Meaning.COEFFICIENT, Meaning.DEAD):
+            if one.operation == "scale" or (unit is not None and not unit.torque):
                 continue
             low, high = ends(one)
             low = max(low, 0.0)
@@ -104,11 +104,11 @@ class FrictionRangeSetsViscous(Rule):
                 told = f"{written(low, high, 'N*m*s/rad')} more"
             yield Finding(
                 self.code,
-                f"{'on Isaac Sim 5 and later ' if meaning is None else ''}this friction range is drawn for viscous "
+                f"{'on Isaac Sim 5 and later ' if unit is None else ''}this friction range is drawn for viscous "
                 f"friction as well: {told}",
                 one.span,
                 help='use operation "scale", with friction, dynamic_friction and viscous_friction in the actuator cfg',
-                severity=Severity.INFO if meaning is None else None,
+                severity=Severity.INFO if unit is None else None,
             )
         if not looked:
             yield Skipped(self.code, "no Isaac Lab configuration randomises joint friction")

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, law_of
+from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.approximation import held_step_error
 from actspec.targets.base import Approximation
-from actspec.targets.isaaclab.versions import IsaacLabDialect
 from actspec.targets.losing_joint import network_clip
 from actspec.targets.python_text import provenance
 from actspec.units import format_quantity

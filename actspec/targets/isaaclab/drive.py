@@ -13,13 +13,13 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw
+from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.approximation import Torque, lined, static_error
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.command_path import lag_fields, lags, no_bias, no_delay, no_filter, no_range
 from actspec.targets.isaaclab.context import Field, Joint
 from actspec.targets.isaaclab.gains import gain_fields, joint_fields
 from actspec.targets.isaaclab.losses import at_standstill, boxed, two_quadrants, unclipped
-from actspec.targets.isaaclab.versions import IsaacLabDialect
 from actspec.targets.python_text import provenance, stated
 from actspec.units import format_quantity
 

@@ -8,11 +8,12 @@ from dataclasses import replace
 from actspec.diagnostics import Collector, EmitError, Span, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
+from actspec.simulators import UnknownVersion
+from actspec.simulators.isaaclab import IsaacLabDialect, isaaclab_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.isaaclab.drive import IMPLICIT, Drive, drive_of
 from actspec.targets.isaaclab.groups import groups_of
 from actspec.targets.isaaclab.text import module_name, module_text
-from actspec.targets.isaaclab.versions import IsaacLabDialect, UnknownDialect, isaaclab_dialect
 from actspec.targets.network_file import NetworkFile, read_network, tap_stride
 from actspec.targets.python_text import grouped, identifier
 
@@ -76,7 +77,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
     try:
         return isaaclab_dialect(options.version, options.isaac_sim, options.backend)
-    except UnknownDialect as err:
+    except UnknownVersion as err:
         collector.error(
             "ISL001",
             err.message,
@@ -261,7 +262,7 @@ def _warn(
             help="rename them in the model, or check the names in the USD",
         )
     networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
-    if networks and not dialect.executed and dialect.version >= (3, 0):
+    if networks and dialect.row.native:
         collector.warning(
             "ISL033",
             f"Isaac Lab {dialect.text} may take other network files than TorchScript: not tried here",

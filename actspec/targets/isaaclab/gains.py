@@ -5,10 +5,10 @@ from __future__ import annotations
 from dataclasses import replace
 
 from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
 from actspec.targets.approximation import viscous_error
 from actspec.targets.isaaclab.context import Field, Joint
 from actspec.targets.isaaclab.losses import summed_viscous_error
-from actspec.targets.isaaclab.versions import FrictionUnit, IsaacLabDialect
 from actspec.targets.python_text import stated
 from actspec.units import format_quantity
 

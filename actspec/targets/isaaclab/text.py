@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 
 import actspec
 from actspec.ir import ActuatorSet
+from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.drive import CUSTOM
 from actspec.targets.isaaclab.groups import Group, Keyword
-from actspec.targets.isaaclab.versions import IsaacLabDialect
 from actspec.targets.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.python_text import WIDTH, comment_lines, environment, identifier, py
 from actspec.units import format_quantity

@@ -15,13 +15,13 @@ from dataclasses import dataclass
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.robot.view import JointView
+from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.mjlab.command_path import delay_fields, no_command_path
 from actspec.targets.mjlab.context import Field, Joint
 from actspec.targets.mjlab.drive import gain_fields, limit_fields, line_fields
 from actspec.targets.mjlab.network import network_fields
 from actspec.targets.mjlab.passive import passive_fields
-from actspec.targets.mjlab.versions import MjlabDialect
 
 
 @dataclass(frozen=True, slots=True)

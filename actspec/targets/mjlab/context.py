@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from actspec.diagnostics import Collector
 from actspec.ir import JointActuator, Quantity
 from actspec.robot.view import JointView
+from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.losing_joint import LosingJoint
-from actspec.targets.mjlab.versions import MjlabDialect
 from actspec.targets.python_text import provenance, py
 
 

@@ -13,13 +13,13 @@ from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
+from actspec.simulators import UnknownVersion
+from actspec.simulators.mjlab import MjlabDialect, mjlab_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.losing_joint import network_files
 from actspec.targets.mjlab.actuator import Cfg, cfg_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
-from actspec.targets.mjlab.versions import MjlabDialect, mjlab_dialect
 from actspec.targets.python_text import joint_patterns, stated
-from actspec.targets.versions import UnknownVersion
 
 OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
 """Errors that several joints of a group can have: told once, with their names."""

@@ -8,10 +8,10 @@ from typing import Any
 
 import actspec
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin
+from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.mjlab.actuator import Cfg
 from actspec.targets.mjlab.context import Field
-from actspec.targets.mjlab.versions import MjlabDialect
 from actspec.targets.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.python_text import comment_lines, environment, grouped, identifier, py
 

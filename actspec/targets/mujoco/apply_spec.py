@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.mujoco.dialect import GENERAL_INPUTS, controller, general_form, needs_general
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 from actspec.targets.mujoco.plan import JointEdit, Plan
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 if TYPE_CHECKING:
     import mujoco

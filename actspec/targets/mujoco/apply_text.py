@@ -16,9 +16,9 @@ from actspec.robot.xml_edit import (
     SetAttribute,
     format_number,
 )
+from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.mujoco.dialect import actuator_xml
 from actspec.targets.mujoco.plan import JointEdit, Plan
-from actspec.targets.versions import MujocoDialect
 
 ACTUATOR_TAGS = frozenset(
     {

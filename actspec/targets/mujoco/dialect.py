@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 from actspec.ir import Command
 from actspec.robot.xml_edit import escape_attribute, format_number
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 GENERAL_INPUTS = {Form.POSITION: "pos", Form.VELOCITY: "vel"}
 """`input` of a `<general>`; MuJoCo has no word for a torque."""

@@ -19,11 +19,11 @@ from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.resolution.reports import Reports
 from actspec.robot.view import ActuatorView, JointView
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.approximation import speed_scale
 from actspec.targets.base import Approximation
 from actspec.targets.mujoco.drive import Drive, Form, Line
 from actspec.targets.mujoco.losses import law_losses, network_losses
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 FORMS = {Command.POSITION: Form.POSITION, Command.VELOCITY: Form.VELOCITY, Command.EFFORT: Form.MOTOR}
 """Element of each command, but for a dcmotor."""

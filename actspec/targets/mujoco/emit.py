@@ -10,6 +10,8 @@ import actspec
 from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
 from actspec.ir import ActuatorSet
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
+from actspec.simulators import UnknownVersion
+from actspec.simulators.mujoco import MujocoDialect, installed_dialect, mujoco_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits, users_of
@@ -21,7 +23,6 @@ from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
 from actspec.targets.mujoco.readback import check_readback
-from actspec.targets.versions import MUJOCO_RELEASES, MujocoDialect, UnknownVersion, mujoco_dialect
 
 if TYPE_CHECKING:
     import mujoco
@@ -108,7 +109,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     # Another dialect's words cannot be compiled here: the same plan in the installed one is checked.
     checked = (
         files
-        if _same_words(dialect, installed)
+        if dialect.words == installed.words
         else _write(document, plan, anchors, installed, options.folder, main_name, comment, collector)
     )
     check_written(checked, edited, actuators, collector)
@@ -180,28 +181,6 @@ def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
             help=err.help,
         )
         raise EmitError(collector.sorted()) from None
-
-
-def installed_dialect() -> MujocoDialect:
-    """Dialect of the MuJoCo that is installed here; one that is newer than the table counts as its last row."""
-    import mujoco
-
-    text = ".".join(mujoco.__version__.split(".")[:2])
-    numbers = tuple(int(part) for part in text.split(".") if part.isdigit())
-    if numbers > MUJOCO_RELEASES[-1]:
-        text = "{}.{}".format(*MUJOCO_RELEASES[-1])
-    return mujoco_dialect(text)
-
-
-def _same_words(target: MujocoDialect, installed: MujocoDialect) -> bool:
-    """Whether both versions write a plan in the same words."""
-    return (
-        target.dcmotor is installed.dcmotor
-        and target.native_delay == installed.native_delay
-        and target.polynomials == installed.polynomials
-        and target.general_input == installed.general_input
-        and target.keyframe_act == installed.keyframe_act
-    )
 
 
 def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:

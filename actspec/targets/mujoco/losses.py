@@ -9,10 +9,10 @@ from itertools import chain
 
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.approximation import held_step_error, static_error
 from actspec.targets.base import Approximation
 from actspec.targets.mujoco.drive import Drive, Form
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 from actspec.units import format_quantity
 
 Loss = tuple[str, str, str, str, float | None]

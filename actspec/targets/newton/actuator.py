@@ -13,6 +13,7 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Collector
 from actspec.ir import JointActuator
+from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.newton.command_path import delay_attributes, no_command_path
 from actspec.targets.newton.context import Joint
@@ -20,7 +21,6 @@ from actspec.targets.newton.drive import clamps, gain_attributes
 from actspec.targets.newton.network import network_attributes
 from actspec.targets.newton.passive import joint_prim
 from actspec.targets.newton.usda import Attribute
-from actspec.targets.newton.versions import NewtonDialect
 
 Schemas = tuple[tuple[str, ...], tuple[Attribute, ...]]
 """API schemas of a prim, and its attributes."""

@@ -6,9 +6,9 @@ import math
 
 from actspec.diagnostics import Collector
 from actspec.ir import JointActuator, JointKind, Quantity
+from actspec.simulators.newton import NewtonDialect
 from actspec.targets.losing_joint import LosingJoint
 from actspec.targets.newton.usda import Attribute
-from actspec.targets.newton.versions import NewtonDialect
 from actspec.targets.python_text import provenance, py
 
 

@@ -9,13 +9,13 @@ from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointKind
 from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
+from actspec.simulators import UnknownVersion
+from actspec.simulators.newton import NewtonDialect, newton_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.losing_joint import network_files
 from actspec.targets.newton.actuator import Driven, driven
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.text import overlay_name, overlay_text
-from actspec.targets.newton.versions import NewtonDialect, newton_dialect
-from actspec.targets.versions import UnknownVersion
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:

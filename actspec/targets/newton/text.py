@@ -9,11 +9,11 @@ import actspec
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet
 from actspec.robot.view import RobotView
+from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.newton.actuator import Driven
 from actspec.targets.newton.paths import Layout, converted_actuators
 from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
-from actspec.targets.newton.versions import NewtonDialect
 from actspec.targets.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.python_text import identifier
 

@@ -13,23 +13,18 @@ from actspec.diagnostics import Collector, EmitError, nearest, one_line
 from actspec.ir import ActuatorSet, JointKind, Level
 from actspec.robot.view import RobotView
 from actspec.sampling import check_ranges
+from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion, text_of
+from actspec.simulators.isaaclab import isaaclab_dialect
+from actspec.simulators.mjlab import EVENTS, mjlab_dialect
+from actspec.simulators.mujoco import MujocoDialect, mujoco_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab.versions import FrictionUnit, UnknownDialect, isaaclab_dialect
 from actspec.targets.mjlab.text import WIDTH as MJLAB_WIDTH
-from actspec.targets.mjlab.versions import mjlab_dialect
 from actspec.targets.python_text import WIDTH, comment_lines, environment, grouped, identifier
 from actspec.targets.randomization.isaaclab import GAINS, isaaclab_terms
 from actspec.targets.randomization.losses import Losses
 from actspec.targets.randomization.mjlab import configs_of, mjlab_terms
 from actspec.targets.randomization.playground import playground_function
 from actspec.targets.randomization.record import record
-from actspec.targets.versions import (
-    DEFAULT_MUJOCO,
-    DEFAULT_VERSIONS,
-    MujocoDialect,
-    UnknownVersion,
-    mujoco_dialect,
-)
 from actspec.units import format_quantity
 
 STACKS = ("isaaclab", "mjlab", "playground", "json")
@@ -120,12 +115,11 @@ class _Writer:
                 "json": self.json,
             }[stack]()
         except UnknownVersion as err:
-            option = err.key if isinstance(err, UnknownDialect) else "version"
             self.collector.error(
                 "RND013",
                 err.message,
-                where=self.options.where(option),
-                span=self.options.span(option),
+                where=self.options.where(err.key),
+                span=self.options.span(err.key),
                 help=err.help,
             )
             return None
@@ -149,12 +143,10 @@ class _Writer:
             'Gains of implicit groups are written to the simulator through the CPU: prefer mode="startup".'
             if late and implicit
             else "",
-            "Text-checked, not run." if dialect.version not in ((2, 2), (2, 3)) else "",
-            "Friction stays as it is: it has no known unit here."
-            if dialect.friction is not FrictionUnit.EFFORT and dialect.friction is not FrictionUnit.EFFORT_ONE
-            else "",
+            "Text-checked, not run." if not dialect.executed else "",
+            "" if dialect.friction.torque else "Friction stays as it is: it has no known unit here.",
         ]
-        module = "isaaclab.utils.configclass" if dialect.version >= (3, 0) else "isaaclab.utils"
+        module = "isaaclab.utils.configclass" if dialect.row.native else "isaaclab.utils"
         return self.render(
             "isaaclab_events.py.j2", f"{self.stem}_isaaclab_events.py", title, notes, losses,
             terms=terms, configclass=module,
@@ -162,10 +154,10 @@ class _Writer:
 
     def mjlab(self) -> EmittedFile | None:
         dialect = mjlab_dialect(self.version("mjlab"))
-        if dialect.version < (1, 6):
+        if dialect.version < EVENTS:
             raise UnknownVersion(
                 f"randomisation for mjlab {dialect.text} is not written",
-                'write version: "1.6", or leave it out',
+                f'write version: "{text_of(EVENTS)}", or leave it out',
             )
         losses = Losses(self.options.name, "mjlab")
         configs = configs_of(self.actuators, self.robot, dialect, self.collector)
@@ -188,7 +180,7 @@ class _Writer:
         """MuJoCo of the model that Playground's function is for; None after an error."""
         models = [o for o in self.options.siblings if o.kind == "mujoco"]
         if self.options.version or not models:
-            return mujoco_dialect(self.options.version or DEFAULT_MUJOCO)
+            return mujoco_dialect(self.options.version or DEFAULT_VERSIONS["mujoco"])
         dialects = {}
         for model in models:
             # A version that there is not is the MuJoCo target's error.
@@ -205,7 +197,7 @@ class _Writer:
                 help="write a target for it: {target: randomization, for: [playground], version: ...}",
             )
             return None
-        return next(iter(dialects.values()), mujoco_dialect(DEFAULT_MUJOCO))
+        return next(iter(dialects.values()), mujoco_dialect(DEFAULT_VERSIONS["mujoco"]))
 
     def nothing(self, stack: str, losses: Losses) -> None:
         """Note that a stack's file would draw nothing, and is not written."""

@@ -20,8 +20,8 @@ from dataclasses import replace
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.sampling import nominal_of
+from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
 from actspec.targets.isaaclab.gains import viscous_in_damping
-from actspec.targets.isaaclab.versions import FrictionUnit, IsaacLabDialect
 from actspec.targets.python_text import grouped
 from actspec.targets.randomization.draws import Draw, as_abs, as_scale, as_uniform, draws_of, stated_range
 from actspec.targets.randomization.losses import Losses, each
@@ -150,7 +150,7 @@ def _friction(
     collector: Collector,
 ) -> list[EventTerm]:
     fields = ("friction.coulomb", "friction.static", "friction.viscous")
-    if dialect.friction not in (FrictionUnit.EFFORT, FrictionUnit.EFFORT_ONE):
+    if not dialect.friction.torque:
         for field in fields:
             for draw in each(draws, field):
                 losses.dropped(draw, _NO_FRICTION[dialect.friction])

@@ -21,8 +21,8 @@ from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.sampling import nominal_of
+from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.mjlab.actuator import cfg_of
-from actspec.targets.mjlab.versions import MjlabDialect
 from actspec.targets.python_text import grouped
 from actspec.targets.randomization.draws import Draw, as_abs, as_uniform, draws_of, stated_range
 from actspec.targets.randomization.losses import Losses, each

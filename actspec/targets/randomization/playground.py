@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.robot.view import RobotView
 from actspec.sampling import FACTORS, nominal_of
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.python_text import WIDTH, grouped, py
 from actspec.targets.randomization.losses import Losses
 from actspec.targets.randomization.playground_held import Held, held_of, kept_ranges, raises_limit
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 BODY = 8
 """Columns before a line of the body."""

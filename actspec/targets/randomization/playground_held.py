@@ -8,10 +8,10 @@ from actspec.ir import Command, JointActuator, Level, Randomization
 from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.robot.view import RobotView
 from actspec.sampling import drawn_ends, nominal_of, own_ranges, unit_of
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.randomization.draws import draws_of, stated_range
 from actspec.targets.randomization.losses import Losses
 from actspec.targets.randomization.sizes import factor_lost, lost
-from actspec.targets.versions import DcMotorDialect, MujocoDialect
 
 _REASONS = {
     "friction.static": "MuJoCo's frictionloss is one number for sticking and sliding",

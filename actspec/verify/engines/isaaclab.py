@@ -7,18 +7,14 @@ from pathlib import Path
 from typing import Any
 
 from actspec.ir import JointKind
-from actspec.targets.isaaclab.versions import isaaclab_dialect
+from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.verify.engines.asking import prepared, probed
 from actspec.verify.engines.question import EngineAnswer, EngineMissing, Motions, Question
-from actspec.verify.frameworks import ISAACLAB
 from actspec.verify.motion import as_arrays
 from actspec.verify.probing import PROBES
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_isaaclab.py"
-
-WHEELS = {(2, 2): ISAACLAB[0], (2, 3): ISAACLAB[1]}
-"""Version of a target to the release that runs its text."""
 
 _FIGURES = {"armature": "armature"}
 """Field of a ledger row to the number of the class; the others depend on class and version, and are read back."""
@@ -60,7 +56,7 @@ def _probed(
     """The release, and what its probe says to a job."""
     options = question.options
     dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
-    release = WHEELS.get(dialect.version)
+    release = dialect.row.wheel
     if release is None:
         raise EngineMissing(f"the registry has no package of Isaac Lab {dialect.text}")
     if options.actuator_class == "implicit":

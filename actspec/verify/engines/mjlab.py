@@ -6,7 +6,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from actspec.targets.mjlab.versions import mjlab_dialect
+from actspec.simulators import release_of
+from actspec.simulators.mjlab import INSTALLED, mjlab_dialect
 from actspec.verify.engines.asking import prepared, probed
 from actspec.verify.engines.question import EngineAnswer, EngineMissing, Motions, Question
 from actspec.verify.engines.skeleton import skeleton
@@ -15,9 +16,6 @@ from actspec.verify.probing import PROBES
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_mjlab.py"
-
-RELEASE = "1.6.0"
-"""The release in the environment."""
 
 
 def ask(question: Question, motions: Motions) -> EngineAnswer:
@@ -34,7 +32,7 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
         "motions": list(motions),
     }
     said, torques = _probed(question, job, as_arrays(motions))
-    return EngineAnswer(f"mjlab {RELEASE}", True, torques, said["figures"])
+    return EngineAnswer(f"mjlab {INSTALLED}", True, torques, said["figures"])
 
 
 def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
@@ -45,7 +43,7 @@ def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
     inertia = dict(zip(plan.names, plan.body.tolist(), strict=True))
     job = plan.job() | {"model": skeleton(question.robot, question.actuators, inertia)}
     said, out = _probed(question, job, plan.arrays())
-    return responded(f"mjlab {RELEASE}", said, out, single=True)
+    return responded(f"mjlab {INSTALLED}", said, out, single=True)
 
 
 def _probed(
@@ -53,11 +51,11 @@ def _probed(
 ) -> tuple[Any, dict[str, Any]]:
     """What the release's probe says to a job."""
     dialect = mjlab_dialect(question.options.version)
-    if dialect.version != (1, 6):
+    if dialect.version != release_of(INSTALLED):
         raise EngineMissing(
-            f"mjlab {dialect.text} is not run here: the environment has {RELEASE}, "
+            f"mjlab {dialect.text} is not run here: the environment has {INSTALLED}, "
             "and each release needs a MuJoCo of its own"
         )
-    frameworks = prepared(f"mjlab {RELEASE}")
+    frameworks = prepared(f"mjlab {INSTALLED}")
     more = {"module": str(Path(question.main).resolve()), "step": question.step}
     return probed(frameworks, PROBE, {**job, **more}, arrays)

@@ -15,7 +15,8 @@ from actspec.diagnostics import RobotError, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
-from actspec.targets.versions import MujocoDialect, UnknownVersion, mujoco_dialect
+from actspec.simulators import UnknownVersion
+from actspec.simulators.mujoco import RELEASES, MujocoDialect, mujoco_dialect
 from actspec.verify.engines.mujoco_release import TIMEOUT, Engine, Job, grid, time
 from actspec.verify.engines.question import (
     SETUP,
@@ -27,7 +28,7 @@ from actspec.verify.engines.question import (
 )
 from actspec.verify.motion import Motion
 from actspec.verify.probing import PROBES, run_probe
-from actspec.verify.releases import MUJOCO, EngineError, release_folder
+from actspec.verify.releases import EngineError, release_folder
 from actspec.verify.response import Friction, Plan, Responded, responded
 
 if TYPE_CHECKING:
@@ -123,7 +124,7 @@ def release_for(version: str) -> str | None:
     except UnknownVersion:
         return None
     own = mujoco_dialect(".".join(mujoco.__version__.split(".")[:2]))
-    return None if own.version == dialect.version or _reads(own, dialect, True) else MUJOCO[dialect.version]
+    return None if own.version == dialect.version or _reads(own, dialect, True) else RELEASES[dialect.version]
 
 
 def _engine(question: Question) -> Engine:
@@ -133,7 +134,7 @@ def _engine(question: Question) -> Engine:
     own = mujoco_dialect(".".join(mujoco.__version__.split(".")[:2]))
     if own.version == dialect.version or _reads(own, dialect, _has_dcmotor(question)):
         return Engine(mujoco.__version__, None)
-    version = MUJOCO[dialect.version]
+    version = RELEASES[dialect.version]
     folder = release_folder("mujoco", version)
     if not folder.is_dir():
         raise EngineMissing(

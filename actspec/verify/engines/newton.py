@@ -8,9 +8,10 @@ from typing import Any
 
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import JointKind
+from actspec.simulators import text_of
+from actspec.simulators.newton import RELEASES, NewtonDialect, newton_dialect
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.usda import path_text
-from actspec.targets.newton.versions import NewtonDialect, newton_dialect
 from actspec.verify.engines.asking import prepared, probed
 from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Motions, Question
 from actspec.verify.frameworks import NEWTON
@@ -20,9 +21,6 @@ from actspec.verify.response import Friction, Plan, Responded, responded
 
 PROBE = PROBES / "probe_newton.py"
 
-INSTALLED = (1, 8)
-"""The release in the environment; others lie beside it."""
-BESIDE = {tuple(int(part) for part in version.split(".")[:2]): version for version in NEWTON}
 
 _HEAD = """#usda 1.0
 (
@@ -85,12 +83,14 @@ def _probed(
 ) -> tuple[NewtonDialect, Any, dict[str, Any]]:
     """The version, and what its probe says to a job about joints."""
     dialect = newton_dialect(question.options.version)
-    if dialect.version != INSTALLED and dialect.version not in BESIDE:
+    if not dialect.run:
+        *others, last = (text_of(version) for version, package in RELEASES.items() if package)
         raise EngineMissing(
-            f"Newton {dialect.text} is not run here: the environment has 1.3, 1.4, 1.6 and 1.8"
+            f"Newton {dialect.text} is not run here: the environment has {', '.join(others)} and {last}"
         )
     frameworks = prepared(f"Newton {dialect.text}")
-    beside = BESIDE.get(dialect.version)
+    package = RELEASES[dialect.version]
+    beside = package if package in NEWTON else None
     paths = _paths(question)
     more = {
         "path": [] if beside is None else [str(frameworks.newton(beside))],

@@ -14,12 +14,11 @@ from actspec.diagnostics import Diagnostic
 from actspec.ir import ActuatorSet
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat, RobotView
+from actspec.simulators.mujoco import MujocoDialect, installed_dialect
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.check import differences, outside_plan
-from actspec.targets.mujoco.emit import installed_dialect
 from actspec.targets.mujoco.plan import JointEdit, Plan
 from actspec.targets.mujoco.readback import check_readback
-from actspec.targets.versions import MujocoDialect
 from tests.compiling import Compiled, compile_text, view_of
 
 mujoco = pytest.importorskip("mujoco")
