@@ -4,16 +4,11 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import (
-    Collector,
-    Diagnostic,
-    EmitError,
-    ResolveError,
-    RobotError,
-)
+from actspec.diagnostics import Collector, Diagnostic, EmitError, ResolveError, RobotError
+from actspec.output import Compilation
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -21,41 +16,8 @@ if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
     from actspec.robot.view import RobotView
     from actspec.spec.validate import Spec
-    from actspec.targets.base import Approximation, Emission, TargetOptions
+    from actspec.targets.base import TargetOptions
     from actspec.verify.agreement import Agreement
-
-
-@dataclass(frozen=True, slots=True)
-class Compilation:
-    """Everything that one compile made, before anything is written.
-
-    Attributes:
-        spec: The spec.
-        robot: The robot's file, read.
-        actuators: What the spec means on that robot.
-        targets: Options of each target, in the spec's order.
-        emissions: What each made, in the same order.
-        diagnostics: Warnings and notes of all stages.
-    """
-
-    spec: Spec
-    robot: RobotView
-    actuators: ActuatorSet
-    targets: tuple[TargetOptions, ...]
-    emissions: tuple[Emission, ...]
-    diagnostics: tuple[Diagnostic, ...]
-
-    @property
-    def approximations(self) -> tuple[Approximation, ...]:
-        """Of the spec itself, then of all targets."""
-        emitted = (loss for emission in self.emissions for loss in emission.approximations)
-        return (*self.actuators.approximations, *emitted)
-
-    @property
-    def unaccepted(self) -> tuple[Approximation, ...]:
-        """Approximations that the spec's `accept` does not take."""
-        taken = {key for key, _ in self.actuators.accept}
-        return tuple(loss for loss in self.approximations if loss.key not in taken)
 
 
 def load(path: str | os.PathLike[str]) -> Spec:

@@ -11,7 +11,7 @@ from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from actspec.api import Compilation
+    from actspec.output import Compilation
     from actspec.targets.base import EmittedFile
 
 

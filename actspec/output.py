@@ -1,4 +1,4 @@
-"""Writing what was compiled: only what differs, atomically, and never over somebody else's file."""
+"""What one compile made, and writing it: only what differs, atomically, never over somebody else's file."""
 
 from __future__ import annotations
 
@@ -8,16 +8,53 @@ import json
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import actspec
-from actspec.api import Compilation
-from actspec.diagnostics import Collector, EmitError, Span
+from actspec.diagnostics import Collector, Diagnostic, EmitError, Span
 from actspec.files import replace_file
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
+if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
+    from actspec.robot.view import RobotView
+    from actspec.spec.validate import Spec
+
 MANIFEST = "manifest.json"
 MANIFEST_FORMAT = "actspec-manifest/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Compilation:
+    """Everything that one compile made, before anything is written.
+
+    Attributes:
+        spec: The spec.
+        robot: The robot's file, read.
+        actuators: What the spec means on that robot.
+        targets: Options of each target, in the spec's order.
+        emissions: What each made, in the same order.
+        diagnostics: Warnings and notes of all stages.
+    """
+
+    spec: Spec
+    robot: RobotView
+    actuators: ActuatorSet
+    targets: tuple[TargetOptions, ...]
+    emissions: tuple[Emission, ...]
+    diagnostics: tuple[Diagnostic, ...]
+
+    @property
+    def approximations(self) -> tuple[Approximation, ...]:
+        """Of the spec itself, then of all targets."""
+        emitted = (loss for emission in self.emissions for loss in emission.approximations)
+        return (*self.actuators.approximations, *emitted)
+
+    @property
+    def unaccepted(self) -> tuple[Approximation, ...]:
+        """Approximations that the spec's `accept` does not take."""
+        taken = {key for key, _ in self.actuators.accept}
+        return tuple(loss for loss in self.approximations if loss.key not in taken)
 
 
 @dataclass(frozen=True, slots=True)

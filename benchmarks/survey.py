@@ -34,7 +34,7 @@ from actspec.audit.outcome import SEVERITIES, Report  # noqa: E402
 from actspec.audit.settings import Settings  # noqa: E402
 from actspec.diagnostics import Severity, listed  # noqa: E402
 from actspec.report import ReportOptions, render  # noqa: E402
-from actspec.report.groups import grouped  # noqa: E402
+from actspec.report.findings import grouped  # noqa: E402
 from actspec.verify.frameworks import ISAACLAB, find  # noqa: E402
 
 SURVEY = ROOT / "docs" / "survey.md"

@@ -15,8 +15,6 @@ from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
 from actspec.cli.audit import begin
-from actspec.cli.progress import Progress
-from actspec.cli.report import print_diagnostics
 from actspec.cli.versions import named_versions, over
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -33,6 +31,7 @@ from actspec.diagnostics import (
 from actspec.files import replace_file
 from actspec.readings.artifact import FileKind
 from actspec.report import ReportOptions, prepare, render
+from actspec.report.terminal import Progress, print_diagnostics
 
 TEXT = ("full", "concise")
 """Formats for people in front of a terminal."""

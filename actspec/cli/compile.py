@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
-from actspec.cli.report import print_diagnostics, print_json, record
-from actspec.cli.summary import summary
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.report.compile import summary
+from actspec.report.terminal import print_diagnostics, print_json, record
 from actspec.targets.base import Approximation
 
 
@@ -73,7 +73,7 @@ def _refusals(losses: list[Approximation]) -> Iterator[str]:
     yield f'  help: take one knowingly with `accept: {{{keys[0]}: "the reason"}}` in the spec'
 
 
-def _record(done: list[api.Compilation], files: list[tuple[output.Output, ...]]) -> dict[str, Any]:
+def _record(done: list[output.Compilation], files: list[tuple[output.Output, ...]]) -> dict[str, Any]:
     return {
         "format": "actspec-compile/1",
         "files": [

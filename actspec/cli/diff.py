@@ -8,12 +8,12 @@ import tempfile
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.difference import Difference
-from actspec.audit.difference_words import lines, record
 from actspec.audit.revision import lay_out, names_revision
 from actspec.audit.sides import differences
-from actspec.cli.report import print_json
 from actspec.cli.versions import configured
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
+from actspec.report.difference import lines, record
+from actspec.report.terminal import print_json
 
 FORMAT = "actspec-diff/1"
 

@@ -43,11 +43,11 @@ def import_files(
         versions: What the files are meant for.
         force: Replace a file that is there.
     """
-    from actspec.cli.report import print_diagnostics
     from actspec.draft import draft
     from actspec.draft.combine import combine
     from actspec.draft.reading import read_robot_files
     from actspec.draft.targets import targets_of
+    from actspec.report.terminal import print_diagnostics
     from actspec.robot.load import find_model
     from actspec.spec.document import document_from_text
     from actspec.spec.validate import validate

@@ -12,7 +12,6 @@ from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
 from actspec.audit.sides import read
-from actspec.cli.report import print_json
 from actspec.cli.versions import configured, over
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -26,6 +25,7 @@ from actspec.diagnostics import (
 )
 from actspec.files import NotRegular, TooLarge, read_regular, replace_file
 from actspec.readings.versions import Versions
+from actspec.report.terminal import print_json
 
 MOST_BYTES = 64 << 20
 """Chosen: a robot of 30 joints takes 20 kB."""
@@ -63,7 +63,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:
     """What has changed, in words."""
-    from actspec.audit.difference_words import lines, record
+    from actspec.report.difference import lines, record
 
     recorded = _recorded(old, path)
     asked = _names(arguments.file, path) if arguments.file else recorded

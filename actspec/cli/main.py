@@ -271,8 +271,8 @@ def entry() -> NoReturn:
 
 
 def _run(arguments: argparse.Namespace) -> int:
-    from actspec.cli import report
     from actspec.diagnostics import ActspecError
+    from actspec.report import terminal as report
 
     command: str = arguments.command
     try:

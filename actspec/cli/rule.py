@@ -11,9 +11,9 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected
 from actspec.audit.settings import check_selectors
-from actspec.cli.report import print_json
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
 from actspec.files import replace_file
+from actspec.report.terminal import print_json
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -9,10 +9,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from actspec import api
-from actspec.cli.report import print_diagnostics, print_json
 from actspec.diagnostics import EXIT_CLEAN, Diagnostic, ResolveError, Severity, listed
 from actspec.ir import ActuatorSet, Approximation, JointActuator, Quantity
-from actspec.tables import table
+from actspec.report.tables import table
+from actspec.report.terminal import print_diagnostics, print_json
 from actspec.units import format_quantity
 
 

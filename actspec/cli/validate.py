@@ -5,9 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 
-from actspec.cli.report import print_diagnostics, print_json, record
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.report.terminal import print_diagnostics, print_json, record
 from actspec.spec.read import MAX_BYTES, is_spec
 
 

@@ -7,11 +7,10 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
-from actspec.cli.progress import Progress
-from actspec.cli.report import print_diagnostics, print_json, record
-from actspec.cli.verify_report import github, markdown, text
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
+from actspec.report.terminal import Progress, print_diagnostics, print_json, record
+from actspec.report.verify import github, markdown, text
 from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
 
 Done = list[tuple[api.Compilation, Agreement]]

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from actspec.audit.outcome import Report
 from actspec.diagnostics import Span, listed, one_line
 from actspec.report import ReportOptions
-from actspec.report.groups import Group
+from actspec.report.findings import Group
 from actspec.report.sources import Sources
 from actspec.report.style import Style
 from actspec.report.text import around

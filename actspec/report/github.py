@@ -9,7 +9,7 @@ from actspec.audit.baseline import relative_path
 from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity, Span, one_line
 from actspec.report import ReportOptions
-from actspec.report.groups import grouped
+from actspec.report.findings import grouped
 
 LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 

@@ -16,7 +16,7 @@ from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
 from actspec.report.columns import cell
 from actspec.report.compare import Comparison, Line, comparisons
-from actspec.report.groups import Group, grouped
+from actspec.report.findings import Group, grouped
 from actspec.report.ledger import LedgerTable, ledger_tables
 from actspec.report.sources import Sources
 from actspec.report.text import counted, many

@@ -11,7 +11,7 @@ from xml.etree import ElementTree as tree
 from actspec.audit.outcome import SEVERITIES, Report
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.report import ReportOptions
-from actspec.report.groups import Group, grouped
+from actspec.report.findings import Group, grouped
 
 
 def render(report: Report, options: ReportOptions) -> str:

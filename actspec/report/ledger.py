@@ -12,7 +12,7 @@ from actspec.ir import JointKind
 from actspec.report.columns import COLUMNS, Column, cell, legend, marked, number
 from actspec.report.compare import Comparison, comparisons
 from actspec.report.style import Style
-from actspec.tables import table
+from actspec.report.tables import table
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from actspec.diagnostics import Severity, listed, one_line
 from actspec.report import ReportOptions
 from actspec.report.columns import cell
 from actspec.report.compare import comparisons
-from actspec.report.groups import told
+from actspec.report.findings import told
 from actspec.report.ledger import ledger_tables
 from actspec.report.text import counted, many
 

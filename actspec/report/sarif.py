@@ -20,7 +20,7 @@ from actspec.audit.pages import family, page
 from actspec.audit.rule import Rule, sections
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.report import ReportOptions
-from actspec.report.groups import Group, grouped
+from actspec.report.findings import Group, grouped
 from actspec.report.sources import Sources
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterable, Iterator
 from actspec.audit.outcome import SEVERITIES, Means, Report
 from actspec.diagnostics import Severity, listed, one_line
 from actspec.report import ReportOptions
-from actspec.report.groups import Group, told
+from actspec.report.findings import Group, told
 from actspec.report.ledger import ledger_lines
 from actspec.report.style import Style
-from actspec.tables import table
+from actspec.report.tables import table
 
 MOST_REASONS = 3
 """Reasons for skipping rules that are told. Chosen: who asks for a few rules wants to know why one is silent, who asks

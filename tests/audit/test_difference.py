@@ -7,10 +7,10 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.difference import Difference
-from actspec.audit.difference_words import lines
 from actspec.audit.sides import differences
 from actspec.diagnostics import AuditError
 from actspec.readings.versions import Versions
+from actspec.report.difference import lines
 from tests.audit.robots import CFG, LEG, SPEC
 
 EFFECTS = ("natural frequency", "damping ratio")

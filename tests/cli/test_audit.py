@@ -13,7 +13,7 @@ import jsonschema
 import pytest
 
 from actspec.cli.main import main
-from actspec.cli.progress import Progress
+from actspec.report.terminal import Progress
 from actspec.resources import data_path
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -393,7 +393,7 @@ def test_progress_of_a_long_step(monkeypatch: pytest.MonkeyPatch) -> None:
     """A bar appears while a step of the work takes long, too, and tells how far the work was before."""
     terminal: Any = Terminal()
     monkeypatch.setattr(sys, "stderr", terminal)
-    monkeypatch.setattr("actspec.cli.progress._TICK", 0.01)
+    monkeypatch.setattr("actspec.report.terminal._TICK", 0.01)
     now = 0.0
     with Progress("verifying", lambda: now) as progress, progress.ticking():
         progress.step(1, 3)

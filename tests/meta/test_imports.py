@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources", "files", "tables", "patterns"},
+    {"units", "diagnostics", "resources", "files", "patterns"},
     {"joints"},
     {"ir", "simulators"},
     {"laws"},
@@ -25,9 +25,9 @@ LAYERS = (
     {"resolution"},
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"lift"},
-    {"draft", "verify"},
+    {"draft", "verify", "output"},
     {"report"},
-    {"api", "output", "runtime"},
+    {"api", "runtime"},
     {"live"},
     {"mjlab", "isaaclab"},
     {"cli", "__main__", ""},

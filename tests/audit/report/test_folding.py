@@ -13,7 +13,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
 from actspec.report import ReportOptions, render
-from actspec.report.groups import MOST_ALIKE, Group, grouped, told
+from actspec.report.findings import MOST_ALIKE, Group, grouped, told
 from actspec.report.text import MOST_REASONS
 from tests.audit.making import case_of, finding, rule_of
 

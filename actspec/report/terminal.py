@@ -1,11 +1,14 @@
-"""What commands print: diagnostics and JSON; plain where the output is no terminal."""
+"""What commands print: diagnostics, JSON, and a progress bar; plain where the output is no terminal."""
 
 from __future__ import annotations
 
 import json
 import os
 import sys
-from collections.abc import Iterable, Sequence
+import threading
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any, TextIO
 
 from actspec.diagnostics import Diagnostic, Severity
@@ -17,6 +20,12 @@ OUTPUT = {"audit": "report", "rule": "rules"}
 
 WRITING = ("compile", "import", "init", "lock")
 """Commands whose work are files, all or none. Of an audit some fixes may be written when another one cannot be."""
+
+QUIET = 2.0
+"""Seconds without a bar: most runs are over by then."""
+_EVERY = 0.1
+_TICK = 0.5
+_WIDTH = 30
 
 
 def colour(text: str, code: str, stream: TextIO) -> str:
@@ -63,3 +72,54 @@ def record(item: Diagnostic) -> dict[str, Any]:
 def print_json(data: Any) -> None:
     """Print machine output to stdout; NaN and infinity are refused, they are no JSON."""
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+class Progress:
+    """Draws a bar while work is reported, and takes it away at the end.
+
+    Args:
+        doing: What is done: `reading`.
+        clock: Gives the time [s].
+    """
+
+    def __init__(self, doing: str, clock: Callable[[], float] = time.monotonic) -> None:
+        self._doing = doing
+        self._clock = clock
+        self._from = self._drawn_at = clock()
+        self._drawn = False
+        self._far = (0, 1)
+
+    def step(self, done: int, total: int) -> None:
+        """Say how far the work is."""
+        self._far = (done, total)
+        now = self._clock()
+        if now - self._from < QUIET or now - self._drawn_at < _EVERY or not sys.stderr.isatty():
+            return
+        self._drawn, self._drawn_at = True, now
+        filled = _WIDTH * done // max(total, 1)
+        bar = "#" * filled + "." * (_WIDTH - filled)
+        print(f"\r{self._doing} [{bar}] {done}/{total}", end="", file=sys.stderr, flush=True)
+
+    @contextmanager
+    def ticking(self) -> Iterator[None]:
+        """Draw now and then by itself, because a step of the work may take long."""
+        done = threading.Event()
+
+        def tick() -> None:
+            while not done.wait(_TICK):
+                self.step(*self._far)
+
+        thread = threading.Thread(target=tick, daemon=True)
+        thread.start()
+        try:
+            yield
+        finally:
+            done.set()
+            thread.join()
+
+    def __enter__(self) -> Progress:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        if self._drawn:
+            print("\r\x1b[K", end="", file=sys.stderr, flush=True)

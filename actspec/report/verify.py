@@ -5,10 +5,10 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator, Sequence
 
-from actspec.api import Compilation
-from actspec.cli.report import colour
 from actspec.diagnostics import Severity, Span, listed, one_line
-from actspec.tables import table
+from actspec.output import Compilation
+from actspec.report.tables import table
+from actspec.report.terminal import colour
 from actspec.targets.base import TargetOptions
 from actspec.verify.agreement import Agreement, At, Row, Skip
 from actspec.verify.response import COURSES, SOFT

@@ -6,11 +6,10 @@ import os
 import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.api import Compilation
 from actspec.diagnostics import Severity, listed, one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
-from actspec.output import MANIFEST, Output
-from actspec.tables import table
+from actspec.output import MANIFEST, Compilation, Output
+from actspec.report.tables import table
 from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_quantity
 
