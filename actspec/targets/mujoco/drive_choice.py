@@ -93,12 +93,14 @@ def _with_own_gains(
         if not needed or (quantity is not None and quantity.known):
             continue
         found = sum(getattr(a, field) for a in servos)
-        if not servos or (field == "kp" and found == 0.0):
+        untold = any(field in a.unknown for a in servos)
+        if not servos or untold or (field == "kp" and found == 0.0):
             complete = False
+            why = "the file alone does not tell its servo's" if untold else "the file has no servo to keep"
             reports.error(
                 "MJC001",
                 actuator.joint,
-                f"{field} is unknown, and MuJoCo needs a number: the file has no servo to keep",
+                f"{field} is unknown, and MuJoCo needs a number: {why}",
                 f"actuators.{actuator.group}.{field}",
                 (quantity.span if quantity is not None else None) or actuator.span,
                 f"state {field}, or use `command: effort` and leave the gains to the caller",

@@ -150,7 +150,7 @@ def plan_model(
                     help="rename the other actuator",
                 )
             added.append(drive)
-        joint_edits.append(_joint_edit(actuator, joint, own, dialect, collector))
+        joint_edits.append(_joint_edit(actuator, joint, own, dialect, robot.inertia_reason, collector))
     reports.tell(collector)
     unmeasured = [a for a in actuators.joints if a.armature.value is None]
     if unmeasured:
@@ -223,9 +223,10 @@ def _joint_edit(
     joint: JointView,
     own: tuple[ActuatorView, ...],
     dialect: MujocoDialect,
+    weightless: str,
     collector: Collector,
 ) -> JointEdit:
-    """What changes at the joint itself."""
+    """What changes at the joint itself; `weightless`: why the robot's inertia is unknown."""
     viscous = actuator.friction_viscous.value
     folded = [0.0, 0.0, 0.0]
     for a in own:
@@ -270,7 +271,19 @@ def _joint_edit(
         frictionloss=coulomb if coulomb is not None and coulomb != joint.frictionloss else None,
         effort=effort,
     )
-    if joint.springdamper:
+    if joint.springdamper and "stiffness" in joint.unknown:
+        # It stays in force, unless a number is to stand in its place.
+        if viscous is not None or any(folded):
+            collector.error(
+                "MJC025",
+                f"'{joint.name}' has a springdamper in force, which would overwrite friction.viscous; its stiffness "
+                f"cannot be written in its place: {weightless}",
+                where=joint.name,
+                span=joint.span,
+                help="put the mesh files there, or write stiffness and damping in the model instead of springdamper",
+            )
+        edit = replace(edit, damping=None)
+    elif joint.springdamper:
         # In force it would overwrite what is written, and follow the armature.
         collector.info(
             "MJC020",

@@ -334,6 +334,19 @@ def test_springdamper_goes_out_of_force() -> None:
     assert 'springdamper="0 0"' in stated.text
 
 
+WEIGHTLESS = """<mujoco><asset><mesh name="m" file="m.stl"/></asset><worldbody><body>
+  <joint name="hip" axis="0 1 0" springdamper="0.2 0.5"/><geom type="mesh" mesh="m"/></body></worldbody>
+  <actuator><position name="a" joint="hip" kp="50" dampratio="1"/></actuator></mujoco>"""
+
+
+def test_what_follows_a_missing_mesh_is_no_number() -> None:
+    """Nobody knows the stiffness of the springdamper, nor the kv of the dampratio."""
+    with pytest.raises(EmitError, match=r"MJC025 hip: .*comes from mesh files that are not there"):
+        compile_text(HIP + "    friction: {viscous: 0.05}\n", WEIGHTLESS)
+    with pytest.raises(EmitError, match=r"MJC001 .*the file alone does not tell its servo's"):
+        compile_text(HIP.replace("kd: 2", "kd: unknown"), WEIGHTLESS)
+
+
 @pytest.mark.parametrize(
     ("option", "expected"),
     [
