@@ -371,7 +371,8 @@ def _by_rule(found: Sequence[Found]) -> Iterator[str]:
     counts = Counter((one.code, one.severity) for one in found)
     for code, name in dict.fromkeys((one.code, one.name) for one in found):
         numbers = " | ".join(str(counts[code, severity] or "") for severity in reversed(SEVERITIES))
-        yield f"| [{code}](rules/{code}.md) | {name} | {numbers} | {len({o.file for o in found if o.code == code})} |"
+        page = f"../actspec/audit/rules/{code.lower()}.md"
+        yield f"| [{code}]({page}) | {name} | {numbers} | {len({o.file for o in found if o.code == code})} |"
     totals = " | ".join(
         str(sum(one.severity is severity for one in found)) for severity in reversed(SEVERITIES)
     )

@@ -1,4 +1,4 @@
-"""Rules explained: one page each, from its docstring, and an index of all."""
+"""Rules explained: one page each, from the file beside its module, and an index of all."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def index(rules: Sequence[type[Rule]]) -> str:
         text += "|---|---|---|---|---|---|\n"
         for rule in members:
             cells = (
-                f"[{rule.code}]({rule.code}.md)",
+                f"[{rule.code}]({rule.code.lower()}.md)",
                 rule.name,
                 sections(rule)[""].replace("|", "\\|"),
                 rule.severity.value,

@@ -1,9 +1,11 @@
-"""The form of a rule, and the list of all rules."""
+"""The form of a rule, and its page."""
 
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Iterator
+from pathlib import Path
 from typing import ClassVar
 
 from actspec.audit.case import Case
@@ -11,11 +13,11 @@ from actspec.audit.finding import Confidence, Finding, Safety, Skipped
 from actspec.diagnostics import Severity
 
 HEADINGS = ("What it does", "Why it matters", "Example", "Use instead", "Limits", "Source")
-"""Sections of a rule's docstring, in this order; `Limits` may be left out."""
+"""Sections of a rule's page, in this order; `Limits` may be left out."""
 
 
 class Rule:
-    """One rule. Its docstring is its page: a title line, then the sections of `HEADINGS`.
+    """One rule. Its page stands beside its module, as `CODE.md` in lower case.
 
     Attributes:
         code: Family letters and number; for ever.
@@ -44,6 +46,12 @@ class Rule:
         """
         raise NotImplementedError
 
+    @classmethod
+    def text(cls) -> str:
+        """The text of its page."""
+        module = Path(sys.modules[cls.__module__].__file__ or "")
+        return module.with_name(f"{cls.code.lower()}.md").read_text(encoding="utf-8")
+
     def option(self, case: Case, name: str) -> float:
         """An option of this rule as configured."""
         return case.option(self.code, name, self.options[name])
@@ -52,16 +60,14 @@ class Rule:
 def sections(rule: type[Rule]) -> dict[str, str]:
     """A rule's page: heading to text; the title line under "".
 
-    Raises: ValueError: the docstring has no title, or a heading is missing or out of order.
-    """
-    from inspect import getdoc
+    The lines between title and first heading are those that `actspec.audit.pages` makes of the attributes.
 
-    text = getdoc(rule) or ""
-    title, _, rest = text.partition("\n")
-    parts = re.split(r"^## (.+)$", rest, flags=re.MULTILINE)
-    found = {"": title.strip()}
-    found.update({parts[i].strip(): parts[i + 1].strip("\n") for i in range(1, len(parts), 2)})
+    Raises: ValueError: the page has no title, or a heading is missing or out of order.
+    """
+    head, *parts = re.split(r"^## (.+)$", rule.text(), flags=re.MULTILINE)
+    title = head.partition("\n\n")[2].partition("\n\n")[0].strip()
+    found = {"": title} | {parts[i].strip(): parts[i + 1].strip("\n") for i in range(0, len(parts), 2)}
     wanted = [heading for heading in HEADINGS if heading in found or heading != "Limits"]
     if not title or [key for key in found if key] != wanted:
-        raise ValueError(f"{rule.code}: a rule's docstring has a title and the sections {', '.join(wanted)}")
+        raise ValueError(f"{rule.code}: a rule's page has a title and the sections {', '.join(wanted)}")
     return found

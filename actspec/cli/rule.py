@@ -42,7 +42,7 @@ def _chosen(selectors: list[str], rules: tuple[type[Rule], ...]) -> tuple[type[R
 
 def _write(folder: str, rules: tuple[type[Rule], ...]) -> None:
     """One file a rule, and the index."""
-    texts = {f"{rule.code}.md": page(rule) for rule in rules} | {INDEX: index(rules)}
+    texts = {f"{rule.code.lower()}.md": page(rule) for rule in rules} | {INDEX: index(rules)}
     out = Collector()
     for name, text in texts.items():
         path = os.path.join(folder, name)

@@ -41,27 +41,39 @@ def row(path: str, joint: str, artifact: int = 0, **fields: Any) -> LedgerRow:
     return LedgerRow(path, artifact, Span(path, 1, 1), joint, **fields)
 
 
+PAGE = """# LIM901 made-rule
+
+A made rule.
+
+## What it does
+
+Finds what it is told to.
+
+## Why it matters
+
+For tests.
+
+## Example
+
+None.
+
+## Use instead
+
+None.
+
+## Source
+
+Chosen.
+"""
+
+
 def rule_of(code: str, name: str, *found: Finding | Skipped | Exception, **attributes: Any) -> type[Rule]:
     """A rule that finds what it is told to, and breaks off at an exception."""
 
     class Made(Rule):
-        """A made rule.
-
-        ## What it does
-        Finds what it is told to.
-
-        ## Why it matters
-        For tests.
-
-        ## Example
-        None.
-
-        ## Use instead
-        None.
-
-        ## Source
-        Chosen.
-        """
+        @classmethod
+        def text(cls) -> str:
+            return PAGE
 
         def check(self, case: Case) -> Iterator[Finding | Skipped]:
             for item in found:

@@ -9,9 +9,13 @@ import pytest
 from actspec.audit.comments import comments
 from actspec.audit.engine import judge
 from actspec.audit.outcome import Means
-from actspec.audit.rules.remarks import RULES as REMARKS
+from actspec.audit.rules.act001 import IgnoreWithoutReason
+from actspec.audit.rules.act002 import UnusedIgnore
+from actspec.audit.rules.act003 import UnknownIgnore
 from actspec.audit.settings import Settings
 from tests.audit.making import case_of, finding, rule_of
+
+REMARKS = (IgnoreWithoutReason, UnusedIgnore, UnknownIgnore)
 
 XML = """<!-- top -->
 <mujoco>
@@ -198,7 +202,7 @@ def test_remarks_of_an_included_file_count_once(tmp_path: Path, monkeypatch: pyt
     """A file that is named and included is scanned once, whatever its path is written like."""
     monkeypatch.chdir(tmp_path)
     data = b"<a>\n<b/> <!-- actspec: ignore[LIM901] -->\n</a>"
-    report = judge(case_of({"a.xml": data, "./a.xml": data}), Settings(), (*REMARKS,))
+    report = judge(case_of({"a.xml": data, "./a.xml": data}), Settings(), REMARKS)
     assert [item.finding.code for item in report.findings] == ["ACT001", "ACT003"]
 
 

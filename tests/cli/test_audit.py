@@ -440,9 +440,9 @@ def test_rule_errors(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_rule_docs(folder: Path) -> None:
     """--docs writes every page and the index."""
-    assert run("rule", "--docs", "docs/rules") == 0
-    names = {path.name for path in (folder / "docs" / "rules").iterdir()}
-    assert {"README.md", "LIM101.md", "ACT003.md"} <= names
+    assert run("rule", "--docs", "pages") == 0
+    names = {path.name for path in (folder / "pages").iterdir()}
+    assert {"README.md", "lim101.md", "act003.md"} <= names
     (folder / "file").write_text("")
     assert run("rule", "--docs", "file") == 2
 

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from functools import cache
 
 from actspec.audit.case import Case
+from actspec.diagnostics import Span
+from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
-from actspec.robot.mjcf_actuator_text import ActuatorText, actuator_text, class_text
+from actspec.robot.mjcf_actuator_text import ActuatorText, actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import read_elements
-from actspec.robot.view import ActuatorView, RobotView
+from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_tree import Element, XmlDocument
+from actspec.units import format_quantity
+
+NO_DELAY = "no MJCF with a delay among the files"
+
+NO_ACTUATORS = "no MJCF with actuators among the files"
 
 
 @dataclass(frozen=True, slots=True)
@@ -126,3 +134,45 @@ def drives_in_mjcf(case: Case) -> bool:
     return any(
         artifact.robot is not None and artifact.robot.actuators for _, artifact in case.of_kind(FileKind.MJCF)
     )
+
+
+def delayed(case: Case) -> Iterator[tuple[WrittenActuator, float]]:
+    """Actuators with a delay, and their step [s]."""
+    for found in written_actuators(case, b"delay"):
+        step = found.artifact.robot.timestep if found.artifact.robot is not None else None
+        # The text alone does not know a delay without nsample, which MuJoCo refuses.
+        if step is not None and step > 0.0 and found.view.delay > 0.0 and "delay" not in found.view.unknown:
+            yield found, step
+
+
+def stored_samples(found: WrittenActuator) -> int | None:
+    owner = found.owner("nsample")
+    value = numbers(owner.get("nsample"), 1) if owner is not None else ()
+    return int(value[0]) if value and math.isfinite(value[0]) else None
+
+
+def is_interpolated(found: WrittenActuator) -> bool:
+    owner = found.owner("interp")
+    return owner is not None and owner.get("interp") != "zoh"
+
+
+def milliseconds(seconds: float) -> str:
+    return format_quantity(1000.0 * seconds, "ms", 3)
+
+
+def place_of(found: WrittenActuator, *names: str) -> Span:
+    """Where the first of the attributes stands: a default class's place, or the actuator's."""
+    own = [name for name in names if name in found.element.attributes]
+    if own:
+        return found.view.span
+    return next((found.view.places[name] for name in names if name in found.view.places), found.view.span)
+
+
+def joint_of(found: WrittenActuator) -> str:
+    return found.view.target if found.view.transmission in ("joint", "jointinparent") else ""
+
+
+def drives_kind(found: WrittenActuator, kind: JointKind) -> bool:
+    robot = found.artifact.robot
+    joint: JointView | None = robot.joint(found.view.target) if robot is not None else None
+    return joint is not None and joint.kind is kind

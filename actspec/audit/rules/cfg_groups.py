@@ -7,11 +7,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from os.path import basename, splitext
 
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
-from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, Setting
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import matching
+
+FRAMEWORKS = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}
 
 IMPLICIT = frozenset({"ImplicitActuatorCfg"})
 """Isaac Lab's class whose drive the solver integrates."""
@@ -91,3 +94,15 @@ def groups_of(case: Case, framework: Framework, classes: frozenset[str] | None =
                     group.span <= gap and (after is None or gap < after) for gap in gaps
                 )
                 yield Group(group, framework, index, own, complete)
+
+
+def names_model(config: RobotConfig, model: Artifact) -> bool:
+    """Whether a configuration names this model, or none."""
+    setting = config.settings.get("model")
+    if setting is None or not isinstance(setting.value, str):
+        return True
+    return splitext(basename(setting.value))[0] == splitext(basename(model.path))[0]
+
+
+def major_version(version: str | None) -> int:
+    return 2 if version is None else int(version.split(".")[0])

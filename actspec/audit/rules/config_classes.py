@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from actspec.audit.case import Case
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 
+NO_STOCK_CLASSES = "no configuration with stock classes of Isaac Lab or mjlab among the files"
+
 
 @dataclass(frozen=True, slots=True)
 class StockClass:
@@ -43,7 +45,9 @@ LIMITS = frozenset(
 """Isaac Lab's limits in the names of 2.x and 3.0; which version has which is VER103's."""
 
 _JOINT = frozenset({"stiffness", "damping", "armature", "friction", "dynamic_friction", "viscous_friction"})
+
 _NET = frozenset({"network_file", "saturation_effort"})
+
 _LINE = frozenset({"saturation_effort", "velocity_limit", "actuator_velocity_limit"})
 
 
@@ -53,6 +57,7 @@ def _isaac(extra: frozenset[str] = frozenset(), required: frozenset[str] = froze
 
 
 _PD = frozenset({"stiffness", "damping"})
+
 _MLP = frozenset({"pos_scale", "vel_scale", "torque_scale", "input_order", "input_idx"})
 
 ISAACLAB = {
@@ -81,6 +86,7 @@ _BASE = frozenset(
         "delay_per_env_phase",
     }
 )
+
 _NONE: frozenset[str] = frozenset()
 
 
@@ -108,6 +114,7 @@ _DC = frozenset(
         "lugre",
     }
 )
+
 _MUSCLE = frozenset(
     {
         "length_range",
@@ -124,6 +131,7 @@ _MUSCLE = frozenset(
         "fvmax",
     }
 )
+
 _SCALES = frozenset({"pos_scale", "vel_scale", "torque_scale"})
 
 MJLAB = {

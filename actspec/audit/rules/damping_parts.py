@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
+from actspec.audit.rules.partners import partner_rows
+from actspec.readings.artifact import FileKind
+
+INTENT = (FileKind.CFG, FileKind.SPEC)
 
 SAME = 0.05
 """Relative difference up to which two figures are taken for one. Chosen: rounding of published gains."""
@@ -67,3 +71,12 @@ def _parts_of(rows: Sequence[LedgerRow]) -> Parts | None:
 def same(one: float, other: float) -> bool:
     """Whether two figures are one, but for rounding."""
     return math.isclose(one, other, rel_tol=SAME)
+
+
+def first_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[LedgerRow]:
+    """Rows of the same joint in the robot's other files, one each file."""
+    seen = set()
+    for other in partner_rows(case, row, *kinds):
+        if other.artifact not in seen:
+            seen.add(other.artifact)
+            yield other

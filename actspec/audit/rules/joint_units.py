@@ -4,7 +4,10 @@ from __future__ import annotations
 
 from actspec.audit.ledger import LedgerRow
 from actspec.readings.fields import unit_of
+from actspec.readings.versions import Versions, friction_unit_of
 from actspec.units import format_quantity
+
+SPEEDS = ("velocity_limit", "no_load_speed")
 
 
 def unit(row: LedgerRow, field: str) -> str:
@@ -22,3 +25,8 @@ def shown(row: LedgerRow, field: str, value: float | None, digits: int = 3) -> s
         digits: More, for figures that a file states and that grow large.
     """
     return format_quantity(value, unit(row, field), digits)
+
+
+def friction_unit(row: LedgerRow, versions: Versions) -> str:
+    found = friction_unit_of(versions)
+    return "1" if found is not None and found.coefficient else unit(row, "frictionloss")

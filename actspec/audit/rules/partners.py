@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
@@ -95,3 +96,20 @@ def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
                 joints.setdefault(joint, []).append(((file, at), own[0]))
         found.append([rows for rows in joints.values() if len(rows) > 1])
     return found
+
+
+def top_speed(row: LedgerRow) -> float | None:
+    """The joint's top speed: its limit, or the end of its torque-speed line."""
+    return finite(row.velocity_limit) or finite(row.no_load_speed)
+
+
+def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:
+    """The row whose finite effort limit holds for the joint: its own, else the least of the other files."""
+    if finite(row.effort_limit) is not None:
+        return row
+    others = [other for other in partner_rows(case, row) if finite(other.effort_limit) is not None]
+    return min(others, key=lambda other: other.effort_limit or 0.0, default=None)
+
+
+def finite(limit: float | None) -> float | None:
+    return limit if limit is not None and 0.0 < limit < math.inf else None

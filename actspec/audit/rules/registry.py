@@ -1,100 +1,32 @@
-"""All rules of the audit, by code."""
+"""All rules of the audit: one module a rule, named by its code, beside its page."""
 
 from __future__ import annotations
 
+import re
+from functools import cache
+from importlib import import_module
+from pathlib import Path
+
 from actspec.audit.rule import Rule
-from actspec.audit.rules import (
-    armature,
-    configs_fields,
-    configs_joints,
-    damping_files,
-    damping_limits,
-    damping_model,
-    delays,
-    friction_isaaclab,
-    friction_rows,
-    gears,
-    gears_inertia,
-    gears_side,
-    joint_order,
-    joint_patterns,
-    limits,
-    limits_cfg,
-    limits_command,
-    limits_model,
-    networks,
-    networks_manifest,
-    networks_scale,
-    provenance,
-    ranges_ends,
-    ranges_engine,
-    ranges_values,
-    remarks,
-    servo_signs,
-    signs,
-    source_figures,
-    source_limits,
-    source_policy,
-    spec_faults,
-    spec_figures,
-    spec_timing,
-    stability_filter,
-    stability_step,
-    symmetry,
-    units_files,
-    units_milli,
-    units_ranges,
-    versions_isaaclab,
-    versions_mujoco,
-    versions_servo,
-)
 
 
+@cache
 def all_rules() -> tuple[type[Rule], ...]:
     """Every rule, by code."""
-    families: tuple[tuple[type[Rule], ...], ...] = (
-        armature.RULES,
-        configs_fields.RULES,
-        configs_joints.RULES,
-        damping_files.RULES,
-        damping_limits.RULES,
-        damping_model.RULES,
-        delays.RULES,
-        friction_isaaclab.RULES,
-        friction_rows.RULES,
-        gears.RULES,
-        gears_inertia.RULES,
-        gears_side.RULES,
-        joint_order.RULES,
-        joint_patterns.RULES,
-        limits.RULES,
-        limits_cfg.RULES,
-        limits_command.RULES,
-        limits_model.RULES,
-        networks.RULES,
-        networks_manifest.RULES,
-        networks_scale.RULES,
-        provenance.RULES,
-        ranges_ends.RULES,
-        ranges_engine.RULES,
-        ranges_values.RULES,
-        remarks.RULES,
-        servo_signs.RULES,
-        signs.RULES,
-        source_figures.RULES,
-        source_limits.RULES,
-        source_policy.RULES,
-        spec_faults.RULES,
-        spec_figures.RULES,
-        spec_timing.RULES,
-        stability_filter.RULES,
-        stability_step.RULES,
-        symmetry.RULES,
-        units_files.RULES,
-        units_milli.RULES,
-        units_ranges.RULES,
-        versions_isaaclab.RULES,
-        versions_mujoco.RULES,
-        versions_servo.RULES,
+    names = sorted(
+        path.stem for path in Path(__file__).parent.iterdir() if re.fullmatch(r"[a-z]{3}\d{3}\.py", path.name)
     )
-    return tuple(sorted((rule for family in families for rule in family), key=lambda rule: rule.code))
+    return tuple(_rule_in(name) for name in names)
+
+
+def _rule_in(name: str) -> type[Rule]:
+    """The rule of a module: the class that has its name as code."""
+    module = import_module(f"{__package__}.{name}")
+    (rule,) = (
+        found
+        for found in vars(module).values()
+        if isinstance(found, type)
+        and issubclass(found, Rule)
+        and getattr(found, "code", None) == name.upper()
+    )
+    return rule

@@ -17,6 +17,12 @@ from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.pair import Robot, joint_names
 
+PLACEHOLDER = 1e5
+"""From here on a limit is none. Source: rule LIM102."""
+
+TIMES = 3.0
+"""From here a ratio is told as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+
 _SLIPS = (180.0 / math.pi, 30.0 / math.pi)
 """Degrees for radians, rpm for rad/s."""
 
@@ -297,3 +303,17 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
     """The joints that each artifact names."""
     found = [joint_names(artifact) for artifact in case.artifacts]
     return [None if names is None else frozenset(names) for names in found]
+
+
+def is_no_limit(found: Disagreement) -> bool:
+    """Whether one of two limits is a placeholder or 0, which the LIM rules report."""
+    values = [found.mine.value or 0.0, found.theirs.value or 0.0]
+    return min(values) <= 0.0 or max(values) >= PLACEHOLDER
+
+
+def ratio_of(found: Disagreement, *fields: str) -> float | None:
+    """The ratio of another figure of the same two files; None where one does not state it."""
+    mine, theirs = stated_figure(found.rows, fields), stated_figure(found.others, fields)
+    if mine is None or theirs is None or not mine.value or not theirs.value:
+        return None
+    return mine.value / theirs.value

@@ -9,6 +9,9 @@ from actspec.diagnostics import Diagnostic, Severity
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.units import format_quantity
 
+RINGING = 1.5
+"""From here a swing of the speed loses half or less with a step. Chosen: below, it is over after a few steps."""
+
 LIMIT = 2.0
 """h kd/I + h^2 kp/(2 I) at which semi-implicit Euler with an explicit PD diverges.
 
@@ -16,6 +19,7 @@ Source: v' = v - h (kp x + kd v)/I, x' = x + h v' has characteristic polynomial
 z^2 - (2 - a - b) z + (1 - b), a = h^2 kp/I, b = h kd/I; its roots are inside the unit circle
 exactly when 0 < b and b + a/2 < 2.
 """
+
 NEAR = 1.0
 """Reported from here: at b = 1 one step takes the whole velocity away, beyond it rings."""
 
@@ -87,3 +91,28 @@ def explicit_stability(
             "use the implicitfast integrator (MuJoCo) or `class: implicit` (Isaac Lab), a smaller physics_dt, a lower "
             "kd, or state the true armature",
         )
+
+
+@dataclass(frozen=True, slots=True)
+class StepDrive:
+    """What a step does to a joint that is let go with some speed.
+
+    Attributes:
+        step: h [s].
+        kp: Of all drives.
+        explicit: Damping that is taken from the speed before the step.
+        implicit: Damping that is taken from the speed after it.
+    """
+
+    step: float
+    kp: float
+    explicit: float
+    implicit: float
+
+    def figure(self, inertia: float) -> float:
+        """h kd/I + h^2 kp/(2 I), with joint damping on both sides where it is implicit; 2 is the limit.
+
+        Source: v' = v - h (kp x + (kd + d) v)/(I + h d), x' = x + h v'; as `stability.LIMIT`, with I + h d for I.
+        """
+        force = self.step * (self.explicit + self.implicit) + self.step**2 * self.kp / 2.0
+        return force / (inertia + self.step * self.implicit)

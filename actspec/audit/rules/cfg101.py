@@ -1,0 +1,146 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from os.path import basename
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import Group, groups_of, names_model
+from actspec.diagnostics import Severity, shortened
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.pair import joint_names, matching
+from actspec.readings.versions import release
+
+_DEAD = "the drive gives no torque"
+
+_ZERO = {
+    "effort_limit": _DEAD,
+    "effort_limit_sim": _DEAD,
+    "velocity_limit": "its torque-speed line ends at standstill",
+    "velocity_limit_sim": "the solver holds it at standstill",
+    "stiffness": "the drive does not follow its target",
+    "damping": "the drive does not damp it",
+    "armature": "the USD's value is lost",
+    "friction": "the USD's value is lost",
+    "dynamic_friction": "the USD's value is lost",
+    "viscous_friction": "the USD's value is lost",
+}
+"""Field of Isaac Lab 2.x to what 0 does there."""
+
+_PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
+
+
+class DictMissesJoint(Rule):
+    code = "CFG101"
+    name = "dict-misses-a-joint"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find joints without a key."""
+        looked = False
+        named = case.versions.isaaclab
+        if named is None or release(named) < (3,):
+            for group in groups_of(case, Framework.ISAACLAB):
+                for name in _ZERO:
+                    keys = _keys(group.cfg.settings.get(name))
+                    looked = looked or keys is not None
+                    if keys is not None:
+                        yield from self._missed(group, name, keys)
+        for index, artifact in case.of_kind(FileKind.CFG):
+            config = artifact.config
+            if config is None or config.framework is not Framework.LEGGED_GYM:
+                continue
+            model = _model(case, index, config)
+            if model is None:
+                continue
+            for cfg in config.groups:
+                keys = _keys(cfg.settings.get("stiffness"))
+                if keys is not None and cfg.cls in ("P", "V"):
+                    looked = True
+                    yield from self._legged_gym(model, cfg, keys)
+        if not looked:
+            yield Skipped(self.code, "no Isaac Lab 2.x or legged_gym configuration with values by joint")
+
+    def _missed(self, group: Group, name: str, keys: Sequence[str]) -> Iterator[Finding]:
+        setting = group.cfg.settings[name]
+        for row in group.rows:
+            if any(_may_match(group.framework, key, row.joint) for key in keys):
+                continue
+            yield Finding(
+                self.code,
+                f"no key of {name} matches this joint of group {shortened(group.cfg.name)!r}: Isaac Lab 2.x gives it "
+                f"0, and {_ZERO[name]}",
+                setting.span,
+                row.joint,
+                0.0,
+                "1",
+                help=f"add a key for it, or {{'.*': ...}}; keys: {', '.join(map(repr, keys[:8]))}",
+                severity=Severity.ERROR if name in ("effort_limit", "effort_limit_sim") else None,
+            )
+
+    def _legged_gym(self, model: Artifact, cfg: ActuatorGroup, keys: Sequence[str]) -> Iterator[Finding]:
+        for joint in joint_names(model) or ():
+            if not any(key in joint for key in keys):
+                yield Finding(
+                    self.code,
+                    f"no key of stiffness is part of the name of this joint of {basename(model.path)}: legged_gym "
+                    "gives it kp 0 and kd 0",
+                    cfg.settings["stiffness"].span,
+                    joint,
+                    help=f"keys: {', '.join(map(repr, keys[:8]))}",
+                )
+
+
+def _keys(setting: Setting | None) -> Sequence[str] | None:
+    """Keys of a dict by joint; None for anything else."""
+    if setting is None or setting.unknown is not None or not isinstance(setting.value, Mapping):
+        return None
+    return tuple(map(str, setting.value))
+
+
+def _may_match(framework: Framework, key: str, joint: str) -> bool:
+    """Whether a key matches a joint, or may match one that the pattern in its place stands for."""
+    if key == joint or matching(framework, key, (joint,)):
+        return True
+    return _PLAIN.fullmatch(joint) is None and overlap(key, joint)
+
+
+def overlap(one: str, other: str) -> bool:
+    """Whether a name could match both patterns; True where a pattern has more than plain text and `.*`."""
+    tokens = [_tokens(one), _tokens(other)]
+    first, second = tokens
+    if first is None or second is None:
+        return True
+    # Row by row from the ends: whether what is left of both can be the same text.
+    below = [all(token is None for token in second[j:]) for j in range(len(second) + 1)]
+    for token in reversed(first):
+        row = [False] * (len(second) + 1)
+        row[-1] = token is None and below[-1]
+        for j in range(len(second) - 1, -1, -1):
+            if token is None or second[j] is None:
+                row[j] = below[j] or row[j + 1]
+            else:
+                row[j] = token == second[j] and below[j + 1]
+        below = row
+    return below[0]
+
+
+def _tokens(pattern: str) -> list[str | None] | None:
+    """Characters, None for `.*`; None where there is more than that."""
+    parts = pattern.split(".*")
+    if not all(map(_PLAIN.fullmatch, parts)):
+        return None
+    found: list[str | None] = list(parts[0])
+    for part in parts[1:]:
+        found += [None, *part]
+    return found
+
+
+def _model(case: Case, index: int, config: RobotConfig) -> Artifact | None:
+    """The URDF or MJCF of a configuration's robot that it names, or any where it names none."""
+    artifacts = (case.artifacts[other] for other in case.robot_of(index).artifacts)
+    return next((one for one in artifacts if one.robot is not None and names_model(config, one)), None)

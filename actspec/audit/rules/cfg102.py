@@ -1,0 +1,95 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from os.path import basename
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import names_model
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind, Framework, RobotConfig
+from actspec.robot.view import RobotView
+
+
+class JointNotCovered(Rule):
+    code = "CFG102"
+    name = "joint-not-covered"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"share": 0.6}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find joints that are in no group."""
+        looked = False
+        for index, artifact in case.of_kind(FileKind.CFG):
+            config = artifact.config
+            if config is None or config.framework not in (Framework.MJLAB, Framework.ISAACLAB):
+                continue
+            if not _whole(config):
+                continue
+            covered = {row.joint for row in case.rows_of(index)}
+            for other in case.robot_of(index).artifacts:
+                model = case.artifacts[other]
+                if model.kind is not FileKind.MJCF or model.robot is None:
+                    continue
+                own = config.framework is Framework.MJLAB
+                if own and not names_model(config, model):
+                    continue
+                looked = True
+                driven = {row.joint for row in case.rows_of(other) if row.joint and row.control != "none"}
+                loose = _loose(model.robot) - driven if own else driven
+                if len(loose & covered) >= self.option(case, "share") * len(loose):
+                    yield from self._uncovered(config, model.robot, loose - covered, own)
+        if not looked:
+            yield Skipped(
+                self.code, "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot"
+            )
+
+    def _uncovered(
+        self, config: RobotConfig, robot: RobotView, joints: set[str], own: bool
+    ) -> Iterator[Finding]:
+        file = basename(robot.path)
+        for joint in robot.joints:
+            if joint.name in joints:
+                yield Finding(
+                    self.code,
+                    f"this joint of {file} is in no actuator group, and nothing else moves it: it swings freely"
+                    if own
+                    else f"{file} drives this joint, and no actuator group selects it: where the USD has it, it swings "
+                    "freely",
+                    config.span,
+                    joint.name,
+                    help="add it to a group",
+                    related=(joint.span,),
+                    severity=None if own else Severity.INFO,
+                )
+
+
+def _whole(config: RobotConfig) -> bool:
+    """Whether the groups are a robot's, and all of them are known."""
+    if not config.groups or any(group.joints is None for group in config.groups):
+        return False
+    if any(note.where.startswith("actuators") for note in config.notes):
+        return False
+    return len(config.groups) > 1 or config.groups[0].name != config.name
+
+
+def _loose(robot: RobotView) -> set[str]:
+    """Joints that no spring, equality or tendon of an MJCF holds."""
+    held = {
+        found.decode("utf-8", "replace")
+        for file in robot.files
+        for found in re.findall(rb"""(?:joint[12]|<joint\s+joint)\s*=\s*["']([^"']+)""", file.data)
+    }
+    return {
+        joint.name
+        for joint in robot.joints
+        if joint.kind in (JointKind.HINGE, JointKind.SLIDE)
+        and joint.name not in held
+        and joint.stiffness == 0.0
+    }

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import FRAMEWORKS
+from actspec.audit.rules.config_classes import CLASSES, NO_STOCK_CLASSES, stock_groups
+from actspec.diagnostics import Severity, listed, nearest, shortened
+from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.versions import release
+
+
+class UnknownField(Rule):
+    code = "CFG103"
+    name = "unknown-field-or-class"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Hold fields against the classes."""
+        looked = False
+        for _, config, group, stock in stock_groups(case):
+            looked = True
+            for name, setting in group.settings.items():
+                if name not in stock.fields:
+                    yield Finding(
+                        self.code,
+                        f"{group.cls} has no field {shortened(name)!r}",
+                        setting.span,
+                        help=_nearest(name, stock.fields),
+                    )
+                elif _later(case, config, group, name):
+                    yield Finding(
+                        self.code,
+                        f"mjlab {case.versions.mjlab} has no {name} in {group.cls}: it came with 1.3",
+                        setting.span,
+                    )
+        for found in self._misspelt(case):
+            looked = True
+            yield found
+        if not looked:
+            yield Skipped(self.code, NO_STOCK_CLASSES)
+
+    def _misspelt(self, case: Case) -> Iterator[Finding]:
+        """Names of one framework's class in the other's spelling."""
+        for artifact in case.artifacts:
+            config = artifact.config
+            if config is None or config.framework not in CLASSES:
+                continue
+            known = CLASSES[config.framework]
+            spelt = {name.lower(): name for name in known}
+            for group in config.groups:
+                right = spelt.get(group.cls.lower())
+                if right is not None and right != group.cls and not group.bases:
+                    yield Finding(
+                        self.code,
+                        f"{FRAMEWORKS[config.framework]} has no class {group.cls}",
+                        group.span,
+                        help=f"did you mean {right}?",
+                    )
+
+
+_SINCE_1_3 = frozenset(
+    {
+        "viscous_damping",
+        "delay_min_lag",
+        "delay_max_lag",
+        "delay_hold_prob",
+        "delay_update_period",
+        "delay_per_env_phase",
+    }
+)
+"""Fields that every actuator of mjlab has from 1.3 on. Source: mjlab 1.2.0 and 1.3.0, actuator/actuator.py."""
+
+
+def _later(case: Case, config: RobotConfig, group: ActuatorGroup, name: str) -> bool:
+    named = case.versions.mjlab
+    if config.framework is not Framework.MJLAB or named is None or "base_cfg" in group.settings:
+        return False
+    return name in _SINCE_1_3 and release(named)[:2] < (1, 3)
+
+
+def _nearest(name: str, fields: frozenset[str]) -> str:
+    near = nearest(name, sorted(fields))
+    return f"did you mean {near!r}?" if near else f"it has {listed(sorted(fields), 30)}"

@@ -1,0 +1,46 @@
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import FRAMEWORKS
+from actspec.audit.rules.config_classes import NO_STOCK_CLASSES, stock_groups
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework
+from actspec.readings.versions import release
+
+
+class ScalarGivenDict(Rule):
+    code = "CFG105"
+    name = "scalar-field-given-a-dict"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find dicts."""
+        looked = False
+        named = case.versions.isaaclab
+        for _, config, group, stock in stock_groups(case):
+            looked = True
+            for name, setting in group.settings.items():
+                if not isinstance(setting.value, Mapping) or name not in stock.fields - stock.mappable:
+                    continue
+                if name == "motor_params":
+                    continue
+                isaac = config.framework is Framework.ISAACLAB
+                later = isaac and name == "saturation_effort"
+                if later and named is not None and release(named) >= (3,):
+                    continue
+                where = "Isaac Lab 2.x" if later else FRAMEWORKS[config.framework]
+                yield Finding(
+                    self.code,
+                    f"{name} of {group.cls} is one number for the whole group in {where}, and is given "
+                    f"{len(setting.value)} by joint: it cannot be made",
+                    setting.span,
+                    help="make a group for each value",
+                    severity=Severity.WARNING if later and named is None else None,
+                )
+        if not looked:
+            yield Skipped(self.code, NO_STOCK_CLASSES)

@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.actuator_texts import (
+    NO_DELAY,
+    delayed,
+    is_interpolated,
+    milliseconds,
+    stored_samples,
+)
+from actspec.diagnostics import Severity
+
+
+class DelayBetweenSteps(Rule):
+    code = "DLY101"
+    name = "delay-between-steps"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    options: ClassVar[dict[str, float]] = {"share": 0.01}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Count the steps of each delay."""
+        looked = False
+        for found, step in delayed(case):
+            looked = True
+            delay = found.view.delay
+            steps = delay / step
+            if abs(steps - round(steps)) <= self.option(case, "share") or is_interpolated(found):
+                continue
+            kept = stored_samples(found)
+            real = math.ceil(steps) if kept is None else min(math.ceil(steps), kept)
+            owner = found.owner("delay") or found.element
+            yield Finding(
+                self.code,
+                f"a delay of {milliseconds(delay)} is {steps:.3g} steps of {milliseconds(step)}: the command comes "
+                f"{milliseconds(real * step)} late",
+                found.document.span(owner),
+                found.joint,
+                delay,
+                "s",
+                real * step,
+                'write a whole number of steps, or interp="linear"',
+            )
+        if not looked:
+            yield Skipped(self.code, NO_DELAY)

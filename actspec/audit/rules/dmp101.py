@@ -1,0 +1,83 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from os.path import basename
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+
+
+class DriveAndJointDamping(Rule):
+    code = "DMP101"
+    name = "kv-and-joint-damping"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    options: ClassVar[dict[str, float]] = {"share": 0.1, "large": 0.5}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find joints with both."""
+        looked = False
+        everything = case.once(parts_by_joint)
+        for key, rows in by_joint(case, FileKind.MJCF).items():
+            parts = everything[key]
+            if parts is None or parts.kd <= 0.0:
+                continue
+            looked = True
+            if parts.passive < self.option(case, "share") * parts.kd or parts.in_three_places:
+                continue
+            others = list(partner_rows(case, rows[0], *INTENT))
+            if any(_declares(row, parts) for row in others):
+                continue
+            yield self._finding(case, rows, parts, others)
+        if not looked:
+            yield Skipped(self.code, "no MJCF with a drive that has a velocity gain among the files")
+
+    def _finding(
+        self, case: Case, rows: Sequence[LedgerRow], parts: Parts, others: Sequence[LedgerRow]
+    ) -> Finding:
+        row = rows[0]
+        share = parts.passive / parts.kd
+        # Back-EMF beside friction is what a motor has; DMP104 knows when they are one.
+        own = parts.kd - sum(row.back_emf or 0.0 for row in rows)
+        large = share >= self.option(case, "large") and own > 0.0
+        intent = next((other for other in others if other.kd and same(other.kd, parts.kd)), None)
+        sure = same(share, 1.0) or intent is not None
+        field = "joint_damping" if parts.joint > 0.0 else "actuator_damping"
+        limited = row.effort_limit is not None and row.effort_limit < math.inf
+        inside, outside = (" inside the torque limit", " outside it") if limited else ("", "")
+        ratio = ""
+        if large and row.damping_ratio is not None and row.damping_ratio > 0.0:
+            alone = row.damping_ratio * parts.kd / parts.total
+            ratio = f", a damping ratio of {row.damping_ratio:.2g} instead of {alone:.2g}"
+        known = "" if intent is None else f"; {basename(intent.file)} has the drive's gain alone"
+        return Finding(
+            self.code,
+            f"the drive brakes with {shown(row, 'kd', parts.kd)}{inside} and the joint's damping with "
+            f"{shown(row, 'kd', parts.passive)}{outside}: together {shown(row, 'kd', parts.total)}{ratio}{known}",
+            row.place(field),
+            row.joint,
+            parts.passive,
+            unit(row, "kd"),
+            help="if the damping repeats the D gain, keep one of them; if it is measured friction, state it as "
+            "friction.viscous in a spec, or set the finding aside with that reason",
+            related=(row.span,),
+            severity=self.severity if large else Severity.INFO,
+            confidence=Confidence.LOW if not large else Confidence.HIGH if sure else self.confidence,
+        )
+
+
+def _declares(row: LedgerRow, parts: Parts) -> bool:
+    """Whether a spec or configuration means the passive part, or the sum."""
+    passive = row.joint_damping if "joint_damping" in row.stated else None
+    if passive is not None and same(passive, parts.passive):
+        return True
+    return not passive and row.kd is not None and same(row.kd, parts.total)

@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import finite, top_speed
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+
+
+class DampingOutsideClamp(Rule):
+    code = "DMP103"
+    name = "damping-outside-the-clamp"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"share": 0.5, "speed": 2.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare damping times speed with the limit."""
+        looked = False
+        everything = case.joints
+        speeds: dict[tuple[int, str], float | None] = {}
+        for (artifact, joint), rows in everything.items():
+            if case.artifacts[artifact].kind not in (FileKind.MJCF, FileKind.URDF):
+                continue
+            row = rows[0]
+            actuators = [item.actuator_damping or 0.0 for item in rows]
+            damping = None if row.joint_damping is None else row.joint_damping + sum(actuators)
+            if damping is None:
+                continue
+            own = finite(row.effort_limit)
+            if damping <= 0.0:
+                looked = looked or own is not None
+                continue
+            files = case.robot_of(artifact).artifacts
+            limit = own or min(
+                filter(
+                    None,
+                    (
+                        finite(row.effort_limit)
+                        for file in files
+                        if file != artifact
+                        for row in everything.get((file, joint), ())
+                    ),
+                ),
+                default=None,
+            )
+            if limit is None:
+                continue
+            looked = True
+            # One for all files of the robot.
+            key = files[0], joint
+            if key not in speeds:
+                every = (top_speed(row) for file in files for row in everything.get((file, joint), ()))
+                speeds[key] = min(filter(None, every), default=None)
+            speed = speeds[key]
+            if speed is not None and damping * speed >= self.option(case, "share") * limit:
+                yield self._known(row, damping, limit, speed)
+            elif (
+                speed is None
+                and unit(row, "velocity_limit") == "rad/s"
+                and limit <= damping * self.option(case, "speed")
+            ):
+                yield self._slow(row, damping, limit)
+        if not looked:
+            yield Skipped(self.code, "no joint with damping and an effort limit among the files")
+
+    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float) -> Finding:
+        left = limit - damping * speed
+        effect = (
+            f"leaves {shown(row, 'effort_limit', left)} to drive the joint"
+            if left > 0.0
+            else f"keeps the joint below {shown(row, 'velocity_limit', limit / damping)}"
+        )
+        return Finding(
+            self.code,
+            f"at the joint's {shown(row, 'velocity_limit', speed)} the damping of {shown(row, 'kd', damping)} takes "
+            f"{shown(row, 'effort_limit', damping * speed)} of an effort limit of {shown(row, 'effort_limit', limit)}, "
+            f"outside every clamp: that {effect}",
+            row.place("joint_damping"),
+            row.joint,
+            damping,
+            unit(row, "kd"),
+            help=_HELP,
+            related=(row.span,),
+        )
+
+    def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
+        return Finding(
+            self.code,
+            f"the damping of {shown(row, 'kd', damping)}, which no limit clamps, takes the whole effort limit of "
+            f"{shown(row, 'effort_limit', limit)} at {shown(row, 'velocity_limit', limit / damping)}: the joint cannot "
+            "be driven faster",
+            row.place("joint_damping"),
+            row.joint,
+            damping,
+            unit(row, "kd"),
+            help=_HELP,
+            related=(row.span,),
+            severity=Severity.INFO,
+            confidence=Confidence.LOW,
+        )
+
+
+_HELP = (
+    "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "
+    "dcmotor or a DC motor class"
+)

@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.damping_parts import Parts, parts_by_joint
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+
+
+class DampingInThreePlaces(Rule):
+    code = "DMP104"
+    name = "damping-counted-thrice"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"near": 0.25}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find three places, and slopes that are there twice."""
+        looked = False
+        everything = case.once(parts_by_joint)
+        for key, rows in case.joints.items():
+            row, parts = rows[0], everything[key]
+            slope = _slope(rows)
+            mjcf = case.artifacts[row.artifact].kind is FileKind.MJCF
+            if row.joint_damping is None or not (slope or (mjcf and parts is not None and parts.kd > 0.0)):
+                continue
+            looked = True
+            if slope is not None and abs(row.joint_damping - slope) <= self.option(case, "near") * slope:
+                yield self._twice(row, row.joint_damping, slope)
+            elif mjcf and parts is not None and parts.in_three_places:
+                yield self._thrice(row, parts)
+        if not looked:
+            yield Skipped(
+                self.code, "no drive with a velocity gain, and no torque-speed line, among the files"
+            )
+
+    def _thrice(self, row: LedgerRow, parts: Parts) -> Finding:
+        return Finding(
+            self.code,
+            f"the drive brakes with {shown(row, 'kd', parts.kd)}, the joint's damping with "
+            f"{shown(row, 'kd', parts.joint)} and the actuator's with {shown(row, 'kd', parts.actuator)}: together "
+            f"{shown(row, 'kd', parts.total)}, of which {shown(row, 'kd', parts.passive)} are outside any torque limit",
+            row.place("actuator_damping"),
+            row.joint,
+            parts.total,
+            unit(row, "kd"),
+            help="keep the D gain in kv and all friction in the joint's damping",
+            related=(row.place("joint_damping"),),
+        )
+
+    def _twice(self, row: LedgerRow, damping: float, slope: float) -> Finding:
+        left = slope / (slope + damping)
+        return Finding(
+            self.code,
+            f"the joint damping of {shown(row, 'kd', damping)} is the slope of the motor's torque-speed line "
+            f"({shown(row, 'kd', slope)}), which acts already: the joint reaches {left:.0%} of its no-load speed",
+            row.place("joint_damping"),
+            row.joint,
+            damping,
+            unit(row, "kd"),
+            help="leave only the friction of the bearings in the joint damping",
+            related=(row.span,),
+            confidence=Confidence.HIGH,
+        )
+
+
+def _slope(rows: Sequence[LedgerRow]) -> float | None:
+    """Fall of the joint's torque over speed that its motors have of themselves; None or above 0."""
+    slope = sum(row.back_emf or 0.0 for row in rows)
+    for row in rows:
+        if row.stall_torque and row.no_load_speed:
+            slope += row.stall_torque / row.no_load_speed
+    return slope if 0.0 < slope < math.inf else None

@@ -1,0 +1,92 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from os.path import basename
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.damping_parts import first_rows
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import by_joint
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind, Framework
+
+
+class GainBesideModelDamping(Rule):
+    code = "DMP105"
+    name = "cfg-kd-and-model-damping"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"share": 0.5}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare kd with the model's damping."""
+        looked = False
+        for rows in by_joint(case, FileKind.CFG, FileKind.DEPLOY).values():
+            row = rows[0]
+            if row.kd is None:
+                continue
+            for model in first_rows(case, row, FileKind.MJCF):
+                if model.joint_damping is None:
+                    continue
+                looked = True
+                if row.kd <= 0.0 or model.joint_damping <= 0.0 or "joint_damping" in row.stated:
+                    continue
+                found = self._compare(case, row, model, row.kd, model.joint_damping)
+                if found is not None:
+                    yield found
+        if not looked:
+            yield Skipped(self.code, "no configuration with a kd beside an MJCF of the same robot")
+
+    def _compare(
+        self, case: Case, row: LedgerRow, model: LedgerRow, kd: float, damping: float
+    ) -> Finding | None:
+        total = f"together {shown(row, 'kd', kd + damping)}"
+        figures = f"a joint damping of {shown(row, 'kd', damping)}"
+        file = basename(row.file)
+        config = case.artifacts[row.artifact].config
+        if config is not None and config.framework is Framework.MJLAB:
+            if damping < self.option(case, "share") * kd:
+                return None
+            # The row's ratio is that with the first MJCF of the robot, which this one need not be.
+            alone = (
+                row.damping_ratio * kd / row.total_damping
+                if row.damping_ratio and row.total_damping
+                else None
+            )
+            told, absurd = "", False
+            if alone is not None:
+                ratio = alone * (kd + damping) / kd
+                told = f", a damping ratio of {ratio:.2g} instead of {alone:.2g}"
+                absurd = damping >= kd and ratio >= 1.0
+            message = (
+                f"the drive of {file} brakes with kd {shown(row, 'kd', kd)}, and {figures} stays beside it, "
+                f"outside the torque limit: {total}{told}"
+            )
+            severity, confidence = (
+                (Severity.ERROR, Confidence.HIGH) if absurd else (self.severity, self.confidence)
+            )
+        else:
+            if damping < kd or model.control not in ("motor", "none"):
+                return None
+            message = (
+                f"with the kd of {shown(row, 'kd', kd)} from {file}, this joint of the MJCF brakes with {figures} "
+                f"as well: {total}, which that configuration does not have"
+            )
+            severity, confidence = Severity.INFO, self.confidence
+        return Finding(
+            self.code,
+            message,
+            model.place("joint_damping"),
+            row.joint,
+            damping,
+            unit(row, "kd"),
+            help="leave only the measured friction in the joint damping, or state it in the configuration",
+            related=(row.place("kd"),),
+            severity=severity,
+            confidence=confidence,
+        )

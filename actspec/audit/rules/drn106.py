@@ -1,0 +1,88 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, written
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
+from actspec.units import format_quantity
+
+_POSITIVE = ("kp", "kd", "armature", "friction", "joint_damping", "effort_limit", "strength")
+"""Fields that are never negative."""
+
+
+class RangeInvertedOrNegative(Rule):
+    code = "DRN106"
+    name = "range-inverted-or-negative"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Look at the ends."""
+        looked = False
+        for index, config, one in ranges(case):
+            looked = True
+            if one.distribution == "gaussian":
+                if one.high < 0.0:
+                    yield Finding(
+                        self.code,
+                        f"{one.field} has a deviation of {one.high:g}: for `gaussian` the range is mean and deviation",
+                        one.span,
+                    )
+                continue
+            if one.low > one.high:
+                yield Finding(
+                    self.code,
+                    f"{one.field} is randomised from {one.low:g} to {one.high:g}: the lower end is above the upper one",
+                    one.span,
+                    help=f"({one.high:g}, {one.low:g})",
+                    severity=Severity.WARNING,
+                )
+            low, high = ends(one)
+            if one.distribution == "log_uniform" and low <= 0.0:
+                yield Finding(
+                    self.code,
+                    f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of {low:g} is not a "
+                    "number",
+                    one.span,
+                )
+            elif one.field in _POSITIVE and not _clamped(config, one):
+                yield from self._negative(case, index, config, one)
+        if not looked:
+            yield Skipped(self.code, "no configuration randomises actuators")
+
+    def _negative(
+        self, case: Case, index: int, config: RobotConfig, one: RandomizedRange
+    ) -> Iterator[Finding]:
+        low, high = ends(one)
+        if one.operation in ("scale", "abs"):
+            if low < 0.0:
+                yield Finding(
+                    self.code,
+                    f"{one.field} is randomised by {one.operation} {written(low, high)}, and is negative at its low "
+                    "end",
+                    one.span,
+                )
+            return
+        for row in rows_in(case, index, one):
+            value = nominal(case, config, row, one)
+            if value is not None and value + low < 0.0 <= value:
+                unit = range_unit(config, row, one)
+                yield Finding(
+                    self.code,
+                    f"{one.field} is {format_quantity(value, unit, 3)} and is randomised by add {written(low, high)}: "
+                    f"it is negative down to {format_quantity(value + low, unit, 3)}",
+                    one.span,
+                    row.joint,
+                    value + low,
+                    unit,
+                    help="randomise by scale",
+                    related=(row.span,),
+                )
+
+
+def _clamped(config: RobotConfig, one: RandomizedRange) -> bool:
+    return one.field == "friction" and config.framework is Framework.ISAACLAB

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import Group, groups_of
+from actspec.audit.rules.joint_units import friction_unit
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework
+from actspec.readings.friction_unit import has_dynamic
+
+
+class StaticFrictionAlone(Rule):
+    code = "FRC104"
+    name = "static-friction-alone"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find groups with a static part alone."""
+        looked = False
+        for group in groups_of(case, Framework.ISAACLAB):
+            static = group.written("friction")
+            if static is None or not has_dynamic(case.versions_of(group.artifact)):
+                continue
+            looked = True
+            if group.complete and group.written("dynamic_friction") is None:
+                yield from self._alone(case, group)
+        if not looked:
+            yield Skipped(
+                self.code, "no Isaac Lab configuration with friction for a named Isaac Sim 5 or later"
+            )
+
+    def _alone(self, case: Case, group: Group) -> Iterator[Finding]:
+        static = group.written("friction")
+        for row in group.rows:
+            value = group.number(static, row.joint)
+            if static is None or value is None or value <= 0.0:
+                continue
+            dimension = friction_unit(row, case.versions_of(row.artifact))
+            yield Finding(
+                self.code,
+                f"the friction of {value:.3g}{'' if dimension == '1' else ' ' + dimension} is static alone: without "
+                "dynamic_friction it is gone as soon as the joint moves",
+                static.span,
+                row.joint,
+                value,
+                dimension,
+                help=f"add dynamic_friction={value:.3g}",
+            )

@@ -1,0 +1,145 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.reductions import (
+    SAME,
+    Figures,
+    Reduction,
+    figures,
+    joints_above,
+    reductions,
+    same,
+    states_speed,
+)
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+from actspec.units import format_quantity
+
+_MODELS = (FileKind.MJCF, FileKind.URDF, FileKind.SPEC)
+
+
+class HiddenGear(Rule):
+    code = "GEA101"
+    name = "hidden-gear"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the files of each robot with the reductions that one of them has."""
+        looked = False
+        known = case.once(figures)
+        for robot in case.robots:
+            if not states_speed(known, robot):
+                continue
+            above = joints_above(case, robot)
+            # Several files may have the same reduction: one of them is enough.
+            seen: set[tuple[int, str, float]] = set()
+            for reference in robot.artifacts:
+                found = list(reductions(known.get(reference, {}), above))
+                has_speed = any(joint.speed is not None for joint in known.get(reference, {}).values())
+                for other in robot.artifacts:
+                    if other == reference or other not in known:
+                        continue
+                    looked = looked or has_speed
+                    for reduction in found:
+                        finding = self._compare(case, known, reduction, other)
+                        key = (other, reduction.joint.row.joint, round(reduction.ratio, 1))
+                        if finding is not None and key not in seen:
+                            seen.add(key)
+                            yield finding
+        if not looked:
+            yield Skipped(
+                self.code, "no file with effort and speed limits beside another file of the same robot"
+            )
+
+    def _compare(
+        self, case: Case, known: Mapping[int, Mapping[str, Figures]], reduction: Reduction, other: int
+    ) -> Finding | None:
+        there = known[other]
+        joint, base = there.get(reduction.joint.row.joint), there.get(reduction.base.row.joint)
+        if joint is None or base is None:
+            return None
+        agree = same(base.effort, reduction.base.effort) and same(base.speed, reduction.base.speed)
+        if not agree or same(joint.effort, reduction.joint.effort):
+            return None
+        if _is_equal(joint, base):
+            urdf = case.artifacts[reduction.joint.row.artifact].kind is FileKind.URDF
+            twins = urdf and case.artifacts[other].kind is FileKind.URDF
+            if twins or _confirmed(case, known, joint):
+                return None
+            return self._left_out(joint, reduction)
+        # Told once, at the second file: the first one's reduction is known from its own products.
+        ratio = joint.effort / base.effort
+        powers = [one.effort * one.speed for one in (joint, base) if one.speed is not None]
+        consistent = len(powers) == 2 and math.isclose(*powers, rel_tol=SAME)
+        if not consistent or other < reduction.joint.row.artifact:
+            return None
+        return self._different(joint, reduction, ratio)
+
+    def _left_out(self, joint: Figures, reduction: Reduction) -> Finding:
+        right, ratio = reduction.joint, reduction.ratio
+        share = format_quantity(joint.effort / right.effort, "", 2)
+        gets = f"it gets {share} of its torque"
+        if joint.speed is not None and right.speed is not None:
+            gets += f" and {format_quantity(joint.speed / right.speed, '', 3)} times its speed"
+        return Finding(
+            self.code,
+            f"a reduction of {ratio:.4g} is left out: this joint has the limits of joints with less gear "
+            f"({_limits(joint)}), and {right.row.place('effort_limit').path} gives it {_limits(right)} against their "
+            f"{_limits(reduction.base)}, the same power behind {ratio:.4g} times the reduction: {gets}, and its "
+            f"armature must be {ratio**2:.3g} times theirs",
+            joint.row.place("effort_limit"),
+            joint.row.joint,
+            joint.effort,
+            unit(joint.row, "effort_limit"),
+            right.effort,
+            f"give this joint a group of its own with {_limits(right)}, if the reduction is there on the robot",
+            (right.row.place("effort_limit"), reduction.base.row.place("effort_limit")),
+        )
+
+    def _different(self, joint: Figures, reduction: Reduction, ratio: float) -> Finding:
+        right = reduction.joint
+        return Finding(
+            self.code,
+            f"the reduction is {ratio:.4g} times that of joints with the same motor here ({_limits(joint)}), and "
+            f"{reduction.ratio:.4g} times in {right.row.place('effort_limit').path} ({_limits(right)}): one of the "
+            "files is of another robot or revision",
+            joint.row.place("effort_limit"),
+            joint.row.joint,
+            joint.effort,
+            unit(joint.row, "effort_limit"),
+            right.effort,
+            "find out which reduction the robot has",
+            (right.row.place("effort_limit"),),
+            confidence=Confidence.MEDIUM,
+        )
+
+
+def _is_equal(joint: Figures, base: Figures) -> bool:
+    """Whether a file gives both joints the same figures."""
+    speeds = joint.speed is None or base.speed is None or math.isclose(joint.speed, base.speed, rel_tol=0.01)
+    return math.isclose(joint.effort, base.effort, rel_tol=0.01) and speeds
+
+
+def _confirmed(case: Case, known: Mapping[int, Mapping[str, Figures]], joint: Figures) -> bool:
+    """Whether another model of the robot, not a copy of the same lines, has the joint's figure too."""
+    place = joint.row.place("effort_limit")
+    for other in case.robot_of(joint.row.artifact).artifacts:
+        there = known.get(other, {}).get(joint.row.joint)
+        if there is None or case.artifacts[other].kind not in _MODELS or other == joint.row.artifact:
+            continue
+        if there.row.place("effort_limit") != place and same(there.effort, joint.effort):
+            return True
+    return False
+
+
+def _limits(joint: Figures) -> str:
+    text = shown(joint.row, "effort_limit", joint.effort)
+    return text if joint.speed is None else f"{text} at {shown(joint.row, 'velocity_limit', joint.speed)}"

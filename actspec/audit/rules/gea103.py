@@ -1,0 +1,67 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import by_joint
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+
+
+class OneForAll(Rule):
+    code = "GEA103"
+    name = "one-armature-for-unequal-motors"
+    severity = Severity.INFO
+    confidence = Confidence.MEDIUM
+    options: ClassVar[dict[str, float]] = {"ratio": 5.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Group joints by armature and compare their limits."""
+        looked = False
+        groups: dict[tuple[int, float], list[LedgerRow]] = {}
+        for (index, _), rows in by_joint(case).items():
+            row = rows[0]
+            if row.kind is JointKind.SLIDE or "armature" not in row.stated:
+                continue
+            limit = row.effort_limit
+            if (
+                row.armature
+                and limit is not None
+                and 0.0 < limit < _PLACEHOLDER
+                and "effort_limit" in row.stated
+            ):
+                looked = True
+                groups.setdefault((index, row.armature), []).append(row)
+        for (_, armature), joints in groups.items():
+            least, most = (choose(joints, key=_effort) for choose in (min, max))
+            if _effort(most) < self.option(case, "ratio") * _effort(least):
+                continue
+            yield Finding(
+                self.code,
+                f"{shown(most, 'armature', armature)} is the armature of {len(joints)} joints whose effort limits run "
+                f"from {shown(least, 'effort_limit', _effort(least))} ({least.joint}) to "
+                f"{shown(most, 'effort_limit', _effort(most))} ({most.joint}): rotor and gear of so different motors "
+                "seldom come to one figure",
+                most.place("armature"),
+                "",
+                armature,
+                unit(most, "armature"),
+                help="state rotor inertia times gear squared for each motor, or where the figure comes from",
+                related=(least.place("armature"),)
+                if least.place("armature") != most.place("armature")
+                else (),
+            )
+        if not looked:
+            yield Skipped(self.code, "no file states armature and effort limit of a hinge")
+
+
+_PLACEHOLDER = 1e5
+
+
+def _effort(row: LedgerRow) -> float:
+    return row.effort_limit or 0.0

@@ -1,0 +1,118 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.diagnostics import Severity, Span
+from actspec.ir import JointKind
+from actspec.readings.artifact import Artifact, FileKind
+from actspec.robot.view import ActuatorView
+
+
+class JointSideBehindGear(Rule):
+    code = "GEA105"
+    name = "gear-with-joint-side-figures"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare figures before the gear with figures of the joint."""
+        looked = False
+        for (index, name), rows in by_joint(case, FileKind.MJCF).items():
+            artifact = case.artifacts[index]
+            for row in rows:
+                looked = looked or row.control != "none"
+                actuator = _geared(artifact, row, name)
+                if actuator is None:
+                    continue
+                limit = _before_gear(actuator)
+                stated = _stated_limit(case, artifact, row, limit)
+                gear = abs(actuator.gear)
+                if limit is not None and stated is not None:
+                    yield Finding(
+                        self.code,
+                        f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's own limit, and the gear "
+                        f"of {gear:.4g} makes them {shown(row, 'effort_limit', gear * limit)}",
+                        _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
+                        name,
+                        gear * limit,
+                        unit(row, "effort_limit"),
+                        limit,
+                        "figures of the joint's side want gear 1; figures of the motor's side are smaller by the gear",
+                        (stated,),
+                    )
+                elif _targets_are_joint_side(actuator, row):
+                    low, high = (shown(row, "default_position", end) for end in row.command_range or ())
+                    yield Finding(
+                        self.code,
+                        f"the control range is the joint's range, and the gear of {gear:.4g} divides the targets: "
+                        f"the joint is asked for {low} ... {high} only",
+                        _place(actuator, "ctrlrange"),
+                        name,
+                        help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "
+                        "side",
+                    )
+        if not looked:
+            yield Skipped(self.code, "no MJCF with an actuator on a joint among the files")
+
+
+def _geared(artifact: Artifact, row: LedgerRow, joint: str) -> ActuatorView | None:
+    """The row's actuator where it has a gear."""
+    if artifact.robot is None or row.control == "none":
+        return None
+    for actuator in artifact.robot.actuators:
+        if actuator.target == joint and actuator.span == row.span and actuator.name == row.actuator:
+            geared = "gear" not in actuator.unknown and actuator.gear != 0.0
+            return actuator if geared and not math.isclose(abs(actuator.gear), 1.0, rel_tol=0.1) else None
+    return None
+
+
+def _before_gear(actuator: ActuatorView) -> float | None:
+    """The torque that the actuator is limited to, gear left out."""
+    if actuator.force_range is not None and "force_range" not in actuator.unknown:
+        return _largest(actuator.force_range)
+    if actuator.control == "motor" and actuator.control_range is not None:
+        return None if actuator.unknown else abs(actuator.gain) * _largest(actuator.control_range)
+    return None
+
+
+def _stated_limit(case: Case, artifact: Artifact, row: LedgerRow, limit: float | None) -> Span | None:
+    """Where the same figure stands as the joint's limit."""
+    if limit is None or limit <= 1.0:
+        # 1 is the full scale of a control, and 0 nothing.
+        return None
+    for other in partner_rows(case, row):
+        if other.effort_limit is not None and _equal(other.effort_limit, limit):
+            return other.place("effort_limit")
+    joint = None if artifact.robot is None else artifact.robot.joint(row.joint)
+    if joint is not None and joint.effort_range is not None and _equal(_largest(joint.effort_range), limit):
+        return joint.places.get("effort", joint.span)
+    return None
+
+
+def _targets_are_joint_side(actuator: ActuatorView, row: LedgerRow) -> bool:
+    joint, command = row.position_range, actuator.control_range
+    if actuator.control != "position" or row.kind is not JointKind.HINGE or joint is None or command is None:
+        return False
+    span = joint[1] - joint[0]
+    written = "ctrlrange" in actuator.stated and "control_range" not in actuator.unknown
+    return written and all(abs(c - j) <= 0.01 * span for c, j in zip(command, joint, strict=True))
+
+
+def _place(actuator: ActuatorView, attribute: str) -> Span:
+    return actuator.places.get(attribute, actuator.span)
+
+
+def _equal(one: float, other: float) -> bool:
+    return math.isclose(one, other, rel_tol=0.01)
+
+
+def _largest(ends: tuple[float, float]) -> float:
+    return max(abs(end) for end in ends)

@@ -1,0 +1,89 @@
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.cfg_groups import (
+    EXPLICIT,
+    IMPLICIT,
+    Group,
+    groups_of,
+    major_version,
+)
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework, Setting
+
+
+class TwoLimits(Rule):
+    code = "LIM106"
+    name = "model-and-solver-limit-disagree"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the two limits of each group."""
+        looked = False
+        for group in groups_of(case, Framework.ISAACLAB, IMPLICIT):
+            looked = True
+            # In 3.0 both names are aliases of one field.
+            for quantity in ("effort", "velocity") if major_version(case.versions.isaaclab) < 3 else ():
+                yield from self._implicit(group, f"{quantity}_limit", f"{quantity}_limit_sim")
+        for group in groups_of(case, Framework.ISAACLAB, EXPLICIT):
+            looked = True
+            yield from self._explicit(group, "effort_limit", "effort_limit_sim")
+            yield from self._explicit(group, "actuator_effort_limit", "joint_effort_limit")
+        if not looked:
+            yield Skipped(self.code, "no Isaac Lab cfg with a stock actuator class among the files")
+
+    def _implicit(self, group: Group, first: str, second: str) -> Iterator[Finding]:
+        one, two = group.written(first), group.written(second)
+        if one is None or two is None or one.unknown is not None or two.unknown is not None:
+            return
+        if one.value == two.value:
+            return
+        for joint in group.joints:
+            yield Finding(
+                self.code,
+                f"{first} ({_text(one)}) and {second} ({_text(two)}) are both set and differ: Isaac Lab 2.x raises "
+                "ValueError when it builds this implicit group",
+                two.span,
+                joint,
+                help=f"leave {first} out: the solver's limit is the one that an implicit drive has",
+                related=(one.span,),
+                severity=Severity.ERROR,
+            )
+
+    def _explicit(self, group: Group, own: str, solver: str) -> Iterator[Finding]:
+        one, two = group.written(own), group.written(solver)
+        if one is None or two is None:
+            return
+        for row in group.rows:
+            limit, clamp = group.number(one, row.joint), group.number(two, row.joint)
+            if limit is None or clamp is None or clamp >= limit:
+                continue
+            least = shown(row, "effort_limit", clamp)
+            yield Finding(
+                self.code,
+                f"the model clips at {shown(row, 'effort_limit', limit)} and the solver again at {least}: the joint "
+                f"never gets more than {least}, and the model reports what it does not get",
+                two.span,
+                row.joint,
+                clamp,
+                unit(row, "effort_limit"),
+                limit,
+                f"set {solver} to {own} or more",
+                (one.span,),
+            )
+
+
+def _text(setting: Setting) -> str:
+    value = setting.value
+    if isinstance(value, Mapping):
+        numbers = sorted(
+            {f"{number:g}" for number in value.values() if isinstance(number, int | float)}, key=float
+        )
+        return f"by pattern: {', '.join(numbers)}"
+    return f"{value:g}" if isinstance(value, int | float) else str(value)

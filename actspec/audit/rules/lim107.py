@@ -1,0 +1,43 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
+
+
+class LineBelowLimit(Rule):
+    code = "LIM107"
+    name = "saturation-below-limit"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare stall torque and limit."""
+        looked = False
+        for row in case.rows:
+            stall, limit = row.stall_torque, row.effort_limit
+            if stall is None or limit is None or case.artifacts[row.artifact].kind is FileKind.SPEC:
+                continue
+            looked = True
+            if stall < limit < math.inf and not math.isclose(stall, limit, rel_tol=1e-3):
+                yield Finding(
+                    self.code,
+                    f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached: the torque-speed line "
+                    f"begins at {shown(row, 'effort_limit', stall)}, at standstill",
+                    row.place("stall_torque"),
+                    row.joint,
+                    stall,
+                    unit(row, "effort_limit"),
+                    help="the stall torque is the larger figure, the continuous limit the smaller one",
+                    related=(row.place("effort_limit"),),
+                )
+        if not looked:
+            yield Skipped(
+                self.code, "no drive with both a torque-speed line and an effort limit among the files"
+            )

@@ -1,0 +1,77 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import partner_rows
+from actspec.diagnostics import Severity, Span
+from actspec.ir import JointActuator, Quantity
+from actspec.readings.artifact import FileKind
+
+
+class AboveDatasheet(Rule):
+    code = "LIM108"
+    name = "limit-above-datasheet"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+    options: ClassVar[dict[str, float]] = {"ratio": 1.1}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare with the specs' motors."""
+        ratio, looked = self.option(case, "ratio"), False
+        for index, artifact in case.of_kind(FileKind.SPEC):
+            assert artifact.spec is not None
+            actuators = {actuator.joint: actuator for actuator in artifact.spec.joints}
+            for spec in case.rows_of(index):
+                torque, speed = _motor_torque(actuators[spec.joint]), actuators[spec.joint].no_load_speed
+                for row in partner_rows(case, spec):
+                    for field, motor, noun in (
+                        ("effort_limit", torque, "torque"),
+                        ("no_load_speed", speed, "no-load speed"),
+                    ):
+                        limit: float | None = getattr(row, field)
+                        if motor is None or motor.value is None or limit is None or field not in row.stated:
+                            continue
+                        looked = True
+                        if ratio * motor.value <= limit < _PLACEHOLDER:
+                            yield self._finding(row, field, limit, motor, motor.value, noun, spec.span)
+        if not looked:
+            yield Skipped(
+                self.code, "no spec with a motor's figures beside another file that limits the joint"
+            )
+
+    def _finding(
+        self, row: LedgerRow, field: str, limit: float, motor: Quantity, most: float, noun: str, span: Span
+    ) -> Finding:
+        source = "" if motor.source is None else f" (source {motor.source})"
+        return Finding(
+            self.code,
+            f"{shown(row, field, limit)} is {limit / most:.3g} times the {noun} of {shown(row, field, most)} that the "
+            f"motor has by its spec{source}: the simulated robot can do what the real one cannot",
+            row.place(field),
+            row.joint,
+            limit,
+            unit(row, field),
+            most,
+            "set the limit to the motor's figure, or correct the spec",
+            (motor.span or span,),
+        )
+
+
+_PLACEHOLDER = 1e5
+"""Limits from here on are reported by LIM102."""
+
+
+def _motor_torque(actuator: JointActuator) -> Quantity | None:
+    """The largest torque that the motor is said to have."""
+    curve = actuator.curve
+    candidates = [actuator.peak_torque, actuator.stall_torque]
+    candidates += [] if curve is None else [curve.drive_torque, curve.brake_torque]
+    known = [(one.value, one) for one in candidates if one is not None and one.value is not None]
+    return max(known, key=lambda pair: pair[0])[1] if known else None

@@ -1,0 +1,86 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from os.path import basename
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.networks_found import SAME, conventions, networks
+from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import NetworkConventions
+
+SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
+"""Field of the class to the manifest's."""
+
+
+class NetworkScale(Rule):
+    code = "NET102"
+    name = "network-scale-or-sign"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+    _NOTHING: ClassVar[dict[str, str]] = {
+        "pos_scale": "the network does not see how far the joint is from its target",
+        "vel_scale": "the network does not see the joint's speed",
+        "torque_scale": "the network gives no torque",
+    }
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare scales."""
+        looked = False
+        for index, _, group in networks(case):
+            manifest = conventions(case, index, group)
+            for name, theirs in SCALES.items():
+                setting = group.settings.get(name)
+                value = setting.number if setting is not None else None
+                if setting is None or value is None:
+                    continue
+                looked = True
+                if manifest is not None:
+                    yield from self._against(name, value, setting.span, manifest, getattr(manifest, theirs))
+                elif value == 0.0:
+                    yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
+                elif value < 0.0 and name != "torque_scale":
+                    yield self._negative(name, value, setting.span)
+        if not looked:
+            yield Skipped(self.code, "no configuration of a network with scales among the files")
+
+    def _negative(self, name: str, value: float, span: Span) -> Finding:
+        fed = "measured - target" if name == "pos_scale" else "minus the measured velocity"
+        return Finding(
+            self.code,
+            f"{name} {value:g} feeds the network {fed}: right only for a network that was trained so",
+            span,
+            help="write it down in a manifest beside the network; `actspec schema network` has its keys",
+            severity=Severity.INFO,
+            confidence=Confidence.LOW,
+        )
+
+    def _against(
+        self, name: str, value: float, span: Span, manifest: NetworkConventions, trained: float
+    ) -> Iterator[Finding]:
+        if math.isclose(value, trained, rel_tol=SAME):
+            return
+        turned = value * trained < 0.0
+        effect = ""
+        if turned:
+            effect = (
+                ": the torque pushes the wrong way"
+                if name != "vel_scale"
+                else ": it drives where it should brake"
+            )
+        yield Finding(
+            self.code,
+            f"{name} is {value:g}, and {basename(manifest.path)} says {trained:g}{effect}",
+            span,
+            "",
+            value,
+            "1",
+            trained,
+            f"{name}={trained:g}",
+            (Span(manifest.path),),
+            severity=Severity.ERROR if turned else self.severity,
+        )

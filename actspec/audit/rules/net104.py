@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from os.path import basename
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.networks_found import (
+    conventions,
+    networks,
+    of_specs,
+    tap_factor,
+    tap_steps,
+)
+from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    Framework,
+    NetworkConventions,
+    NetworkReading,
+    RobotConfig,
+)
+
+
+class NetworkInputs(Rule):
+    code = "NET104"
+    name = "network-inputs-against-manifest"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    paired = True
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare inputs."""
+        looked = False
+        for _, named in of_specs(case):
+            looked = looked or named.manifest is not None or named.problem is not None
+            if named.problem is not None:
+                yield self._unreadable(named)
+        for index, config, group in networks(case):
+            network, manifest = group.network, conventions(case, index, group)
+            if network is None or (manifest is None and network.problem is None):
+                continue
+            looked = True
+            if manifest is None:
+                yield self._unreadable(network)
+                continue
+            for told, name in _differences(config, group, manifest):
+                setting = group.settings.get(name)
+                yield Finding(
+                    self.code,
+                    f"{told} ({basename(manifest.path)})",
+                    setting.span if setting is not None else network.span,
+                    related=(Span(manifest.path),),
+                )
+        if not looked:
+            yield Skipped(self.code, "no network with a manifest beside it")
+
+    def _unreadable(self, network: NetworkReading) -> Finding:
+        return Finding(
+            self.code,
+            f"the network's manifest cannot be read: {network.problem}",
+            network.span,
+            severity=Severity.WARNING,
+        )
+
+
+def _differences(
+    config: RobotConfig, group: ActuatorGroup, manifest: NetworkConventions
+) -> Iterator[tuple[str, str]]:
+    """What is fed otherwise than the network learned, and the setting that does it."""
+    recurrent = "lstm" in group.cls.lower() or "gru" in group.cls.lower()
+    if recurrent != (manifest.kind != "mlp"):
+        yield f"{group.cls} is not for the network's kind, which is {manifest.kind}", "network_file"
+        return
+    if recurrent:
+        return
+    order = group.settings.get("input_order")
+    if order is not None and order.value in ("pos_vel", "vel_pos"):
+        wanted = "vel_pos" if manifest.velocity_first else "pos_vel"
+        if order.value != wanted:
+            yield f"input_order is {order.value}, and the network was trained on {wanted}", "input_order"
+    indices = tap_steps(config, group)
+    if indices is None or tap_factor(indices, manifest.taps) is not None:
+        return
+    name = "history_length" if config.framework is Framework.MJLAB else "input_idx"
+    yield f"{name} feeds samples {list(indices)}, and the network was trained on {list(manifest.taps)}", name

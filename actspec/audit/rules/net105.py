@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.networks_found import is_network
+from actspec.audit.rules.randomized import rows_in
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import (
+    ActuatorGroup,
+    FileKind,
+    RandomizedRange,
+)
+
+
+class GainsRandomisedOnNetwork(Rule):
+    code = "NET105"
+    name = "gains-randomised-on-a-network"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Hold the ranges of gains against the groups."""
+        looked = False
+        for index, artifact in case.of_kind(FileKind.CFG):
+            config = artifact.config
+            ranges = (
+                [one for one in config.randomize if one.field in ("kp", "kd")] if config is not None else []
+            )
+            if config is None or not config.groups or not ranges:
+                continue
+            looked = True
+            for group in config.groups:
+                for one in ranges if is_network(config, group) else ():
+                    for joint in _joints(case, index, group, one):
+                        yield Finding(
+                            self.code,
+                            f"this range of {one.field} does nothing: a network gives the joint's torque, and has no "
+                            "gains",
+                            one.span,
+                            joint,
+                            help="randomise the torque instead, or train the network on several gains",
+                            related=(group.span,),
+                        )
+        if not looked:
+            yield Skipped(self.code, "no configuration with actuator groups randomises gains")
+
+
+def _joints(case: Case, index: int, group: ActuatorGroup, one: RandomizedRange) -> list[str]:
+    """Joints of a group in a range; legged_gym's network drives them all."""
+    rows = [row.joint for row in rows_in(case, index, one) if row.actuator == group.name]
+    return rows or ([""] if group.joints is None and one.joints is None else [])

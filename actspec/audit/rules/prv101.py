@@ -1,0 +1,50 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.diagnostics import Severity
+from actspec.ir import Origin
+from actspec.readings.artifact import FileKind
+from actspec.units import format_quantity
+
+_MEASURED = (
+    "effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "peak_torque", "continuous_torque",
+    "armature", "reflected_inertia", "friction_coulomb", "friction_static", "friction_viscous",
+)  # fmt: skip
+"""Figures of the hardware. Gains, delays, filters and scales are the author's choice and need no source."""
+
+
+class FigureWithoutSource(Rule):
+    code = "PRV101"
+    name = "figure-without-source"
+    severity = Severity.INFO
+    confidence = Confidence.HIGH
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Look at every authored figure of the hardware."""
+        looked = False
+        for _, artifact in case.of_kind(FileKind.SPEC):
+            if artifact.spec is None:
+                continue
+            looked = True
+            for actuator in artifact.spec.joints:
+                for field, quantity in actuator.quantities():
+                    if field not in _MEASURED or quantity.origin is not Origin.AUTHORED:
+                        continue
+                    if quantity.source or quantity.note or quantity.span is None or quantity.value is None:
+                        continue
+                    figure = format_quantity(quantity.value, quantity.unit, 3)
+                    yield Finding(
+                        self.code,
+                        f"{field.replace('_', ' ')} {figure} has no source: nobody can tell a datasheet from a guess",
+                        quantity.span,
+                        actuator.joint,
+                        quantity.value,
+                        quantity.unit,
+                        help="write {value: ..., source: KEY}, with KEY in `sources`, or a note that says whence it is",
+                    )
+        if not looked:
+            yield Skipped(self.code, "no spec among the files")

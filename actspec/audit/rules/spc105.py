@@ -1,0 +1,69 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.dynamics import figure
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints
+from actspec.diagnostics import Severity
+from actspec.ir import Command, Level
+from actspec.readings.artifact import FileKind
+
+
+class SpecControl(Rule):
+    code = "SPC105"
+    name = "control-departs-from-spec"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    paired = True
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the kinds of drive."""
+        looked = False
+        for joint in spec_joints(case):
+            looked = True
+            told = _departs(joint)
+            if told is None:
+                continue
+            message, severity = told
+            first = joint.rows[0]
+            yield Finding(
+                self.code,
+                message,
+                first.span,
+                first.joint,
+                help="compile the file from the spec, or correct the spec",
+                related=(joint.spec.span,),
+                severity=severity,
+            )
+        if not looked:
+            yield Skipped(self.code, NO_SPEC)
+
+
+_POSITION = frozenset({"position", "implicit", "ideal_pd", "dc_motor", "pid"})
+
+_WITHOUT_LINE = frozenset({"position", "pid", "implicit", "ideal_pd"})
+
+
+def _departs(joint: SpecJoint) -> tuple[str, Severity] | None:
+    """What is different, and how bad; None: nothing, or nobody can tell."""
+    controls = {row.control for row in joint.rows}
+    command, level = joint.actuator.command, joint.actuator.level
+    kp = figure(joint.rows, "kp").value
+    if command is Command.POSITION and controls == {"velocity"}:
+        return "the drive is a velocity servo, and the spec's command is a position", Severity.ERROR
+    if command is not Command.POSITION and controls & _POSITION and kp:
+        return f"the drive holds a position, and the spec's command is {command.value}", Severity.ERROR
+    if "network" in controls and level is not Level.ACTUATOR_NET:
+        return f"the drive is a network, and the spec's level is {level.value}", Severity.ERROR
+    if level is Level.ACTUATOR_NET and controls & (_POSITION | {"dcmotor"}) and kp:
+        return "the drive is a PD, and the spec's level is actuator_net", Severity.ERROR
+    line = joint.actuator.stall_torque is not None or joint.actuator.curve is not None
+    if level is Level.DC_MOTOR and line and controls <= _WITHOUT_LINE and joint.kind is FileKind.CFG:
+        return (
+            "the drive has no torque-speed line, and the spec's level is dc_motor: it gives full torque at any speed",
+            Severity.WARNING,
+        )
+    return None

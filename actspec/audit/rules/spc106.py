@@ -1,0 +1,109 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.dynamics import settings_of
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rule import Rule
+from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind
+from actspec.units import format_quantity
+
+_NAMES = {"control_dt": "control period", "physics_dt": "physics step"}
+"""What is compared, with its words; the one that says more first."""
+
+_TIMESTEP = re.compile(rb"<option\b[^>]*?\b(timestep)\s*=")
+
+
+class SpecTiming(Rule):
+    code = "SPC106"
+    name = "timing-departs-from-spec"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    paired = True
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the periods of every file with those of its robot's spec."""
+        looked = False
+        for robot in case.robots:
+            spec = next((i for i in robot.artifacts if case.artifacts[i].spec is not None), None)
+            wanted = {} if spec is None else _periods(case, spec)
+            for index in robot.artifacts if spec is not None else ():
+                found = _periods(case, index)
+                shared = [name for name in _NAMES if name in found and name in wanted]
+                if index == spec or not shared:
+                    continue
+                looked = True
+                tolerance = self.option(case, "tolerance")
+                departing = (
+                    name for name in shared if abs(found[name][0] / wanted[name][0] - 1.0) > tolerance
+                )
+                name = next(departing, None)
+                if name is not None:
+                    yield self._finding(case, index, name, found[name], wanted[name])
+        if not looked:
+            yield Skipped(self.code, "no spec with timing beside a file of its robot that has one")
+
+    def _finding(
+        self, case: Case, index: int, name: str, mine: tuple[float, Span], wanted: tuple[float, Span]
+    ) -> Finding:
+        kind = case.artifacts[index].kind
+        ratio = mine[0] / wanted[0]
+        help = "set it to the spec's, or correct the spec"
+        if kind is FileKind.MJCF:
+            help = "the mujoco target writes the spec's; check that what loads this file sets it"
+        return Finding(
+            self.code,
+            f"the {_NAMES[name]} is {_shown(mine[0])}, and the spec says {_shown(wanted[0])} (x{ratio:.3g})",
+            mine[1],
+            value=mine[0],
+            unit="s",
+            expected=wanted[0],
+            help=help,
+            related=(wanted[1],),
+            severity=Severity.INFO if kind is FileKind.MJCF else None,
+            confidence=Confidence.LOW if kind is FileKind.MJCF else None,
+        )
+
+
+def _shown(period: float) -> str:
+    return format_quantity(period * 1e3, "ms", 3)
+
+
+def _periods(case: Case, index: int) -> dict[str, tuple[float, Span]]:
+    """What an artifact states of `_NAMES` [s], with its place."""
+    artifact = case.artifacts[index]
+    settings = settings_of(artifact)
+    found: dict[str, tuple[float, Span]] = {}
+    for name in _NAMES:
+        value = settings.get(name)
+        place = _place(case, index, name)
+        if isinstance(value, float) and value > 0.0 and place is not None:
+            found[name] = (value, place)
+    return found
+
+
+def _place(case: Case, index: int, name: str) -> Span | None:
+    """Where a period is written, or what it is computed from; None where an MJCF leaves it to the engine."""
+    artifact = case.artifacts[index]
+    if artifact.robot is not None:
+        return _written_step(case, artifact.path)
+    if artifact.spec is not None:
+        return artifact.spec.physics_dt.span or Span(artifact.path)
+    written = artifact.config.settings if artifact.config is not None else {}
+    place = next((written[key].span for key in (name, "decimation", "physics_dt") if key in written), None)
+    return place or Span(artifact.path)
+
+
+def _written_step(case: Case, path: str) -> Span | None:
+    """The last timestep among a model's files, which is the one that counts."""
+    files = next((reading.files for reading in case.files if reading.path == path), ())
+    for file in reversed(files):
+        for found in reversed(list(_TIMESTEP.finditer(file.data))):
+            before = file.data[: found.start(1)]
+            return Span(file.path, before.count(b"\n") + 1, len(before) - before.rfind(b"\n"))
+    return None

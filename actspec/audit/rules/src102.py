@@ -1,0 +1,33 @@
+from __future__ import annotations
+
+from actspec.audit.case import Case
+from actspec.audit.rules.source_pairs import (
+    TIMES,
+    Disagreement,
+    hidden_gear,
+    is_no_limit,
+    ratio_of,
+    unit_slip,
+)
+from actspec.audit.rules.source_rule import SourceRule
+
+
+class VelocityLimit(SourceRule):
+    code = "SRC102"
+    name = "velocity-limit-disagrees"
+    groups = (("velocity_limit", "no_load_speed"),)
+    lacks = "a speed limit of one joint"
+
+    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """A placeholder, a gear, or degrees."""
+        if is_no_limit(found) or unit_slip(found.ratio, tolerance):
+            return True
+        return hidden_gear(ratio_of(found, "effort_limit"), found.ratio)
+
+    def consequence(self, case: Case, found: Disagreement) -> str:
+        """How much speed."""
+        assert found.ratio is not None
+        if found.ratio >= TIMES:
+            return f"the joint is {found.ratio:.3g} times as fast here"
+        share = abs(found.ratio - 1.0) * 100.0
+        return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"

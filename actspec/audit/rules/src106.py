@@ -1,0 +1,41 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
+from actspec.audit.rules.source_rule import SourceRule, shown
+from actspec.readings.artifact import FileKind
+
+POSE = 0.01
+"""Chosen: rad or m up to which two default positions are one, half a degree."""
+
+
+class ActionOrPose(SourceRule):
+    code = "SRC106"
+    name = "action-or-pose-disagrees"
+    confidence = Confidence.HIGH
+    groups = (("action_scale",), ("default_position",))
+    lacks = "an action scale or default position of one joint"
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare deploy files with the training configuration."""
+        tolerance = self.option(case, "tolerance")
+        for fields, absolute in zip(self.groups, (0.0, POSE), strict=True):
+            for found in disagreements(case, fields, tolerance, absolute):
+                kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
+                if kinds == {FileKind.DEPLOY, FileKind.CFG}:
+                    yield self.finding(case, found)
+        if not any(compared(case, fields, FileKind.DEPLOY) for fields in self.groups):
+            yield Skipped(self.code, f"no deploy file and configuration of one robot state {self.lacks}")
+
+    def consequence(self, case: Case, found: Disagreement) -> str:
+        """How far the joint goes."""
+        mine, theirs = found.mine, found.theirs
+        assert mine.value is not None and theirs.value is not None
+        if found.field == "action_scale":
+            times = "0" if found.ratio is None else f"{abs(found.ratio):.3g}"
+            sign = ", the other way" if found.ratio is not None and found.ratio < 0.0 else ""
+            return f"the same action moves the command {times} times as far as in training{sign}"
+        return f"every command is {shown(mine.value - theirs.value, mine.unit)} off"

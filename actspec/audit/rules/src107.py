@@ -1,0 +1,81 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.dynamics import settings_of
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.rules.source_rule import SourceRule
+from actspec.diagnostics import Severity, Span
+from actspec.readings.artifact import FileKind
+
+
+class Timing(SourceRule):
+    code = "SRC107"
+    name = "timing-disagrees"
+    confidence = Confidence.HIGH
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare the periods of each robot's deploy files."""
+        looked = False
+        tolerance = self.option(case, "tolerance")
+        for robot in case.robots:
+            trained = [i for i in robot.artifacts if case.artifacts[i].kind is FileKind.CFG]
+            for index in robot.artifacts:
+                if case.artifacts[index].kind is not FileKind.DEPLOY:
+                    continue
+                for name in ("control_dt", "physics_dt"):
+                    mine = self._period(case, index, name)
+                    theirs = [
+                        (i, found) for i in trained if (found := self._period(case, i, name)) is not None
+                    ]
+                    if mine is None or not theirs:
+                        continue
+                    looked = True
+                    if any(abs(mine / other - 1.0) <= tolerance for _, other in theirs):
+                        continue
+                    yield self._told(case, index, name, mine, *theirs[0])
+                    break
+        if not looked:
+            yield Skipped(self.code, "no deploy file and configuration of one robot state a control period")
+
+    def _period(self, case: Case, index: int, name: str) -> float | None:
+        value = settings_of(case.artifacts[index]).get(name)
+        return value if isinstance(value, float) and value > 0.0 else None
+
+    def _told(self, case: Case, index: int, name: str, mine: float, other: int, theirs: float) -> Finding:
+        file = case.artifacts[other].path
+        ratio = mine / theirs
+        if name == "control_dt":
+            what = (
+                f"the policy runs every {mine * 1e3:.3g} ms here and every {theirs * 1e3:.3g} ms in {file} "
+                f"(x{ratio:.3g}): what it takes for one step of time is another"
+            )
+        else:
+            what = (
+                f"the physics step is {mine * 1e3:.3g} ms here and {theirs * 1e3:.3g} ms in {file} (x{ratio:.3g}), "
+                "at the same control period: explicit drives and contacts act otherwise"
+            )
+        rare = name == "physics_dt"
+        return Finding(
+            self.code,
+            what,
+            _place(case, index, name),
+            value=mine,
+            unit="s",
+            expected=theirs,
+            help="run the policy at the rate that it was trained with",
+            related=(_place(case, other, name),),
+            severity=Severity.INFO if rare else None,
+            confidence=Confidence.LOW if rare else None,
+        )
+
+
+def _place(case: Case, index: int, name: str) -> Span:
+    """Where a period is written, or what it is computed from."""
+    artifact = case.artifacts[index]
+    settings = artifact.config.settings if artifact.config is not None else {}
+    found = next((settings[key] for key in (name, "decimation", "physics_dt") if key in settings), None)
+    return found.span if found is not None else Span(artifact.path)

@@ -1,0 +1,108 @@
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.stability import LIMIT, RINGING, StepDrive
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind, Framework
+from actspec.robot.view import RobotView
+
+RUNGE_KUTTA = 2.785
+"""h kd/I at which the fourth-order Runge-Kutta step diverges: |1 - z + z^2/2 - z^3/6 + z^4/24| = 1.
+
+Source: MuJoCo 4.0 agrees: 2.7 decays, 2.9 grows.
+"""
+
+
+class ExplicitVelocityGain(Rule):
+    code = "STB101"
+    name = "kv-under-euler"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    options: ClassVar[dict[str, float]] = {"near": 1.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Find drives that the step is too long for."""
+        looked = False
+        for (index, joint), rows in by_joint(case, FileKind.MJCF).items():
+            artifact = case.artifacts[index]
+            robot = artifact.robot
+            least = rows[0].inertia_free_min
+            if robot is None or rows[0].control == "none" or least is None or least <= 0.0:
+                continue
+            looked = True
+            drive = _drive_of(robot, rows)
+            if drive is None:
+                continue
+            if robot.integrator == "RK4":
+                drive = StepDrive(drive.step, 0.0, drive.explicit, 0.0)
+            figure = drive.figure(least)
+            limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
+            threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
+            if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
+                yield self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
+        if not looked:
+            yield Skipped(self.code, "no MJCF with drives on joints of known inertia among the files")
+
+    def _finding(
+        self,
+        row: LedgerRow,
+        robot: RobotView,
+        drive: StepDrive,
+        figure: float,
+        limit: float,
+        reference: float | None,
+    ) -> Finding:
+        beyond = figure >= limit
+        sure = beyond and reference is not None and drive.figure(reference) >= limit
+        what = "makes the speed grow with every step" if beyond else "turns the speed round with every step"
+        return Finding(
+            self.code,
+            f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "
+            f"{drive.step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {limit:g})",
+            row.place("kd"),
+            row.joint,
+            figure,
+            "1",
+            help='set integrator="implicitfast", or a shorter timestep, or state the true armature',
+            severity=Severity.ERROR if sure else self.severity if figure >= RINGING else Severity.INFO,
+            confidence=self.confidence if beyond else Confidence.MEDIUM,
+        )
+
+
+def _drive_of(robot: RobotView, rows: Sequence[LedgerRow]) -> StepDrive | None:
+    """The drives of a joint under an explicit integrator; None under another, or with something unknown."""
+    if robot.integrator not in ("Euler", "RK4") or robot.timestep is None:
+        return None
+    kp = [row.kp for row in rows if row.kp is not None]
+    kd = [row.kd for row in rows if row.kd is not None]
+    actuator = [row.actuator_damping for row in rows if row.actuator_damping is not None]
+    joint = rows[0].joint_damping
+    if joint is None or min(len(kp), len(kd), len(actuator)) < len(rows):
+        return None
+    passive = joint + sum(actuator)
+    if robot.integrator == "Euler" and robot.eulerdamp:
+        return StepDrive(robot.timestep, sum(kp), sum(kd), passive)
+    return StepDrive(robot.timestep, sum(kp), sum(kd) + passive, 0.0)
+
+
+def _reference(robot: RobotView, joint: str) -> float | None:
+    """Free inertia in the reference pose."""
+    found = (robot.joint_inertia or {}).get(joint)
+    return None if found is None else found.free.reference
+
+
+def _runs_in_mjlab(case: Case, row: LedgerRow) -> bool:
+    """Whether an mjlab configuration of the robot decides on step and integrator."""
+    for other in partner_rows(case, row, FileKind.CFG):
+        config = case.artifacts[other.artifact].config
+        if config is not None and config.framework is Framework.MJLAB:
+            return True
+    return False

@@ -1,0 +1,184 @@
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
+from itertools import combinations
+from operator import attrgetter, eq
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+from actspec.units import format_quantity
+
+_SIDES = (
+    ("left", "right"), ("l", "r"), ("fl", "fr"), ("rl", "rr"), ("hl", "hr"), ("bl", "br"), ("ml", "mr"),
+    ("lf", "rf"), ("lh", "rh"), ("lb", "rb"), ("lm", "rm"),
+)  # fmt: skip
+"""Words for the sides, in lower case. Chosen: from the joint names in the surveyed repositories."""
+
+_RIGHT = {
+    form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
+}
+
+_WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
+
+_DRIVE = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "velocity_limit",
+    "stall_torque",
+    "no_load_speed",
+    "delay",
+    "action_scale",
+)
+
+_PASSIVE = ("armature", "frictionloss", "joint_damping", "actuator_damping")
+
+_COMPARED = attrgetter("control", *_DRIVE, *_PASSIVE)
+
+_PD = ("position", "implicit", "ideal_pd", "dc_motor")
+
+_SHARED = 0.8
+"""Share of a file's joints that another must mirror to be its other side. Chosen: as for pairing files."""
+
+_Rows = Mapping[str, Sequence[LedgerRow]]
+
+
+class LeftRightDiffer(Rule):
+    code = "SYM101"
+    name = "left-right-asymmetry"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare every pair."""
+        looked = False
+        for left, right in _pairs(case):
+            looked = True
+            if (left[0].control == "none") != (right[0].control == "none"):
+                continue
+            finding = self._figures(case, left, right)
+            if finding is not None:
+                yield finding
+            finding = self._range(case, left[0], right[0])
+            if finding is not None:
+                yield finding
+        if not looked:
+            yield Skipped(self.code, "no joints whose names mirror each other among the files")
+
+    def _figures(self, case: Case, left: Sequence[LedgerRow], right: Sequence[LedgerRow]) -> Finding | None:
+        if len(left) == len(right) and all(map(eq, map(_COMPARED, left), map(_COMPARED, right))):
+            return None
+        relative = self.option(case, "relative")
+        differing: list[tuple[str, float, float]] = []
+        idle = all(row.control in _PD and row.kp == 0.0 == row.kd for row in (*left, *right))
+        for field in (*_DRIVE, *_PASSIVE):
+            for one, other in zip(left, right, strict=False):
+                if idle and field == "effort_limit":
+                    # A drive without gains gives no torque to be limited.
+                    continue
+                if one.control != other.control and field in ("kp", "kd"):
+                    # Which gains there are goes with the kind of drive.
+                    continue
+                a: float | None = getattr(one, field)
+                b: float | None = getattr(other, field)
+                if a is not None and b is not None and abs(abs(a) - abs(b)) > relative * max(abs(a), abs(b)):
+                    differing.append((field, a, b))
+                    break
+        kinds = [(a.control, b.control) for a, b in zip(left, right, strict=False) if a.control != b.control]
+        texts = [f"{a} and {b}" for a, b in kinds[:1]]
+        texts += [
+            f"{field.replace('_', ' ')} {shown(left[0], field, a)} and {shown(left[0], field, b)}"
+            for field, a, b in differing
+        ]
+        if not texts:
+            return None
+        # Where one side has 0, that one is the odd one; else the second, the first being the pattern.
+        field, a, b = differing[0] if differing else ("", 1.0, 1.0)
+        odd, other = (left[0], right[0]) if a == 0.0 else (right[0], left[0])
+        dead = 0.0 in (a, b) and field == "effort_limit"
+        return Finding(
+            self.code,
+            f"left and right differ: {', '.join(texts)}",
+            odd.place(field),
+            odd.joint,
+            help="the same motor has the same figures on both sides",
+            related=(other.place(field),),
+            severity=Severity.ERROR if dead else self.severity,
+            confidence=Confidence.HIGH if dead else self.confidence,
+        )
+
+    def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
+        if left.position_range is None or right.position_range is None or left.kind is not JointKind.HINGE:
+            return None
+        (low, high), ours = left.position_range, right.position_range
+        angle = self.option(case, "angle")
+        for mirrored in ((low, high), (-high, -low)):
+            if all(abs(one - other) <= angle for one, other in zip(mirrored, ours, strict=True)):
+                return None
+        texts = (
+            f"{format_quantity(a, '', 3)} to {format_quantity(b, 'rad', 3)}" for a, b in ((low, high), ours)
+        )
+        return Finding(
+            self.code,
+            f"left and right have other ranges: {' and '.join(texts)}",
+            right.place("position_range"),
+            right.joint,
+            help="ranges of the two sides are equal, or mirrored",
+            related=(left.place("position_range"),),
+            severity=Severity.INFO,
+            confidence=Confidence.LOW,
+        )
+
+
+def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+    """Rows of left and right joints, in one file or in two."""
+    joints = case.joints_by_artifact
+    single = []
+    for artifact, own in joints.items():
+        pairs = _mirrored(own, own)
+        if pairs:
+            yield from pairs
+        else:
+            single.append(artifact)
+    # Most of them have no such names at all.
+    sided = {artifact for artifact in single if any(map(_mirrors, joints[artifact]))}
+    for one, other in combinations(single, 2):
+        if one not in sided and other not in sided:
+            continue
+        if case.artifacts[one].kind is not case.artifacts[other].kind:
+            continue
+        for left, right in ((joints[one], joints[other]), (joints[other], joints[one])):
+            pairs = _mirrored(left, right)
+            if len(pairs) >= max(2.0, _SHARED * max(len(left), len(right))):
+                yield from pairs
+
+
+def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+    found = []
+    for name, rows in left.items():
+        other = next((text for text in _mirrors(name) if text in right), None)
+        if other is not None:
+            found.append((rows, right[other]))
+    return found
+
+
+@lru_cache(maxsize=4096)
+def _mirrors(name: str) -> tuple[str, ...]:
+    """What a left joint's name may be on the right: one of its words changed, or all of them."""
+    words = _WORD.findall(name)
+    at = [index for index, word in enumerate(words) if word in _RIGHT]
+    return tuple(
+        "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
+        for chosen in (*([index] for index in at), at)
+        if chosen
+    )

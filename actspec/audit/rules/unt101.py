@@ -1,0 +1,154 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.actuator_texts import written_actuators
+from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.partners import by_joint
+from actspec.diagnostics import Severity, Span
+from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
+from actspec.robot.view import JointView
+from actspec.robot.xml_edit import format_number
+
+_DEGREES = 180.0 / math.pi
+
+
+class RangeInDegrees(Rule):
+    code = "UNT101"
+    name = "position-range-in-degrees"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    fix = Safety.UNSAFE
+    options: ClassVar[dict[str, float]] = {"least": 12.6, "most": 720.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare ranges with each other and with what joints do."""
+        looked = False
+        found: list[LedgerRow] = []
+        for rows in by_joint(case, FileKind.MJCF).values():
+            for row in rows:
+                command, joint = row.command_range, row.position_range
+                if row.control != "position" or row.kind is not JointKind.HINGE:
+                    continue
+                if command is None or joint is None:
+                    continue
+                looked = True
+                if _is_degrees_of(command, joint):
+                    found.append(row)
+        fixes = _range_fixes(case) if found else {}
+        for row in found:
+            assert row.command_range is not None and row.position_range is not None
+            yield self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
+        for _, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
+            robot = artifact.robot
+            hinges = [] if robot is None else [joint for joint in robot.joints if _is_limited_hinge(joint)]
+            looked = looked or bool(hinges)
+            locked = [joint for joint in hinges if _largest(joint.range or (0.0, 0.0)) <= _LOCKED]
+            degrees = robot is not None and not any(b"radian" in file.data for file in robot.files)
+            if artifact.kind is FileKind.MJCF and degrees and len(locked) == len(hinges) >= _SEVERAL:
+                yield self._of_file(locked)
+                continue
+            for hinge in hinges:
+                finding = self._of_joint(case, hinge)
+                if finding is not None:
+                    yield finding
+        if not looked:
+            yield Skipped(self.code, "no MJCF or URDF with a limited hinge among the files")
+
+    def _of_control(
+        self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], fix: Fix | None
+    ) -> Finding:
+        low, high = (shown(row, "default_position", end) for end in command)
+        return Finding(
+            self.code,
+            f"the control range is {low} ... {high}, {_DEGREES:.3g} times the joint's: degrees, which MuJoCo takes for "
+            "radians here whatever the file's angle is",
+            row.place("command_range"),
+            row.joint,
+            _largest(command),
+            "rad",
+            _largest(joint),
+            f"write {joint[0]:.4g} {joint[1]:.4g}",
+            fix=fix,
+        )
+
+    def _of_joint(self, case: Case, joint: JointView) -> Finding | None:
+        ends = joint.range or (0.0, 0.0)
+        most = _largest(ends)
+        if not self.option(case, "least") <= most <= self.option(case, "most"):
+            return None
+        if not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
+            return None
+        return Finding(
+            self.code,
+            f"this hinge may turn from {ends[0]:.4g} to {ends[1]:.4g} rad, {most / (2.0 * math.pi):.2g} full turns: it "
+            "looks like degrees where the file is read in radians",
+            joint.places.get("range", joint.span),
+            joint.name,
+            most,
+            "rad",
+            most / _DEGREES,
+            f"write {ends[0] / _DEGREES:.4g} {ends[1] / _DEGREES:.4g}",
+            confidence=Confidence.MEDIUM,
+        )
+
+    def _of_file(self, joints: list[JointView]) -> Finding:
+        first = joints[0]
+        ends = first.range or (0.0, 0.0)
+        return Finding(
+            self.code,
+            f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0 ({first.name}: "
+            f"{ends[0]:.3g} ... {ends[1]:.3g} rad): radians, read as degrees",
+            first.places.get("range", first.span),
+            "",
+            _largest(ends),
+            "rad",
+            _largest(ends) * _DEGREES,
+            'add <compiler angle="radian"/>',
+        )
+
+
+_LOCKED = 3.2 / _DEGREES
+"""Largest angle that a range in radians can become when read in degrees. Chosen: a little above pi / 57.3."""
+
+_SEVERAL = 3
+
+
+def _is_limited_hinge(joint: JointView) -> bool:
+    return joint.kind is JointKind.HINGE and joint.range is not None and "range" not in joint.unknown
+
+
+def _is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
+    """Whether a range is another one in degrees; ends of 0 agree in both."""
+    span = (joint[1] - joint[0]) * _DEGREES
+    return span > 0.0 and all(
+        abs(c - _DEGREES * j) <= 0.02 * span for c, j in zip(command, joint, strict=True)
+    )
+
+
+def _range_fixes(case: Case) -> dict[Span, Fix]:
+    """For each actuator with a `ctrlrange` of its own, the edit that sets it to the joint's range."""
+    found = {}
+    for one in written_actuators(case, b"ctrlrange"):
+        attribute = one.element.attributes.get("ctrlrange")
+        joint = None if one.artifact.robot is None else one.artifact.robot.joint(one.view.target)
+        if attribute is None or joint is None or joint.range is None or one.document.is_repeated(one.element):
+            continue
+        ends = " ".join(format_number(end) for end in joint.range)
+        path = one.document.files[one.element.file].path
+        edit = TextEdit(path, attribute.value_start, attribute.value_end, ends.encode())
+        found[one.view.span] = Fix(
+            f"Set ctrlrange to {ends}", Safety.UNSAFE, (edit,), ("actuator_ctrlrange",)
+        )
+    return found
+
+
+def _largest(ends: tuple[float, float]) -> float:
+    return max(abs(end) for end in ends)

@@ -1,0 +1,136 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import SPEEDS, shown, unit
+from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+
+_DEGREES = 180.0 / math.pi
+
+_ONE_FILE = "no two files of one robot with the same joint"
+
+
+class Factor57(Rule):
+    code = "UNT103"
+    name = "off-by-degrees-per-radian"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+    options: ClassVar[dict[str, float]] = {"relative": 0.005}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare figures of the same joint."""
+        relative = self.option(case, "relative")
+
+        def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
+            if JointKind.SLIDE in (one.kind, other.kind):
+                return []
+            return [pair for pair in _angular(one, other) if _off_by(*pair.values, _DEGREES, relative)]
+
+        for one, other in joint_pairs(case, _figures, lambda one, other: bool(off_pairs(one, other))):
+            off = off_pairs(one, other)
+            severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
+            for pair in off:
+                yield self._finding(one, other, pair, severity)
+        if next(shared_joints(case), None) is None:
+            yield Skipped(self.code, _ONE_FILE)
+
+    def _finding(self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity) -> Finding:
+        first, second = pair.values
+        # A gain is smaller per degree, an angle or a speed is larger in degrees.
+        per_angle = pair.place in _PER_ANGLE
+        if (abs(first) < abs(second)) != per_angle:
+            one, other, first, second = other, one, second, first
+        factor = "1/57.3 of" if per_angle else "57.3 times"
+        what = (
+            "a figure per degree, taken per radian" if per_angle else "a figure in degrees, taken for radians"
+        )
+        return Finding(
+            self.code,
+            f"the {pair.name} of {shown(one, pair.unit, first, 4)} is {factor} the "
+            f"{shown(one, pair.unit, second, 4)} in {other.place(pair.place).path}: {what}",
+            one.place(pair.place),
+            one.joint,
+            first,
+            unit(one, pair.unit),
+            second,
+            "1 rad is 57.3 degrees: convert the figure, or correct the other file",
+            (other.place(pair.place),),
+            severity=severity,
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class _Pair:
+    """A figure of one joint in two files.
+
+    Attributes:
+        place: Field of the row that tells where it is written.
+        unit: Field of the row that has its unit.
+        name: For messages.
+        values: In the one file and in the other.
+    """
+
+    place: str
+    unit: str
+    name: str
+    values: tuple[float, float]
+
+
+_PER_ANGLE = ("kp", "kd", "joint_damping")
+
+
+def _figures(row: LedgerRow) -> tuple[object, ...]:
+    """What is compared of a row."""
+    stated = (*_PER_ANGLE, *SPEEDS, "position_range")
+    return (
+        row.kind,
+        row.default_position,
+        *(getattr(row, name) if name in row.stated else None for name in stated),
+    )
+
+
+def _angular(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
+    """Figures that have an angle in their unit and that both files state."""
+    for field in _PER_ANGLE:
+        yield from _both(one, other, field)
+    yield from _speeds(one, other)
+    pose = one.default_position, other.default_position
+    if pose[0] is not None and pose[1] is not None and pose[0] != pose[1]:
+        yield _Pair("default_position", "default_position", "default position", (pose[0], pose[1]))
+    mine, its = one.position_range, other.position_range
+    if mine is None or its is None or mine == its:
+        return
+    if "position_range" not in one.stated or "position_range" not in other.stated:
+        return
+    for end, name in enumerate(("lower", "upper")):
+        yield _Pair("position_range", "default_position", f"{name} end of the range", (mine[end], its[end]))
+
+
+def _both(one: LedgerRow, other: LedgerRow, field: str) -> Iterator[_Pair]:
+    mine, its = getattr(one, field), getattr(other, field)
+    if mine is not None and its is not None and mine != its and field in one.stated and field in other.stated:
+        yield _Pair(field, field, field.replace("_", " "), (mine, its))
+
+
+def _speeds(one: LedgerRow, other: LedgerRow) -> Iterator[_Pair]:
+    """Speed limits and no-load speeds, each with its like."""
+    for field in SPEEDS:
+        yield from _both(one, other, field)
+
+
+def _off_by(one: float, other: float, factor: float, relative: float) -> bool:
+    """Whether two figures differ by a factor, either way."""
+    if one == 0.0 or other == 0.0 or not (math.isfinite(one) and math.isfinite(other)):
+        return False
+    ratio = one / other
+    return math.isclose(max(ratio, 1.0 / ratio), factor, rel_tol=relative)

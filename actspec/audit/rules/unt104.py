@@ -1,0 +1,98 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import SPEEDS, shown, unit
+from actspec.audit.rules.partners import joint_pairs
+from actspec.diagnostics import Severity, Span
+from actspec.ir import JointKind
+
+_RPM = 30.0 / math.pi
+
+
+class SpeedInRpm(Rule):
+    code = "UNT104"
+    name = "speed-in-rpm"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+    options: ClassVar[dict[str, float]] = {"relative": 0.005, "least": 150.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare speeds with other files', and with what joints do."""
+        looked = False
+        told: set[tuple[Span, str]] = set()
+        relative = self.option(case, "relative")
+
+        def in_rpm(one: LedgerRow, other: LedgerRow) -> list[tuple[LedgerRow, str, float, float, Span]]:
+            if JointKind.SLIDE in (one.kind, other.kind):
+                return []
+            return [
+                (mine, *ratio)
+                for mine, its in ((one, other), (other, one))
+                for ratio in _speed_ratios(mine, its)
+                if math.isclose(ratio[1] / ratio[2], _RPM, rel_tol=relative)
+            ]
+
+        for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
+            for mine, field, limit, right, place in in_rpm(one, other):
+                told.add((mine.place(field), mine.joint))
+                yield Finding(
+                    self.code,
+                    f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
+                    f"{place.path}: a figure in rpm",
+                    mine.place(field),
+                    mine.joint,
+                    limit,
+                    unit(mine, field),
+                    right,
+                    f"{limit:.4g} rpm is {limit / _RPM:.3g} rad/s",
+                    (place,),
+                )
+        for row in case.rows:
+            for field in SPEEDS:
+                speed: float | None = getattr(row, field)
+                if speed is None or field not in row.stated or row.kind is JointKind.SLIDE:
+                    continue
+                looked = True
+                if (row.place(field), row.joint) in told or speed % 10.0 != 0.0:
+                    continue
+                if self.option(case, "least") <= speed < _PLACEHOLDER:
+                    yield Finding(
+                        self.code,
+                        f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; {speed:.4g} rpm "
+                        f"would be {speed / _RPM:.3g} rad/s",
+                        row.place(field),
+                        row.joint,
+                        speed,
+                        unit(row, field),
+                        help="speeds are in rad/s",
+                        severity=Severity.INFO,
+                        confidence=Confidence.LOW,
+                    )
+        if not looked:
+            yield Skipped(self.code, "no file states the speed of a hinge")
+
+
+_PLACEHOLDER = 1e5
+
+
+def _speed_figures(row: LedgerRow) -> tuple[object, ...]:
+    """What is compared of a row."""
+    return row.kind, *(getattr(row, name) if name in row.stated else None for name in SPEEDS)
+
+
+def _speed_ratios(one: LedgerRow, other: LedgerRow) -> Iterator[tuple[str, float, float, Span]]:
+    """Speeds of one row, each with those of the other: field, the two values, and where the other stands."""
+    for field in SPEEDS:
+        mine: float | None = getattr(one, field)
+        for name in SPEEDS:
+            its: float | None = getattr(other, name)
+            if mine and its and math.isfinite(mine) and field in one.stated and name in other.stated:
+                yield field, mine, its, other.place(name)

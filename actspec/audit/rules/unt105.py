@@ -1,0 +1,103 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import Rule
+from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.diagnostics import Severity
+from actspec.ir import JointKind
+
+
+class MilliOrGram(Rule):
+    code = "UNT105"
+    name = "milli-or-gram-taken-for-one"
+    severity = Severity.WARNING
+    confidence = Confidence.HIGH
+    paired = True
+    options: ClassVar[dict[str, float]] = {"least": 5.0}
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare figures with other files', and armatures with the joint's torque."""
+        looked = any(
+            sum(bool(figure) for figure in figures) > 1
+            for rows in shared_joints(case)
+            for figures in zip(*map(_figures, rows), strict=True)
+        )
+        for pair in joint_pairs(case, _figures, lambda *rows: next(_off(*rows), None) is not None):
+            for field, factor, large, small in _off(*pair):
+                most = getattr(large, field)
+                yield Finding(
+                    self.code,
+                    f"the {field.replace('_', ' ')} of {shown(large, field, most)} is {factor:g} times the "
+                    f"{shown(large, field, getattr(small, field))} in {small.place(field).path}: a figure in "
+                    f"{_THOUSANDS[field][factor]}",
+                    large.place(field),
+                    large.joint,
+                    most,
+                    unit(large, field),
+                    getattr(small, field),
+                    f"write it in {unit(large, field)}",
+                    (small.place(field),),
+                )
+        for row in case.rows:
+            armature, effort = row.armature, row.effort_limit
+            if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
+                continue
+            looked = True
+            if (
+                row.kind is JointKind.SLIDE
+                or effort <= 0.0
+                or effort / armature >= self.option(case, "least")
+            ):
+                continue
+            yield Finding(
+                self.code,
+                f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
+                f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
+                "like another unit",
+                row.place("armature"),
+                row.joint,
+                armature,
+                unit(row, "armature"),
+                help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
+            )
+        if not looked:
+            yield Skipped(self.code, "no file states friction, damping or armature to compare")
+
+
+_THOUSANDS: dict[str, dict[float, str]] = {
+    "frictionloss": {1e3: "mN*m"},
+    "joint_damping": {1e3: "mN*m*s/rad"},
+    "armature": {1e3: "g*m^2", 1e4: "kg*cm^2", 1e7: "g*cm^2"},
+}
+"""Field to the factors that a unit can be off by, and the unit."""
+
+
+def _figures(row: LedgerRow) -> tuple[float | None, ...]:
+    """What is compared of a row."""
+    return tuple(getattr(row, field) if field in row.stated else None for field in _THOUSANDS)
+
+
+def _off(one: LedgerRow, other: LedgerRow) -> Iterator[tuple[str, float, LedgerRow, LedgerRow]]:
+    """Fields in which two rows differ by such a factor, with it and the rows, the larger figure first."""
+    for field, units in _THOUSANDS.items():
+        mine: float | None = getattr(one, field)
+        its: float | None = getattr(other, field)
+        if not mine or not its or field not in one.stated or field not in other.stated:
+            continue
+        large, small = (other, one) if abs(its) > abs(mine) else (one, other)
+        most, least = (its, mine) if large is other else (mine, its)
+        factor = next((each for each in units if math.isclose(most / least, each, rel_tol=0.005)), None)
+        if factor is not None and not _is_one_digit(most):
+            yield field, factor, large, small
+
+
+def _is_one_digit(value: float) -> bool:
+    """Whether a figure has one significant digit."""
+    return float(f"{value:.0e}") == float(f"{value:.6e}")

@@ -1,0 +1,114 @@
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding, Safety, Skipped
+from actspec.audit.rule import Rule
+from actspec.audit.rules.keywords import renaming
+from actspec.diagnostics import Severity
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
+from actspec.readings.config_figures import control_of
+from actspec.readings.versions import Release, release
+
+_NEW = {
+    "effort_limit": "actuator_effort_limit",
+    "velocity_limit": "actuator_velocity_limit",
+    "effort_limit_sim": "joint_effort_limit",
+    "velocity_limit_sim": "joint_velocity_limit",
+}
+"""Name in 2.x to the name in 3.0. Source: Isaac Lab 3.0, actuator_base_cfg.py."""
+
+_OLD = {new: old for old, new in _NEW.items()}
+
+
+class NamesByVersion(Rule):
+    code = "VER103"
+    name = "isaaclab-names-by-version"
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    fix = Safety.SAFE
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Compare names with the version, or with each other."""
+        named = case.versions.isaaclab
+        looked = False
+        for path, groups in _groups(case).items():
+            looked = True
+            old = [(group, name) for group in groups for name in _NEW if name in group.settings]
+            new = [(group, name) for group in groups for name in _OLD if name in group.settings]
+            if named is not None:
+                yield from self._against(case, old, new, release(named), named)
+            elif old and new:
+                yield self._mixed(path, old, new)
+        if not looked:
+            yield Skipped(self.code, "no Isaac Lab cfg with actuators among the files")
+
+    def _against(
+        self,
+        case: Case,
+        old: list[tuple[ActuatorGroup, str]],
+        new: list[tuple[ActuatorGroup, str]],
+        version: Release,
+        text: str,
+    ) -> Iterator[Finding]:
+        if version < (3,):
+            for group, name in new:
+                yield Finding(
+                    self.code,
+                    f"Isaac Lab {text} has no {name}: the cfg raises TypeError when it is made",
+                    group.settings[name].span,
+                    help=f"2.x calls it {_OLD[name]}",
+                    fix=renaming(case, group, name, _OLD[name]) if _is_plain(group, name) else None,
+                )
+            return
+        gone = version >= (4,)
+        for group, name in old:
+            yield Finding(
+                self.code,
+                f"Isaac Lab {text} has no {name} any more"
+                if gone
+                else f"{name} is a deprecated name in Isaac Lab {text}, and gone in 4.0",
+                group.settings[name].span,
+                help=f"3.0 calls it {_new_name(group, name)}",
+                fix=renaming(case, group, name, _NEW[name]) if _is_plain(group, name) else None,
+                severity=Severity.ERROR if gone else Severity.WARNING,
+            )
+
+    def _mixed(
+        self, path: str, old: list[tuple[ActuatorGroup, str]], new: list[tuple[ActuatorGroup, str]]
+    ) -> Finding:
+        (before, old_name), (after, new_name) = old[0], new[0]
+        return Finding(
+            self.code,
+            f"{new_name} is a name of Isaac Lab 3.0 and {old_name} one of 2.x: 2.x does not read this file, and 4.0 "
+            "neither",
+            after.settings[new_name].span,
+            help=f"name the limits as one version does: {old_name} is {_new_name(before, old_name)} in 3.0",
+            related=(before.settings[old_name].span,),
+            severity=Severity.WARNING,
+        )
+
+
+def _groups(case: Case) -> dict[str, list[ActuatorGroup]]:
+    """Groups of Isaac Lab's classes by file."""
+    found: dict[str, list[ActuatorGroup]] = {}
+    for _, artifact in case.of_kind(FileKind.CFG):
+        config = artifact.config
+        if config is not None and config.framework is Framework.ISAACLAB:
+            known = [group for group in config.groups if control_of(config.framework, group.cls) != "other"]
+            found.setdefault(artifact.path, []).extend(known)
+    return {path: groups for path, groups in found.items() if groups}
+
+
+def _new_name(group: ActuatorGroup, name: str) -> str:
+    """An implicit drive's limits are the joint's, whatever 2.x called them."""
+    if control_of(Framework.ISAACLAB, group.cls) == "implicit":
+        return _NEW[name].replace("actuator_", "joint_")
+    return _NEW[name]
+
+
+def _is_plain(group: ActuatorGroup, name: str) -> bool:
+    """Whether the field is the same one in both versions; what 2.x makes of an implicit drive's own limits is not."""
+    own = name in ("effort_limit", "velocity_limit") or name.startswith("actuator_")
+    return not own or control_of(Framework.ISAACLAB, group.cls) != "implicit"
