@@ -9,7 +9,7 @@ from actspec.audit.rules.cfg_groups import Group, groups_of
 from actspec.audit.rules.joint_units import friction_unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
-from actspec.readings.friction_unit import has_dynamic
+from actspec.readings.versions import has_dynamic
 
 
 class StaticFrictionAlone(Rule):
