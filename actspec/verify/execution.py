@@ -23,7 +23,7 @@ CONSENT = "look at it, then --run-edited"
 """What makes an edited file run."""
 
 MOST_BYTES = 64 << 20
-"""Chosen: the largest file that is compiled is a network of that size, see `actspec.targets.network_file`."""
+"""Chosen: the largest file that is compiled is a network of that size, see `actspec.targets.kit.network`."""
 
 _READ = (".xml", ".urdf", ".py", ".yaml", ".json", ".usda")
 """Ends of files that are compared by what they say."""

@@ -5,7 +5,7 @@
 - `torque.step`: the command steps, the joint is held; delay and filter show.
 - `torque.ramp`: it ramps, both ways.
 
-The ranges are those that approximations are sized over (`actspec.targets.approximation`), so a known
+The ranges are those that approximations are sized over (`actspec.targets.kit.sizes`), so a known
 approximation bounds what is seen here.
 """
 
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command, JointActuator
 from actspec.laws import TorqueLaw, delay_steps
-from actspec.targets.approximation import speed_scale
+from actspec.targets.kit.sizes import speed_scale
 
 if TYPE_CHECKING:
     import numpy as np

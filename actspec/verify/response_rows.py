@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind
 from actspec.laws import TorqueLaw
-from actspec.targets.approximation import lined
 from actspec.targets.base import Approximation
+from actspec.targets.kit.sizes import lined
 from actspec.verify.agreement import At, Row, Skip
 from actspec.verify.engines.question import EngineRefused
 from actspec.verify.response import COURSES, SOFT, Friction, Plan, Responded

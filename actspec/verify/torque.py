@@ -31,7 +31,7 @@ SINGLE = 1e-5
 ROUNDINGS = 4.0
 """Units in the last place that a sum of large terms may be off beside that, of the largest term."""
 SLACK = 1.05
-"""Times the size of an approximation. Source: `actspec.targets.approximation`: finer grids than that of its size find
+"""Times the size of an approximation. Source: `actspec.targets.kit.sizes`: finer grids than that of its size find
 a few per cent more, and this one has the corners of the law."""
 
 CONSTANT = (

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from actspec.ir import JointKind
 from actspec.laws import TorqueLaw, initial_command_state, law_of, step_command
-from actspec.targets.python_text import stated
+from actspec.targets.kit.python_text import stated
 from tests.frameworks.newton_stage import WRONG
 from tests.frameworks.prepare import Frameworks, ProbeAnswer
 from tests.targets.newton.emitting import Written

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from actspec.laws import law_of
 from actspec.targets.base import TargetOptions
 from actspec.targets.randomization.emit import emit
-from actspec.targets.randomization.sizes import strengthened
+from actspec.targets.randomization.losses import strengthened
 from tests.compiling import Compiled, compile_text
 from tests.frameworks.playground_specs import ASKED, BATCHED, HIPS, JOINTS, MODEL, MOTORS, NOMINAL
 from tests.frameworks.prepare import Frameworks

@@ -1,6 +1,6 @@
 """Any spec of one to three groups, its module read back, and what each class loses, once more in numpy.
 
-The laws are those of the design and each class's own formula; nothing of `actspec.targets.approximation` is in it.
+The laws are those of the design and each class's own formula; nothing of `actspec.targets.kit.sizes` is in it.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import TargetOptions
 from actspec.targets.choose import emitter
-from actspec.targets.provenance import known_quantities, source_lines
+from actspec.targets.kit.provenance import known_quantities, source_lines
 from tests.compiling import spec_text, view_of
 
 MODEL = "<mujoco><worldbody><body><joint name='hip'/><geom size='0.1'/></body></worldbody></mujoco>"

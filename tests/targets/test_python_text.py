@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from actspec.targets.python_text import comment_lines, identifier, joint_patterns, py
+from actspec.targets.kit.python_text import comment_lines, identifier, joint_patterns, py
 from tests.fitting import joint, spec_of
 
 

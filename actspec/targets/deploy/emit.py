@@ -12,15 +12,14 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 
 import actspec
-from actspec.diagnostics import Collector, EmitError, listed
+from actspec.diagnostics import Collector, EmitError, listed, nearest, shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
 from actspec.robot.joint_order import isaac_order
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
-from actspec.targets.deploy.order import check_sdk_order, index_map
 from actspec.targets.deploy.text import comment, entry, scalar
-from actspec.targets.provenance import source_lines
-from actspec.targets.python_text import environment, grouped, identifier, provenance
+from actspec.targets.kit.provenance import source_lines
+from actspec.targets.kit.python_text import environment, grouped, identifier, provenance
 
 FORMAT = "actspec-deploy/1"
 
@@ -225,3 +224,55 @@ def _origins(
     if len(kinds) == 1:
         return [kinds[0][0]]
     return [f"{text}: {listed((name for _, name in members), 4)}" for text, members in kinds]
+
+
+def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: Collector) -> None:
+    """Report where an SDK's order does not name exactly the managed joints, each once.
+
+    Args:
+        options: With the order.
+        managed: The joints that the spec manages.
+        collector: Takes what is wrong.
+    """
+    seen: set[str] = set()
+    for index, name in enumerate(options.joint_order):
+        entry = f"joint_order[{index}]"
+        where, span = options.where(entry), options.span(entry)
+        if name is None:
+            continue
+        if name in seen:
+            collector.error(
+                "DEP002",
+                f"'{shortened(name)}' is named twice",
+                where=where,
+                span=span,
+                help="name every joint that the spec manages once",
+            )
+        elif name not in managed:
+            guess = nearest(name, managed)
+            collector.error(
+                "DEP001",
+                f"'{shortened(name)}' is no joint that the spec manages",
+                where=where,
+                span=span,
+                help=f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",
+            )
+        seen.add(name)
+    missing = [name for name in managed if name not in seen]
+    if missing:
+        collector.error(
+            "DEP003",
+            f"{len(missing)} of {len(managed)} managed joints missing: {listed(missing)}",
+            where=options.where("joint_order"),
+            span=options.span("joint_order"),
+            help="name every joint that the spec manages once",
+        )
+
+
+def index_map(source: Sequence[str | None], result: Sequence[str | None]) -> tuple[int | None, ...]:
+    """Where each entry of one order stands in another: `result[i] = source[index_map(source, result)[i]]`.
+
+    A gap of `result` has None, and one of `source` nobody's index.
+    """
+    place = {name: index for index, name in enumerate(source) if name is not None}
+    return tuple(None if name is None else place[name] for name in result)

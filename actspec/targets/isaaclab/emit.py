@@ -11,11 +11,10 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators import UnknownVersion
 from actspec.simulators.isaaclab import IsaacLabDialect, isaaclab_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab.drive import IMPLICIT, Drive, drive_of
-from actspec.targets.isaaclab.groups import groups_of
-from actspec.targets.isaaclab.text import module_name, module_text
-from actspec.targets.network_file import NetworkFile, read_network, tap_stride
-from actspec.targets.python_text import grouped, identifier
+from actspec.targets.isaaclab.joint_cfg import IMPLICIT, Drive, drive_of
+from actspec.targets.isaaclab.text import groups_of, module_name, module_text
+from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
+from actspec.targets.kit.python_text import grouped, identifier
 
 CLASSES = ("auto", "implicit", "custom")
 """Kinds of actuator class."""

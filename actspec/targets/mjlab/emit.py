@@ -16,10 +16,10 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators import UnknownVersion
 from actspec.simulators.mjlab import MjlabDialect, mjlab_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.losing_joint import network_files
-from actspec.targets.mjlab.actuator import Cfg, cfg_of
+from actspec.targets.kit.joint import network_files
+from actspec.targets.kit.python_text import joint_patterns, stated
+from actspec.targets.mjlab.joint_cfg import Cfg, cfg_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
-from actspec.targets.python_text import joint_patterns, stated
 
 OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
 """Errors that several joints of a group can have: told once, with their names."""

@@ -10,10 +10,9 @@ import actspec
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin
 from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
-from actspec.targets.mjlab.actuator import Cfg
-from actspec.targets.mjlab.context import Field
-from actspec.targets.provenance import known_quantities, loss_lines, source_lines
-from actspec.targets.python_text import comment_lines, environment, grouped, identifier, py
+from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
+from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py
+from actspec.targets.mjlab.joint_cfg import Cfg, Field
 
 WIDTH = 88
 """Columns of mjlab's own code."""

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
-from actspec.targets.mujoco.dialect import GENERAL_INPUTS, controller, general_form, needs_general
+from actspec.targets.mujoco.actuator_xml import GENERAL_INPUTS, controller, general_form, needs_general
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 from actspec.targets.mujoco.plan import JointEdit, Plan
 

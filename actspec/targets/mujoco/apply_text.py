@@ -17,7 +17,7 @@ from actspec.robot.xml_edit import (
     format_number,
 )
 from actspec.simulators.mujoco import MujocoDialect
-from actspec.targets.mujoco.dialect import actuator_xml
+from actspec.targets.mujoco.actuator_xml import actuator_xml
 from actspec.targets.mujoco.plan import JointEdit, Plan
 
 ACTUATOR_TAGS = frozenset(

@@ -15,14 +15,12 @@ from actspec.simulators.mujoco import MujocoDialect, installed_dialect, mujoco_d
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits, users_of
-from actspec.targets.mujoco.canonical import canonical_files
-from actspec.targets.mujoco.check import differences, outside_plan
+from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.fragment import bench_xml, fragment_files, fragment_of
 from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
-from actspec.targets.mujoco.readback import check_readback
 
 if TYPE_CHECKING:
     import mujoco
@@ -271,3 +269,51 @@ def _read_back(files: tuple[ModelFile, ...]) -> RobotView:
     from actspec.robot.read_mjcf import read_mjcf
 
     return read_mjcf(files, inertia=False)
+
+
+def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
+    """The same robot as one MJCF in MuJoCo's own form, read again.
+
+    From 3.16 on MuJoCo saves what the author wrote, to the last digit; before, it saves the compiled
+    model with six digits, which is reported.
+
+    Raises:
+        RobotError: MuJoCo cannot open or compile the model.
+    """
+    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet
+    from actspec.robot.read_mjcf import read_mjcf
+    from actspec.robot.read_urdf import open_urdf
+
+    files: Sequence[ModelFile] = robot.files
+    if robot.format is ModelFormat.URDF:
+        spec, files = open_urdf(files)
+    else:
+        spec = open_spec(files, format=robot.format)
+    exact = hasattr(spec.compiler, "savecanonical")
+    if exact:
+        spec.compiler.savecompiled = False
+        spec.compiler.savecanonical = False
+    else:
+        collector.warning(
+            "MJC014",
+            "this MuJoCo saves numbers with six digits; 3.16 and later keep them all",
+            span=Span(robot.path),
+            help="pip install --upgrade mujoco",
+        )
+        meshes = mesh_dependence(spec)
+        if meshes is not None:
+            spec = open_spec(files, format=robot.format, real_assets=True)
+    compile_spec(spec, files)
+    with quiet():
+        text = spec.to_xml()
+    path = f"{os.path.splitext(robot.path)[0]}.xml"
+    main = ModelFile(path, "", text.encode("utf-8"))
+    view = read_mjcf((main,), inertia=False)
+    if robot.format is ModelFormat.URDF:
+        collector.info(
+            "MJC015",
+            "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it, and its velocity "
+            "limits have no place there",
+            span=Span(robot.path),
+        )
+    return view

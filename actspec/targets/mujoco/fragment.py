@@ -19,12 +19,12 @@ from actspec.robot.view import JointView, ModelFile, RobotView
 from actspec.robot.xml_edit import escape_attribute, format_number
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
-from actspec.targets.mujoco.dialect import actuator_xml
+from actspec.targets.kit.provenance import xml_comment
+from actspec.targets.kit.python_text import identifier
+from actspec.targets.mujoco.actuator_xml import actuator_xml
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.plan import JointEdit, Plan
-from actspec.targets.provenance import xml_comment
-from actspec.targets.python_text import identifier
 
 PREFIX = "actspec_"
 """Before the robot's name in the names of classes: two robots' fragments fit into one scene."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.targets.base import Approximation
-from actspec.targets.provenance import loss_lines, provenance, source_lines, xml_comment
+from actspec.targets.kit.provenance import loss_lines, provenance, source_lines, xml_comment
 
 LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
 """Numbers that MuJoCo's drive and joint are not made of."""

@@ -12,8 +12,7 @@ from actspec.resolution.reports import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
-from actspec.targets.mujoco.drive import Drive, Form
-from actspec.targets.mujoco.drive_choice import drive_of
+from actspec.targets.mujoco.drive import Drive, Form, drive_of
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:

@@ -12,8 +12,8 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators import UnknownVersion
 from actspec.simulators.newton import NewtonDialect, newton_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.losing_joint import network_files
-from actspec.targets.newton.actuator import Driven, driven
+from actspec.targets.kit.joint import network_files
+from actspec.targets.newton.joint_prims import Driven, driven
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.text import overlay_name, overlay_text
 

@@ -11,11 +11,11 @@ from actspec.ir import ActuatorSet
 from actspec.robot.view import RobotView
 from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
-from actspec.targets.newton.actuator import Driven
+from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
+from actspec.targets.kit.python_text import identifier
+from actspec.targets.newton.joint_prims import Driven
 from actspec.targets.newton.paths import Layout, converted_actuators
 from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
-from actspec.targets.provenance import known_quantities, loss_lines, source_lines
-from actspec.targets.python_text import identifier
 
 WIDTH = 110
 """Columns of the header."""

@@ -18,12 +18,12 @@ from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.simulators.mjlab import EVENTS, mjlab_dialect
 from actspec.simulators.mujoco import MujocoDialect, mujoco_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.isaaclab.randomization import GAINS, isaaclab_terms
+from actspec.targets.kit.python_text import WIDTH, comment_lines, environment, grouped, identifier
+from actspec.targets.mjlab.randomization import configs_of, mjlab_terms
 from actspec.targets.mjlab.text import WIDTH as MJLAB_WIDTH
-from actspec.targets.python_text import WIDTH, comment_lines, environment, grouped, identifier
-from actspec.targets.randomization.isaaclab import GAINS, isaaclab_terms
+from actspec.targets.mujoco.playground import playground_function
 from actspec.targets.randomization.losses import Losses
-from actspec.targets.randomization.mjlab import configs_of, mjlab_terms
-from actspec.targets.randomization.playground import playground_function
 from actspec.targets.randomization.record import record
 from actspec.units import format_quantity
 

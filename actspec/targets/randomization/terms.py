@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from actspec.patterns import match_names
-from actspec.targets.python_text import comment_lines, identifier, joint_patterns
+from actspec.targets.kit.python_text import comment_lines, identifier, joint_patterns
 from actspec.targets.randomization.draws import Draw
 
 

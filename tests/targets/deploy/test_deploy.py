@@ -18,8 +18,7 @@ from actspec.robot.view import ModelFile
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
-from actspec.targets.deploy.emit import emit
-from actspec.targets.deploy.order import index_map
+from actspec.targets.deploy.emit import emit, index_map
 from actspec.targets.deploy.text import scalar
 from tests.compiling import spec_text, view_of
 

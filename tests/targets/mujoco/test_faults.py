@@ -16,9 +16,8 @@ from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.mujoco import MujocoDialect, installed_dialect
 from actspec.targets.mujoco.apply_spec import apply_to_spec
-from actspec.targets.mujoco.check import differences, outside_plan
+from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.plan import JointEdit, Plan
-from actspec.targets.mujoco.readback import check_readback
 from tests.compiling import Compiled, compile_text, view_of
 
 mujoco = pytest.importorskip("mujoco")

@@ -14,17 +14,33 @@ from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw
 from actspec.simulators.isaaclab import IsaacLabDialect
-from actspec.targets.approximation import Torque, lined, static_error
 from actspec.targets.base import Approximation
-from actspec.targets.isaaclab.command_path import lag_fields, lags, no_bias, no_delay, no_filter, no_range
-from actspec.targets.isaaclab.context import Field, Joint
-from actspec.targets.isaaclab.gains import gain_fields, joint_fields
-from actspec.targets.isaaclab.losses import at_standstill, boxed, two_quadrants, unclipped
-from actspec.targets.python_text import provenance, stated
+from actspec.targets.isaaclab.fields import (
+    Field,
+    Joint,
+    gain_fields,
+    joint_fields,
+    lag_fields,
+    lags,
+    no_bias,
+    no_delay,
+    no_filter,
+    no_range,
+)
+from actspec.targets.kit.python_text import provenance, stated
+from actspec.targets.kit.sizes import (
+    Torque,
+    at_standstill,
+    boxed,
+    lined,
+    static_error,
+    two_quadrants,
+    unclipped,
+)
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
-    from actspec.targets.network_file import NetworkFile
+    from actspec.targets.kit.network import NetworkFile
 
 OUT_OF_THE_WAY = 1e9
 """Torque and speed that no joint reaches [N*m, rad/s]: a torque-speed line that never acts."""

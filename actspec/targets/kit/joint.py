@@ -9,8 +9,8 @@ from dataclasses import replace
 from actspec.diagnostics import Collector
 from actspec.ir import Approximation, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, law_of
-from actspec.targets.approximation import command_range_error, held_step_error
 from actspec.targets.base import EmittedFile
+from actspec.targets.kit.sizes import command_range_error, held_step_error
 from actspec.units import format_quantity
 
 

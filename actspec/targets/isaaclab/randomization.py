@@ -21,11 +21,10 @@ from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.sampling import nominal_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
-from actspec.targets.isaaclab.gains import viscous_in_damping
-from actspec.targets.python_text import grouped
+from actspec.targets.isaaclab.fields import viscous_in_damping
+from actspec.targets.kit.python_text import grouped
 from actspec.targets.randomization.draws import Draw, as_abs, as_scale, as_uniform, draws_of, stated_range
-from actspec.targets.randomization.losses import Losses, each
-from actspec.targets.randomization.sizes import factor_error, factor_lost, viscous_change
+from actspec.targets.randomization.losses import Losses, each, factor_error, factor_lost, viscous_change
 from actspec.targets.randomization.terms import EventTerm, Namer, comments, patterns_of
 
 INDENT = "    "

@@ -22,11 +22,10 @@ from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.sampling import nominal_of
 from actspec.simulators.mjlab import MjlabDialect
-from actspec.targets.mjlab.actuator import cfg_of
-from actspec.targets.python_text import grouped
+from actspec.targets.kit.python_text import grouped
+from actspec.targets.mjlab.joint_cfg import cfg_of
 from actspec.targets.randomization.draws import Draw, as_abs, as_uniform, draws_of, stated_range
-from actspec.targets.randomization.losses import Losses, each
-from actspec.targets.randomization.sizes import capped_error, factor_error, factor_lost
+from actspec.targets.randomization.losses import Losses, capped_error, each, factor_error, factor_lost
 from actspec.targets.randomization.terms import EventTerm, Namer, comments, patterns_of
 
 INDENT = "  "

@@ -1,0 +1,403 @@
+"""One joint on its way into a cfg: what is asked for, what is written of it, what is lost."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
+from actspec.targets.base import Approximation
+from actspec.targets.kit.joint import network_clip
+from actspec.targets.kit.python_text import provenance, stated
+from actspec.targets.kit.sizes import (
+    command_range_error,
+    held_step_error,
+    static_error,
+    summed_viscous_error,
+    viscous_error,
+)
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.targets.kit.network import NetworkFile
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One keyword of a cfg.
+
+    Attributes:
+        name: Keyword.
+        value: Number, text or list; None keeps the USD's own number.
+        note: What stands behind it: unit and origin.
+        scalar: The cfg takes one value a group.
+        file: The value is a file beside the module.
+    """
+
+    name: str
+    value: float | str | list[int] | None
+    note: str = ""
+    scalar: bool = False
+    file: bool = False
+
+
+class Joint:
+    """A joint and a dialect, with the losses and remarks that gather as fields are chosen.
+
+    Raises: ValueError: the law lacks a number; it says which.
+    """
+
+    def __init__(
+        self,
+        actuator: JointActuator,
+        dialect: IsaacLabDialect,
+        step: float,
+        target: str,
+        network: tuple[NetworkFile, int] | None,
+    ) -> None:
+        self.actuator = actuator
+        self.dialect = dialect
+        self.step = step
+        self.target = target
+        self.network = network
+        self.unit = actuator.effort_limit.unit
+        self.speed_unit = actuator.velocity_limit.unit
+        self.limit = actuator.effort_limit.require()
+        self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
+        self.lost: list[Approximation] = []
+        self.remarks: list[str] = []
+        self.law = self._law()
+
+    def _law(self) -> TorqueLaw:
+        """The law; of a network or unknown gains its clamp, as a drive whose command is the torque."""
+        actuator = self.actuator
+        if actuator.level is Level.ACTUATOR_NET:
+            return law_of(replace(network_clip(actuator), delay=None, filter_cutoff=None))
+        return law_of(actuator if self.gains_known else replace(actuator, command=Command.EFFORT))
+
+    def approximate(self, field: str, asked: str, emitted: str, why: str, error: float | None) -> None:
+        """Record a loss; see `Approximation`."""
+        self.lost.append(
+            Approximation(self.target, self.actuator.joint, field, asked, emitted, why, error, self.unit)
+        )
+
+    def note(self, quantity: Quantity) -> str:
+        """Unit, origin and formula, as a comment has them."""
+        return "; ".join(filter(None, (quantity.unit, provenance(quantity), quantity.formula)))
+
+    def curve_text(self, law: TorqueLaw) -> str:
+        """A line or curve in words."""
+        if law.curve is not None:
+            drive, brake, knee, no_load = law.curve
+            return (
+                f"curve: drive {format_quantity(drive, self.unit)}, brake {format_quantity(brake, self.unit)}, "
+                f"knee {knee:g}, no load {no_load:g} {self.speed_unit}"
+            )
+        return (
+            f"line from {format_quantity(law.stall_torque, self.unit)} to "
+            f"{format_quantity(law.no_load_speed, self.speed_unit)}"
+        )
+
+    def ms(self, steps: int) -> str:
+        """A number of physics steps in words."""
+        plural = "" if steps == 1 else "s"
+        return f"{steps * self.step * 1e3:g} ms ({steps} step{plural} of {self.step * 1e3:g} ms)"
+
+    @property
+    def speed_limit(self) -> float | None:
+        """The joint's speed limit [rad/s or m/s]; None: unknown."""
+        return self.actuator.velocity_limit.value
+
+    @property
+    def opaque(self) -> bool:
+        """Whether the torque of a command is not known here; it is at most from one limit to the other."""
+        return self.network is not None or not self.gains_known
+
+    def lost_step(self) -> float:
+        """Size of a lost delay or filter [N*m or N]."""
+        return held_step_error(self.law) if self.network is None else 2.0 * self.limit
+
+
+def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
+    """Least and largest lag in physics steps, with what is lost; 0 and 0 without a delay."""
+    delay = joint.actuator.delay
+    if delay is None or delay.high == 0.0:
+        return 0, 0
+    ranged = delay.low != delay.high
+    if ranged and joint.dialect.lag_range:
+        low, high = delay_steps(delay.low, joint.step), delay_steps(delay.high, joint.step)
+        worst = max(abs(low.loss), abs(high.loss))
+        if worst > 1e-9:
+            joint.approximate(
+                "delay.range",
+                f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms",
+                f"{joint.ms(low.steps)} to {joint.ms(high.steps)}",
+                f"a delay is a whole number of physics steps; at most {worst * 1e3:g} ms off",
+                held_step_error(joint.law, filtered=filtered, late=worst),
+            )
+        if delay.sampling != "episode" and low.steps != high.steps:
+            joint.approximate(
+                "delay.sampling",
+                f"drawn each {delay.sampling}",
+                "drawn at each reset",
+                "Isaac Lab draws lags at a reset",
+                held_step_error(joint.law, filtered=filtered, late=delay.high - delay.low),
+            )
+        return low.steps, high.steps
+    nominal = delay.nominal.value if ranged else delay.high
+    if nominal is None:
+        joint.approximate(
+            "delay.range",
+            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
+            "none",
+            f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay, and the nominal is unknown",
+            held_step_error(joint.law, filtered=filtered, late=delay.high),
+        )
+        return 0, 0
+    steps, loss = delay_steps(nominal, joint.step)
+    if abs(loss) > 1e-9:
+        joint.approximate(
+            "delay",
+            f"{nominal * 1e3:g} ms",
+            joint.ms(steps),
+            f"a delay is a whole number of physics steps; {abs(loss) * 1e3:g} ms "
+            f"{'more' if loss > 0 else 'less'} than asked",
+            held_step_error(joint.law, filtered=filtered, late=abs(loss)),
+        )
+    if ranged:
+        reach = max(abs(steps * joint.step - end) for end in (delay.low, delay.high))
+        joint.approximate(
+            "delay.range",
+            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
+            joint.ms(steps),
+            f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay; at most "
+            f"{reach * 1e3:g} ms off",
+            held_step_error(joint.law, filtered=filtered, late=reach),
+        )
+    return steps, steps
+
+
+def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
+    """Least and largest lag of a class that delays."""
+    delay = joint.actuator.delay
+    assert delay is not None
+    first = f"physics steps of {joint.step * 1e3:g} ms"
+    if delay.nominal.known:
+        first += f"; {provenance(delay.nominal)}"
+    return [
+        Field("min_delay", steps[0], first, scalar=True),
+        Field("max_delay", steps[1], f"{steps[1] * joint.step * 1e3:g} ms", scalar=True),
+    ]
+
+
+def no_delay(joint: Joint, why: str) -> None:
+    """Report the delay as lost, if there is one."""
+    delay = joint.actuator.delay
+    if delay is None or delay.high == 0.0:
+        return
+    asked = "unknown" if delay.nominal.value is None else f"{delay.nominal.value * 1e3:g} ms"
+    if delay.low != delay.high:
+        asked += f" ({delay.low * 1e3:g} to {delay.high * 1e3:g} ms)"
+    joint.approximate("delay", asked, "none", why, joint.lost_step())
+
+
+def no_filter(joint: Joint) -> None:
+    """Report the command filter as lost, if there is one."""
+    cutoff = joint.actuator.filter_cutoff
+    if cutoff is None or not cutoff.known:
+        return
+    joint.approximate(
+        "command_filter",
+        f"{cutoff.require():g} Hz",
+        "none",
+        "no stock class filters the command",
+        joint.lost_step(),
+    )
+
+
+def no_bias(joint: Joint) -> None:
+    """Report the encoder bias as lost, if it does anything."""
+    bias = joint.actuator.encoder_bias
+    if not bias.value or (joint.network is None and joint.actuator.command is not Command.POSITION):
+        return
+    error = 2.0 * joint.limit
+    if not joint.opaque:
+        error = static_error(joint.law, replace(joint.law, encoder_bias=0.0).torque)
+    joint.approximate(
+        "encoder_bias",
+        format_quantity(bias.value, bias.unit),
+        "none",
+        "no stock class has an encoder bias",
+        error,
+    )
+
+
+def no_range(joint: Joint) -> None:
+    """Report the clamp of the command as lost, if there is one."""
+    ends = joint.actuator.command_range
+    if ends is None or not any(end.known for end in ends):
+        return
+    error = 2.0 * joint.limit
+    if not joint.opaque:
+        error = command_range_error(joint.law, joint.actuator.position_range)
+    low, high = (format_quantity(end.value, end.unit) for end in ends)
+    joint.approximate("command_range", f"{low} to {high}", "none", "no stock class clamps the command", error)
+
+
+def gain_fields(joint: Joint) -> list[Field]:
+    """Stiffness and damping; passive viscous friction is in the latter where it has no field of its own."""
+    actuator = joint.actuator
+    stiffness = _gain(joint, "stiffness", actuator.kp, "no position command")
+    damping = _gain(joint, "damping", actuator.kd, "no gain on the speed")
+    viscous = actuator.friction_viscous
+    if joint.dialect.viscous or not stated(viscous) or not viscous.require():
+        return [stiffness, damping]
+    value, asked = viscous.require(), format_quantity(viscous.value, viscous.unit)
+    why = _no_field(joint, "viscous")
+    if not viscous_in_damping(actuator, joint.dialect):
+        error = viscous_error(joint.law, value, joint.speed_limit)
+        joint.approximate("friction.viscous", asked, "none", why, error)
+        return [stiffness, damping]
+    assert isinstance(damping.value, float)
+    total = damping.value + value
+    joint.approximate(
+        "friction.viscous",
+        asked,
+        f"in damping, {total:g} in all, inside the torque limit",
+        why,
+        summed_viscous_error(joint.law, value, joint.speed_limit),
+    )
+    note = f"{viscous.unit}; kd {damping.value:g} + passive viscous {value:g}"
+    return [stiffness, replace(damping, value=total, note=note)]
+
+
+def viscous_in_damping(actuator: JointActuator, dialect: IsaacLabDialect) -> float:
+    """The passive viscous friction that is written as a part of `damping` [N*m*s/rad or N*s/m]."""
+    viscous = actuator.friction_viscous
+    if dialect.viscous or not stated(viscous) or actuator.level is Level.ACTUATOR_NET:
+        return 0.0
+    # With a speed command the sum would follow the command too.
+    if actuator.command is Command.VELOCITY or (actuator.kd is not None and not actuator.kd.known):
+        return 0.0
+    return viscous.require()
+
+
+def _gain(joint: Joint, name: str, quantity: Quantity | None, absent: str) -> Field:
+    if quantity is None:
+        return Field(name, 0.0, absent)
+    if quantity.value is None:
+        return Field(name, None, "unknown: the USD's own", scalar=True)
+    return Field(name, quantity.value, joint.note(quantity))
+
+
+def joint_fields(joint: Joint, *, summed: bool = True) -> list[Field]:
+    """Armature and friction of the joint, in the units of the solver.
+
+    Args:
+        summed: Whether `gain_fields` takes a viscous friction that has no field; a network's class has none.
+    """
+    actuator = joint.actuator
+    fields = []
+    if stated(actuator.armature):
+        fields.append(Field("armature", actuator.armature.require(), joint.note(actuator.armature)))
+    fields += _dry_friction(joint)
+    viscous = actuator.friction_viscous
+    if stated(viscous):
+        if joint.dialect.viscous:
+            fields.append(Field("viscous_friction", viscous.require(), joint.note(viscous)))
+        elif not summed and viscous.require():
+            joint.approximate(
+                "friction.viscous",
+                format_quantity(viscous.value, viscous.unit),
+                "none",
+                _no_field(joint, "viscous"),
+                viscous_error(joint.law, viscous.require(), joint.speed_limit),
+            )
+    return fields
+
+
+def _dry_friction(joint: Joint) -> list[Field]:
+    coulomb, static = joint.actuator.friction_coulomb, joint.actuator.friction_static
+    kinetic = coulomb.require() if stated(coulomb) else None
+    sticking = static.require() if static is not None and static.known else None
+    if kinetic is None and sticking is None:
+        return []
+    unit = joint.dialect.friction
+    stuck = static if sticking is not None else None
+    _no_stribeck(joint, sticking, kinetic)
+    if unit is FrictionUnit.EFFORT:
+        return _effort_friction(joint, coulomb, stuck, kinetic)
+    if unit is FrictionUnit.EFFORT_ONE:
+        named = stuck if kinetic is None and stuck is not None else coulomb
+        value = named.require()
+        if sticking is not None and sticking != value:
+            joint.approximate(
+                "friction.static",
+                format_quantity(sticking, joint.unit),
+                format_quantity(value, joint.unit),
+                "the Newton backend has one dry friction for sticking and sliding",
+                sticking - value,
+            )
+        return [Field("friction", value, joint.note(named))]
+    largest = max(kinetic or 0.0, sticking or 0.0)
+    if largest == 0.0 and unit is not FrictionUnit.DEAD:
+        # No friction is none in every unit.
+        both = ["friction"] + ["dynamic_friction"] * (unit is FrictionUnit.COEFFICIENT_VISCOUS)
+        return [Field(name, 0.0, "none, in every unit") for name in both]
+    if largest > 0.0:
+        asked = format_quantity(largest, joint.unit)
+        why = _no_field(joint, "dry")
+        for name, torque in (("coulomb", kinetic), ("static", sticking)):
+            if torque and not (name == "static" and torque == kinetic):
+                joint.approximate(
+                    f"friction.{name}", format_quantity(torque, joint.unit), "left out", why, torque
+                )
+        cure = (
+            f"raise `friction` until the joint starts to move at {asked}"
+            if unit is not FrictionUnit.DEAD
+            else "update Isaac Lab, or set it through the PhysX view after the start"
+        )
+        joint.remarks.append(f"friction is left out, {asked} asked for: {why}. To calibrate: {cure}.")
+    return []
+
+
+def _effort_friction(
+    joint: Joint, coulomb: Quantity, static: Quantity | None, kinetic: float | None
+) -> list[Field]:
+    """Static and dynamic friction as torques; PhysX needs dynamic <= static."""
+    first = static if static is not None else coulomb
+    fields = [Field("friction", first.require(), f"static, {joint.note(first)}")]
+    if kinetic is not None:
+        fields.append(Field("dynamic_friction", kinetic, f"sliding, {joint.note(coulomb)}"))
+    else:
+        joint.remarks.append("Nobody states the sliding friction: the USD's own.")
+    return fields
+
+
+def _no_stribeck(joint: Joint, sticking: float | None, kinetic: float | None) -> None:
+    """Report the Stribeck effect as lost, if there is one; no solver has it."""
+    stribeck = joint.actuator.stribeck_velocity
+    if sticking is None or stribeck is None or not stribeck.known or sticking <= (kinetic or 0.0):
+        return
+    joint.approximate(
+        "friction.stribeck_velocity",
+        format_quantity(stribeck.value, stribeck.unit),
+        "none",
+        "the solver goes from static to sliding friction at once"
+        if joint.dialect.friction is FrictionUnit.EFFORT
+        else "no solver has a Stribeck effect",
+        sticking - (kinetic or 0.0),
+    )
+
+
+def _no_field(joint: Joint, kind: str) -> str:
+    """Why a friction cannot be written."""
+    where = f"Isaac Lab {joint.dialect.text} on Isaac Sim {joint.dialect.sim_text}"
+    unit = joint.dialect.friction
+    if unit is FrictionUnit.DEAD:
+        return f"{where} never writes friction to the solver"
+    if kind == "viscous":
+        return f"{where} has no viscous friction of a joint"
+    return f"in {where} ({joint.dialect.backend_text}) it is a factor on the joint's load, not a torque"

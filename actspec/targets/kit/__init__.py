@@ -1,0 +1,1 @@
+"""What every target does alike: losses by joint and their sizes, provenance, Python text, networks."""

@@ -1,0 +1,406 @@
+"""What one joint's actuator becomes in mjlab: a class, its fields, and what it cannot hold.
+
+- ideal_pd: `BuiltinPositionActuatorCfg`, `BuiltinVelocityActuatorCfg` or `BuiltinMotorActuatorCfg`; exact.
+- dc_motor: `DcMotorActuatorCfg`, whose clip is the law's, for every command: a velocity command has no
+  stiffness, an effort command no gains at all. `BuiltinDcMotorActuatorCfg` is not used: the gains of its
+  MuJoCo are in volts, and mjlab's randomisation of them inverts kd.
+- actuator_net: `LearnedMlpActuatorCfg`.
+Delays are steps of the simulation; there is no filter, no bias and no clamp of the command.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+from actspec.diagnostics import Collector
+from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.laws import delay_steps
+from actspec.robot.view import JointView
+from actspec.simulators.mjlab import MjlabDialect
+from actspec.targets.base import Approximation
+from actspec.targets.kit.joint import LosingJoint
+from actspec.targets.kit.network import read_network, tap_stride
+from actspec.targets.kit.python_text import provenance, py, stated
+from actspec.targets.kit.sizes import lined, static_error, viscous_error
+from actspec.units import format_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Cfg:
+    """One joint's actuator in mjlab's words.
+
+    Attributes:
+        actuator: What it is of.
+        kind: Class.
+        fields: Without names of joints and delay.
+        delay: `delay_*` fields; empty without.
+        lost: What the class cannot hold.
+        network: Name and bytes of its network file; None without one.
+    """
+
+    actuator: JointActuator
+    kind: str
+    fields: tuple[Field, ...]
+    delay: tuple[Field, ...]
+    lost: tuple[Approximation, ...]
+    network: tuple[str, bytes] | None = None
+
+    @property
+    def explicit(self) -> bool:
+        """Whether its torque is computed before the step; mjlab's default integrator takes a builtin one implicitly."""
+        return not self.kind.startswith("Builtin")
+
+    @property
+    def key(self) -> tuple[object, ...]:
+        """What joints that share one cfg have in common."""
+        said = tuple((field.name, field.text) for field in (*self.fields, *self.delay))
+        return (self.actuator.group, self.kind, said, self.network)
+
+
+def cfg_of(
+    actuator: JointActuator,
+    joint: JointView | None,
+    dialect: MjlabDialect,
+    step: float,
+    target: str,
+    collector: Collector,
+) -> Cfg | None:
+    """Choose class and fields for one joint; None after an error.
+
+    Args:
+        actuator: What the spec asks for.
+        joint: The robot's joint; None where the spec names no model.
+        dialect: mjlab version that is written.
+        step: Simulation step [s].
+        target: Name of the target, for approximations.
+        collector: Takes errors.
+    """
+    try:
+        return _choose(Joint(actuator, joint, dialect, step, target, collector))
+    except ValueError as err:
+        # The law itself says which number it lacks, or that a delay is too long.
+        collector.error("MJL001", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        return None
+
+
+def _choose(joint: Joint) -> Cfg | None:
+    actuator, law = joint.actuator, joint.law
+    network: tuple[str, bytes] | None = None
+    if joint.learned:
+        found = network_fields(joint)
+        if found is None:
+            return None
+        kind = "LearnedMlpActuatorCfg"
+        more, network = found
+        fields = [*line_fields(joint), *more]
+    elif actuator.level is Level.DC_MOTOR:
+        kind, fields = "DcMotorActuatorCfg", [*gain_fields(joint, always=True), *line_fields(joint)]
+    elif actuator.command is Command.EFFORT:
+        kind, fields = "BuiltinMotorActuatorCfg", limit_fields(joint, law.effort_limit, required=True)
+    elif actuator.command is Command.VELOCITY and joint.dialect.velocity_unclamped:
+        kind = "BuiltinVelocityActuatorCfg"
+        fields = [*gain_fields(joint), *limit_fields(joint, law.effort_limit)]
+    elif law.kp > 0.0:
+        kind = "BuiltinPositionActuatorCfg"
+        fields = [*gain_fields(joint), *limit_fields(joint, law.effort_limit)]
+    else:
+        # mjlab divides by the stiffness of a position actuator, and its older velocity one clamps the speed.
+        kind = "IdealPdActuatorCfg"
+        fields = [*gain_fields(joint, always=True), *limit_fields(joint, law.effort_limit)]
+    fields += passive_fields(joint)
+    delay = delay_fields(joint)
+    no_command_path(joint)
+    if joint.collector.failed:
+        return None
+    return Cfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), network)
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One field of a cfg.
+
+    Attributes:
+        name: Its name.
+        text: Its value as Python.
+        note: Unit and origin; "" without.
+    """
+
+    name: str
+    text: str
+    note: str = ""
+
+
+def number(name: str, quantity: Quantity, what: str = "") -> Field:
+    """A known number as a field, with unit and origin behind it.
+
+    Args:
+        name: Of the field.
+        quantity: The number.
+        what: What it is, where the name does not say.
+    """
+    about = [quantity.unit, *([what] if what else []), provenance(quantity)]
+    return Field(name, py(quantity.require()), ", ".join(about))
+
+
+class Joint(LosingJoint):
+    """A joint with its losses, and a dialect.
+
+    Attributes:
+        view: The robot's joint; None where the spec names no model.
+        dialect: mjlab version that is written.
+
+    Raises: ValueError: the law lacks a number; it says which.
+    """
+
+    def __init__(
+        self,
+        actuator: JointActuator,
+        view: JointView | None,
+        dialect: MjlabDialect,
+        step: float,
+        target: str,
+        collector: Collector,
+    ) -> None:
+        super().__init__(actuator, step, target, collector)
+        self.view = view
+        self.dialect = dialect
+
+
+NO_LINE = 1e9
+"""Stall torque and no-load speed that leave only effort_limit [N*m, rad/s], where a class must have a line."""
+
+
+def gain_fields(joint: Joint, *, always: bool = False) -> list[Field]:
+    """Stiffness and damping, mjlab's names of kp and kd; `always`: 0 where the law has none."""
+    found = []
+    for name, quantity in (("stiffness", joint.actuator.kp), ("damping", joint.actuator.kd)):
+        if quantity is not None and quantity.known:
+            found.append(number(name, quantity))
+        elif always:
+            found.append(Field(name, "0.0"))
+    return found
+
+
+def limit_fields(joint: Joint, limit: float, *, required: bool = False) -> list[Field]:
+    """`effort_limit`; left out where nobody knows it and the class takes that."""
+    asked = joint.actuator.effort_limit
+    if math.isfinite(limit):
+        if asked.value == limit:
+            return [number("effort_limit", asked)]
+        return [Field("effort_limit", py(limit), f"{joint.unit}, the curve's")]
+    if required:
+        joint.collector.error(
+            "MJL002",
+            "effort_limit is unknown, and the class that mjlab has for it needs a number",
+            where=f"{joint.where}.effort_limit",
+            span=asked.span or joint.actuator.span,
+            help="state effort_limit, or peak_torque of the motor",
+        )
+    return []
+
+
+def line_fields(joint: Joint) -> list[Field]:
+    """Limit and torque-speed line."""
+    actuator, law = joint.actuator, joint.law
+    if law.curve is not None:
+        return _curve_fields(joint, law.curve)
+    limit = limit_fields(joint, law.effort_limit, required=True)
+    if law.stall_torque is None:
+        why = "no torque-speed line: effort_limit alone"
+        names = ("saturation_effort", "velocity_limit")
+        return [*limit, *(Field(name, py(NO_LINE), why) for name in names)]
+    assert actuator.stall_torque is not None and actuator.no_load_speed is not None
+    return [
+        *limit,
+        number("saturation_effort", actuator.stall_torque, "at standstill"),
+        number("velocity_limit", actuator.no_load_speed, "no-load speed"),
+    ]
+
+
+def _curve_fields(joint: Joint, curve: tuple[float, float, float, float]) -> list[Field]:
+    """The drive side of an asymmetric curve, as a line through knee and no-load speed."""
+    drive, brake, knee, no_load = curve
+    line = lined(joint.law)
+    assert line.stall_torque is not None
+    speed = joint.actuator.velocity_limit.unit
+    joint.approximate(
+        "torque_speed_curve",
+        f"curve: drive {joint.torque(drive)}, brake {joint.torque(brake)}, knee {knee:g}, no load {no_load:g}",
+        f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
+        "mjlab has one line for driving and braking",
+        static_error(joint.law, line.torque),
+    )
+    return [
+        *limit_fields(joint, line.effort_limit),
+        Field(
+            "saturation_effort",
+            py(line.stall_torque),
+            f"{joint.unit}, of the line through the curve's knee",
+        ),
+        Field("velocity_limit", py(no_load), f"{speed}, no-load speed"),
+    ]
+
+
+HELD = "10**9"
+"""Steps between two draws of a lag: longer than any episode, so that it is drawn once after each reset."""
+
+
+def delay_fields(joint: Joint) -> tuple[Field, ...]:
+    """`delay_*`, in steps of the simulation."""
+    delay = joint.actuator.delay
+    if delay is None:
+        return ()
+    (low, late), (high, later) = (delay_steps(end, joint.step) for end in (delay.low, delay.high))
+    origin = [provenance(delay.nominal)] if delay.nominal.known else []
+    losses: tuple[float, ...]
+    if delay.low == delay.high:
+        field, asked, losses = "delay", f"{delay.low * 1e3:g} ms", (late,)
+        note = [asked, *origin]
+    else:
+        field, asked, losses = "delay.range", f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms", (late, later)
+        note = [asked, f"drawn each {delay.sampling}", *origin]
+    got = f"{low}" if low == high else f"{low} to {high}"
+    if any(abs(loss) > 1e-9 for loss in losses):
+        said = " and ".join(f"{abs(x) * 1e3:g} ms {'more' if x > 0 else 'less'}" for x in losses if x)
+        joint.approximate(
+            field,
+            asked,
+            f"{got} step{'' if got == '1' else 's'} of {joint.step * 1e3:g} ms",
+            f"a delay is a whole number of steps; {said} than asked",
+            joint.late,
+        )
+    if high == 0:
+        return ()
+    fields = [
+        Field("delay_min_lag", py(low), f"steps of {joint.step * 1e3:g} ms: {', '.join(note)}"),
+        Field("delay_max_lag", py(high)),
+    ]
+    if low != high and delay.sampling == "episode":
+        fields += [
+            Field("delay_update_period", HELD, "drawn at a reset, then held"),
+            Field("delay_per_env_phase", "False"),
+        ]
+    return tuple(fields)
+
+
+def no_command_path(joint: Joint) -> None:
+    """Report filter, bias and clamp of the command as lost, where there are any."""
+    actuator, law = joint.actuator, joint.law
+    joint.no_filter("mjlab's actuators have no filter on the command")
+    if law.encoder_bias != 0.0 and actuator.command is Command.POSITION:
+        bias = format_quantity(law.encoder_bias, actuator.encoder_bias.unit)
+        joint.approximate(
+            "encoder_bias",
+            bias,
+            "none",
+            f"mjlab's actuators have no bias; an event {joint.dialect.bias_event} with the range "
+            f"({law.encoder_bias:g}, {law.encoder_bias:g}) sets it",
+            joint.both_limits if joint.learned else static_error(law, replace(law, encoder_bias=0.0).torque),
+        )
+    joint.no_range("mjlab's actuators do not clamp the command; its action term can (`clip`)")
+
+
+def passive_fields(joint: Joint) -> list[Field]:
+    """Armature and friction of the joint; what the spec does not state keeps the model's."""
+    actuator, view = joint.actuator, joint.view
+    fields = []
+    for name, quantity, own in (
+        ("armature", actuator.armature, None if view is None else view.armature),
+        ("frictionloss", actuator.friction_coulomb, None if view is None else view.frictionloss),
+    ):
+        if stated(quantity):
+            fields.append(number(name, quantity))
+        elif not joint.dialect.keeps_model and own:
+            fields.append(Field(name, py(own), f"{quantity.unit}, the model's own, else it would be 0"))
+    viscous = actuator.friction_viscous
+    if stated(viscous):
+        own_viscous = 0.0 if view is None else view.damping
+        if joint.dialect.viscous_damping:
+            fields.append(number("viscous_damping", viscous))
+        elif view is None or viscous.require() != own_viscous:
+            difference = viscous.require() - own_viscous
+            joint.approximate(
+                "friction.viscous",
+                format_quantity(viscous.value, viscous.unit),
+                "the model's own" if view is None else format_quantity(own_viscous, viscous.unit),
+                f"mjlab {joint.dialect.text} has no viscous_damping (1.3 and later have)",
+                None if view is None else viscous_error(joint.law, difference, actuator.velocity_limit.value),
+            )
+    joint.no_break_away(
+        "the model's own",
+        "frictionloss is one number for sticking and sliding",
+        "MuJoCo has no Stribeck effect",
+    )
+    if actuator.velocity_limit.known:
+        limit = actuator.velocity_limit
+        joint.approximate(
+            "velocity_limit",
+            format_quantity(limit.value, limit.unit),
+            "none",
+            "mjlab has no speed limit of a joint; its velocity_limit is the no-load speed",
+            None,
+        )
+    return fields
+
+
+def network_fields(joint: Joint) -> tuple[list[Field], tuple[str, bytes]] | None:
+    """Fields of the network and its file; None after an error."""
+    actuator = joint.actuator
+    where = f"{joint.where}.network"
+    found = read_network(actuator.network, joint.where, actuator.span, joint.collector)
+    if found is None or actuator.network is None:
+        return None
+    manifest, span = found.manifest, actuator.network.span
+    if actuator.command is not Command.POSITION:
+        joint.collector.error(
+            "MJL003",
+            f"mjlab's network takes position errors, got command {actuator.command.value}",
+            where=f"{joint.where}.command",
+            span=span,
+            help="write command: position, or leave this target out",
+        )
+    if manifest.kind != "mlp":
+        joint.collector.error(
+            "MJL004",
+            f"mjlab has no actuator class for a network of kind {manifest.kind}",
+            where=where,
+            span=span,
+            help="its LearnedMlpActuatorCfg takes an mlp; Isaac Lab has a class for an lstm",
+        )
+    taps = manifest.taps
+    if taps != tuple(range(len(taps))):
+        joint.collector.error(
+            "MJL005",
+            f"mjlab gives a network the samples 0 to n - 1 in this order, got taps {list(taps)}",
+            where=where,
+            span=span,
+            help=f"train on taps {list(range(len(taps)))}",
+        )
+    stride = tap_stride(manifest, joint.step, where, span, joint.collector)
+    if stride is not None and stride != 1 and len(taps) > 1:
+        joint.collector.error(
+            "MJL006",
+            f"mjlab samples a network's history at every physics step, {joint.step * 1e3:g} ms, and its taps are "
+            f"{stride * joint.step * 1e3:g} ms apart",
+            where=where,
+            span=span,
+            help=f"train at {joint.step * 1e3:g} ms, or set timing.physics_dt to {stride * joint.step * 1e3:g} ms",
+        )
+    if manifest.initial_history != "first_sample" and len(taps) > 1:
+        joint.approximate(
+            "network.initial_history",
+            manifest.initial_history,
+            "first_sample",
+            "mjlab fills a network's history with its first sample after a reset",
+            2.0 * joint.law.effort_limit if math.isfinite(joint.law.effort_limit) else None,
+        )
+    order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
+    return [
+        Field("network_file", f"str(FOLDER / {py(found.name)})"),
+        Field("pos_scale", py(manifest.position_scale), "of target - measured"),
+        Field("vel_scale", py(manifest.velocity_scale)),
+        Field("torque_scale", py(manifest.torque_scale)),
+        Field("input_order", py(order)),
+        Field("history_length", py(len(taps)), f"every {joint.step * 1e3:g} ms"),
+    ], (found.name, found.data)

@@ -1,0 +1,315 @@
+"""What one joint becomes in Newton: the attributes of its prim, a NewtonActuator, and what they cannot hold.
+
+- position: `NewtonPDControlAPI`, the command is `control.joint_target_q`;
+- velocity: the same without kp, the command is `control.joint_target_qd`;
+- effort: the same without gains, the command is `control.joint_act`;
+- actuator_net: `NewtonNeuralControlAPI`.
+The clamp is `NewtonDCMotorClampingAPI`, whose formula is the law's, or `NewtonMaxEffortClampingAPI`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from actspec.diagnostics import Collector
+from actspec.ir import JointActuator, JointKind, Quantity
+from actspec.laws import delay_steps
+from actspec.simulators.newton import NewtonDialect
+from actspec.targets.base import Approximation
+from actspec.targets.kit.joint import LosingJoint
+from actspec.targets.kit.python_text import provenance, py, stated
+from actspec.targets.kit.sizes import lined, static_error, viscous_error
+from actspec.targets.newton.network import network_attributes
+from actspec.targets.newton.usda import Attribute
+from actspec.units import format_quantity
+
+Schemas = tuple[tuple[str, ...], tuple[Attribute, ...]]
+"""API schemas of a prim, and its attributes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Driven:
+    """One joint in Newton's words.
+
+    Attributes:
+        actuator: What it is of.
+        joint: What its own prim gets.
+        drive: What the NewtonActuator has, other than its target.
+        lost: What they cannot hold.
+        network: Name and bytes of its network file; None without one.
+    """
+
+    actuator: JointActuator
+    joint: Schemas
+    drive: Schemas
+    lost: tuple[Approximation, ...]
+    network: tuple[str, bytes] | None
+
+
+def driven(
+    actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
+) -> Driven | None:
+    """Choose schemas and attributes for one joint; None after an error.
+
+    Args:
+        actuator: What the spec asks for.
+        dialect: Newton version that is written.
+        step: Physics step [s].
+        target: Name of the target, for approximations.
+        collector: Takes errors.
+    """
+    try:
+        return _choose(Joint(actuator, dialect, step, target, collector))
+    except ValueError as err:
+        # The law itself says which number it lacks, or that a delay is too long.
+        collector.error("NWT001", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        return None
+
+
+def _choose(joint: Joint) -> Driven | None:
+    network = None
+    if joint.learned:
+        found = network_attributes(joint)
+        if found is None:
+            return None
+        control, (attributes, network) = "NewtonNeuralControlAPI", found
+    else:
+        control, attributes = "NewtonPDControlAPI", gain_attributes(joint)
+    clamping, limits = clamps(joint)
+    delay = delay_attributes(joint)
+    apis = (control, *clamping, *(["NewtonActuatorDelayAPI"] if delay else []))
+    own, about = joint_prim(joint)
+    no_command_path(joint)
+    return Driven(
+        joint.actuator,
+        (own, tuple(about)),
+        (apis, (*attributes, *limits, *delay)),
+        tuple(joint.lost),
+        network,
+    )
+
+
+def number(name: str, quantity: Quantity, what: str = "") -> Attribute:
+    """A known number as an attribute, with unit and origin behind it.
+
+    Args:
+        name: Of the attribute.
+        quantity: The number.
+        what: What it is, where the name does not say.
+    """
+    return given(name, quantity.require(), quantity.unit, what, provenance(quantity))
+
+
+def given(name: str, value: float, *notes: str) -> Attribute:
+    """A number as an attribute, infinity included."""
+    text = py(value) if math.isfinite(value) else ("inf" if value > 0 else "-inf")
+    return Attribute("float", name, text, ", ".join(note for note in notes if note))
+
+
+class Joint(LosingJoint):
+    """A joint with its losses, and a dialect.
+
+    Attributes:
+        dialect: Newton version that is written.
+
+    Raises: ValueError: the law lacks a number; it says which.
+    """
+
+    def __init__(
+        self, actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
+    ) -> None:
+        super().__init__(actuator, step, target, collector)
+        self.dialect = dialect
+
+    @property
+    def hinge(self) -> bool:
+        """Whether the joint turns: USD's own attributes of it are in degrees."""
+        return self.actuator.kind is JointKind.HINGE
+
+
+def gain_attributes(joint: Joint) -> list[Attribute]:
+    """`newton:kp`, `newton:kd` and the encoder bias, which is a constant torque of -kp * bias before the clamp."""
+    actuator = joint.actuator
+    found = []
+    for name, quantity in (("newton:kp", actuator.kp), ("newton:kd", actuator.kd)):
+        if quantity is not None and quantity.known:
+            found.append(number(name, quantity))
+        else:
+            found.append(Attribute("float", name, "0.0"))
+    bias = joint.law.encoder_bias
+    if bias and joint.law.kp:
+        note = f"-kp times the encoder's bias of {bias:g} {actuator.encoder_bias.unit}"
+        found.append(given("newton:constEffort", -joint.law.kp * bias, joint.unit, note))
+    return found
+
+
+def clamps(joint: Joint) -> tuple[tuple[str, ...], list[Attribute]]:
+    """API schemas and attributes of the clamp: a torque-speed line, or the effort limit alone."""
+    law = joint.law
+    if law.stall_torque is not None or law.curve is not None:
+        return ("NewtonDCMotorClampingAPI",), _line(joint)
+    if not math.isfinite(law.effort_limit):
+        return (), []
+    return ("NewtonMaxEffortClampingAPI",), [number("newton:maxEffort", joint.actuator.effort_limit)]
+
+
+def _line(joint: Joint) -> list[Attribute]:
+    actuator, law = joint.actuator, joint.law
+    speed = actuator.velocity_limit.unit
+    if law.curve is None:
+        assert actuator.stall_torque is not None and actuator.no_load_speed is not None
+        found = [
+            number("newton:saturationEffort", actuator.stall_torque, "at standstill"),
+            number("newton:velocityLimit", actuator.no_load_speed, "no-load speed"),
+        ]
+    else:
+        line = _drive_side(joint)
+        found = [
+            given("newton:saturationEffort", line[0], joint.unit, "of the line through the curve's knee"),
+            given("newton:velocityLimit", line[1], speed, "no-load speed"),
+        ]
+    limit = lined(law).effort_limit
+    if actuator.effort_limit.value == limit:
+        return [*found, number("newton:maxMotorEffort", actuator.effort_limit)]
+    why = "the curve's" if math.isfinite(limit) else "no effort_limit is known"
+    return [*found, given("newton:maxMotorEffort", limit, joint.unit, why)]
+
+
+def _drive_side(joint: Joint) -> tuple[float, float]:
+    """The drive side of an asymmetric curve, as a line through knee and no-load speed."""
+    assert joint.law.curve is not None
+    drive, brake, knee, no_load = joint.law.curve
+    line = lined(joint.law)
+    assert line.stall_torque is not None
+    joint.approximate(
+        "torque_speed_curve",
+        f"curve: drive {joint.torque(drive)}, brake {joint.torque(brake)}, knee {knee:g}, no load {no_load:g}",
+        f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
+        "Newton has one line for driving and braking",
+        static_error(joint.law, line.torque),
+    )
+    return line.stall_torque, no_load
+
+
+def delay_attributes(joint: Joint) -> list[Attribute]:
+    """`newton:delaySteps`, in physics steps; empty without a delay."""
+    delay = joint.actuator.delay
+    if delay is None or delay.high == 0.0:
+        return []
+    asked_range = f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}"
+    ranged = delay.low != delay.high
+    nominal = delay.nominal.value if ranged else delay.high
+    if nominal is None:
+        why = "a NewtonActuator has one fixed delay, and the nominal is unknown"
+        joint.approximate("delay.range", asked_range, "none", why, joint.late)
+        return []
+    steps, loss = delay_steps(nominal, joint.step)
+    emitted = f"{steps} step{'' if steps == 1 else 's'} of {joint.step * 1e3:g} ms"
+    if abs(loss) > 1e-9:
+        joint.approximate(
+            "delay",
+            f"{nominal * 1e3:g} ms",
+            emitted,
+            f"a delay is a whole number of steps; {abs(loss) * 1e3:g} ms {'more' if loss > 0 else 'less'} than asked",
+            joint.late,
+        )
+    if ranged:
+        reach = max(abs(steps * joint.step - end) for end in (delay.low, delay.high))
+        why = f"a NewtonActuator has one fixed delay; at most {reach * 1e3:g} ms off"
+        joint.approximate("delay.range", asked_range, emitted, why, joint.late)
+    if steps == 0:
+        return []
+    notes = [f"steps of {joint.step * 1e3:g} ms: {nominal * 1e3:g} ms"]
+    notes += [provenance(delay.nominal)] if delay.nominal.known else []
+    return [Attribute("int", "newton:delaySteps", str(steps), ", ".join(notes))]
+
+
+def no_command_path(joint: Joint) -> None:
+    """Report filter and clamp of the command, and a network's bias, as lost where there are any."""
+    joint.no_filter("a NewtonActuator has no filter on its command")
+    bias = joint.law.encoder_bias
+    if joint.learned and bias != 0.0:
+        joint.approximate(
+            "encoder_bias",
+            format_quantity(bias, joint.actuator.encoder_bias.unit),
+            "none",
+            "a network's position error has no bias",
+            joint.both_limits,
+        )
+    joint.no_range("a NewtonActuator does not clamp its command")
+
+
+DEGREE = math.pi / 180.0
+"""One degree [rad]."""
+
+
+def joint_prim(joint: Joint) -> tuple[tuple[str, ...], list[Attribute]]:
+    """API schemas and attributes of the joint's prim; what the spec does not state keeps the stage's."""
+    return ("NewtonJointAPI", f"PhysicsDriveAPI:{_axis(joint)}"), [*_no_drive(joint), *_passive(joint)]
+
+
+def _axis(joint: Joint) -> str:
+    return "angular" if joint.hinge else "linear"
+
+
+def _no_drive(joint: Joint) -> list[Attribute]:
+    """The stage's own drive, which would act beside the actuator, without gains; its force limit does not cut it."""
+    head = f"drive:{_axis(joint)}:physics:"
+    found = [
+        Attribute("float", f"{head}stiffness", "0.0", "the NewtonActuator is the drive"),
+        Attribute("float", f"{head}damping", "0.0"),
+    ]
+    if joint.actuator.effort_limit.known:
+        found.append(number(f"{head}maxForce", joint.actuator.effort_limit))
+    return found
+
+
+def _passive(joint: Joint) -> list[Attribute]:
+    actuator = joint.actuator
+    found = []
+    for name, quantity in (
+        ("newton:armature", actuator.armature),
+        ("newton:friction", actuator.friction_coulomb),
+    ):
+        if stated(quantity):
+            found.append(number(name, quantity))
+    viscous = actuator.friction_viscous
+    if stated(viscous):
+        if joint.dialect.joint_damping:
+            found.append(_in_degrees(joint, "newton:damping", viscous, DEGREE))
+        else:
+            joint.approximate(
+                "friction.viscous",
+                format_quantity(viscous.value, viscous.unit),
+                "none",
+                f"Newton {joint.dialect.text} reads no joint damping from USD (1.4 and later do)",
+                viscous_error(joint.law, viscous.require(), actuator.velocity_limit.value),
+            )
+    limit = actuator.velocity_limit
+    if limit.known:
+        asked = format_quantity(limit.value, limit.unit)
+        if joint.dialect.joint_damping:
+            found.append(_in_degrees(joint, "newton:velocityLimit", limit, 1.0 / DEGREE))
+            why = "Newton's MuJoCo solver, which Isaac Lab has, takes no speed limit of a joint"
+            joint.approximate(
+                "velocity_limit", asked, "newton:velocityLimit, which not all solvers take", why, None
+            )
+        else:
+            why = f"Newton {joint.dialect.text} reads no speed limit of a joint from USD (1.4 and later do)"
+            joint.approximate("velocity_limit", asked, "none", why, None)
+    joint.no_break_away(
+        "the stage's own",
+        "newton:friction is one number for sticking and sliding",
+        "Newton has no Stribeck effect",
+    )
+    return found
+
+
+def _in_degrees(joint: Joint, name: str, quantity: Quantity, factor: float) -> Attribute:
+    """A number that USD has per degree or in degrees, of a hinge."""
+    if not joint.hinge:
+        return number(name, quantity)
+    unit = quantity.unit.replace("rad", "deg")
+    said = format_quantity(quantity.value, quantity.unit)
+    return given(name, quantity.require() * factor, f"{unit}: {said}", provenance(quantity))
