@@ -41,7 +41,7 @@ def load_robot(spec: Spec) -> RobotView:
 
     model = spec.model.robot.model
     if model == "none":
-        from actspec.robot.listed import listed_robot
+        from actspec.robot.load import listed_robot
 
         return listed_robot(spec)
     try:

@@ -9,7 +9,7 @@ import pytest
 from actspec.diagnostics import ResolveError, SpecError
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.resolution import resolve
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.models import SpecModel
 from actspec.spec.results import validate_results

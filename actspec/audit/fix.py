@@ -219,8 +219,8 @@ def _model_fault(
     fields: set[str],
 ) -> str | None:
     """What the compiled model says against an edit of its text."""
+    from actspec.robot.compiled import DERIVED, differences
     from actspec.robot.mjspec import compile_spec, open_spec
-    from actspec.robot.model_fields import DERIVED, differences
 
     try:
         old = compile_spec(open_spec(before, format=form))

@@ -21,8 +21,7 @@ def resolved(path: str) -> ActuatorSet:
     """
     from actspec.diagnostics import RobotError
     from actspec.resolution import resolve
-    from actspec.robot.listed import listed_robot
-    from actspec.robot.load import find_model, load_robot
+    from actspec.robot.load import find_model, listed_robot, load_robot
     from actspec.spec.load import load_spec
 
     spec = load_spec(path)

@@ -72,10 +72,6 @@ def preload_readers() -> None:
     with suppress(Exception):
         import mujoco  # noqa: F401
 
-        import actspec.robot.mjspec
-        import actspec.robot.read_mjcf
-        import actspec.robot.shapes  # noqa: F401
-
 
 def _view(document: XmlDocument, kind: FileKind, matrices: bool, refusal: str | None) -> RobotView:
     """The view; of a file that MuJoCo refuses, from its text alone."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from actspec.robot.mesh import MeshDependence
+    from actspec.robot.assets import MeshDependence
 
 POSES = 256
 """Sampled poses beside the reference pose. Source: the design, §4."""

@@ -1,4 +1,4 @@
-"""Find a robot's model file and read it, MJCF or URDF."""
+"""Find a robot's model file and read it, MJCF or URDF; or take the joints that a spec lists."""
 
 from __future__ import annotations
 
@@ -8,11 +8,15 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed, nearest
-from actspec.robot.view import RobotView
+from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, Span, listed, nearest
+from actspec.joints import JointKind
+from actspec.robot.view import JointView, ModelFormat, RobotView
 
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
+
+    from actspec.spec.validate import Spec
+
 
 _SCHEME = "package://"
 _DISTRIBUTION = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._-]*[A-Za-z0-9])?")
@@ -159,3 +163,70 @@ def _near(name: str, names: Iterable[str]) -> str | None:
 
 def _error(code: str, message: str, help: str | None = None) -> RobotError:
     return RobotError([Diagnostic(code, Severity.ERROR, message, "robot.model", None, help)])
+
+
+def listed_robot(spec: Spec) -> RobotView:
+    """The view of a robot with `model: none`: names, kinds and ranges, nothing else.
+
+    Raises:
+        ResolveError: a range has the unit of the other kind of joint.
+    """
+    joints = []
+    faults = []
+    for index, entry in enumerate(spec.model.robot.joints):
+        span = spec.span("robot", "joints", index)
+        name = entry if isinstance(entry, str) else entry.name
+        kind = JointKind.HINGE if isinstance(entry, str) else JointKind(entry.kind)
+        limits = None
+        if not isinstance(entry, str) and entry.range is not None:
+            low, high = entry.range
+            limits = (float(low.value), float(high.value))
+            if any(
+                end.linear is not None and end.linear is not (kind is JointKind.SLIDE) for end in (low, high)
+            ):
+                faults.append(
+                    Diagnostic(
+                        "RES001",
+                        Severity.ERROR,
+                        f"'{name}' is a {kind.value} joint, but its range is [{low.written}, {high.written}]",
+                        f"robot.joints[{index}].range",
+                        span,
+                        "a hinge is in rad, a slide in m",
+                    )
+                )
+        joints.append(
+            JointView(
+                name=name,
+                kind=kind,
+                span=span,
+                body="",
+                dof=-1,
+                range=limits,
+                damping=0.0,
+                damping_polynomial=(0.0, 0.0),
+                stiffness=0.0,
+                armature=0.0,
+                frictionloss=0.0,
+                effort_range=None,
+                velocity_limit=None,
+                stated=frozenset(),
+                springdamper=False,
+                mimic=None,
+                reference_position=0.0,
+            )
+        )
+    if faults:
+        raise ResolveError(faults)
+    return RobotView(
+        name=spec.model.robot.name,
+        path=spec.document.path,
+        format=ModelFormat.NONE,
+        joints=tuple(joints),
+        actuators=(),
+        timestep=None,
+        integrator="",
+        keyframes=(),
+        inertia=None,
+        inertia_reason="the spec names no model",
+        files=(),
+    )

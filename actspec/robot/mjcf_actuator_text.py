@@ -12,7 +12,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.robot.classify import Control
+from actspec.robot.compiled import Control
 from actspec.robot.xml_tree import Element
 
 _NUMBER = re.compile(

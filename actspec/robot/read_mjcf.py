@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed
 from actspec.joints import JointKind
-from actspec.robot.classify import control, transmission
+from actspec.robot.assets import MeshDependence, give_placeholder_masses, unknown_inertia
+from actspec.robot.compiled import (
+    ModelLists,
+    control,
+    moved_joints,
+    named_parents,
+    reached_joints,
+    transmission,
+)
 from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
-from actspec.robot.mesh import MeshDependence, give_placeholder_masses, unknown_inertia
 from actspec.robot.mjcf_elements import Written, read_elements
-from actspec.robot.model_lists import ModelLists, named_parents
-from actspec.robot.reach import moved_joints, reached_joints
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
 if TYPE_CHECKING:
@@ -167,7 +172,7 @@ def _compiled(files: Sequence[ModelFile]) -> _Compiled:
 
 def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
     """Without what no joint depends on; what does not compile so is compiled whole, which tells why."""
-    from actspec.robot.shapes import without_shapes
+    from actspec.robot.assets import without_shapes
 
     files = without_shapes(document)
     if files is not document.files:

@@ -15,9 +15,9 @@ from typing import Any, TypeVar
 
 from actspec.diagnostics import Collector, Span
 from actspec.joints import JointKind
+from actspec.robot.compiled import reached_by_text
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import Written, read_elements
-from actspec.robot.reach import reached_by_text
 from actspec.robot.read_mjcf import stated_attributes, stated_fields
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument

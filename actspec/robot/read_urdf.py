@@ -23,7 +23,7 @@ from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 if TYPE_CHECKING:
     import mujoco
 
-    from actspec.robot.mesh import MeshDependence
+    from actspec.robot.assets import MeshDependence
     from actspec.robot.xml import Element, XmlDocument
 
 _KINDS = {
@@ -314,7 +314,7 @@ def _compiled(files: Sequence[ModelFile]) -> tuple[mujoco.MjModel, MeshDependenc
 
 def _compiled_without_shapes(document: XmlDocument) -> tuple[mujoco.MjModel, MeshDependence | None]:
     """As in `read_mjcf`."""
-    from actspec.robot.shapes import without_shapes
+    from actspec.robot.assets import without_shapes
 
     files = without_shapes(document)
     if files is not document.files:

@@ -12,7 +12,7 @@ import numpy as np
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
 from actspec.resolution import resolve
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.mujoco.emit import emit

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from actspec.ir import ActuatorSet
 from actspec.resolution import resolve
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate

@@ -11,9 +11,9 @@ import pytest
 
 from actspec.diagnostics import RobotError
 from actspec.readings.joint import joint_inertias
+from actspec.robot.assets import without_shapes
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.read_urdf import read_urdf
-from actspec.robot.shapes import without_shapes
 from actspec.robot.view import ModelFile, RobotView
 from actspec.robot.xml import XmlDocument, open_document, parse_document
 

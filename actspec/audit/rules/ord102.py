@@ -15,7 +15,7 @@ from actspec.audit.rules.joint_order import (
 )
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import Artifact, FileKind
-from actspec.robot.joint_order import isaac_order
+from actspec.robot.view import isaac_order
 
 _SHARED = 0.8
 """Share of an order's names that a model must have to be compared. Chosen: as for pairing files."""

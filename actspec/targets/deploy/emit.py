@@ -14,8 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 import actspec
 from actspec.diagnostics import Collector, EmitError, listed, nearest, shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
-from actspec.robot.joint_order import isaac_order
-from actspec.robot.view import ModelFormat, RobotView
+from actspec.robot.view import ModelFormat, RobotView, isaac_order
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.deploy.text import comment, entry, scalar
 from actspec.targets.kit.provenance import source_lines

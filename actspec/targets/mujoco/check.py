@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Diagnostic, Severity
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.resolution.model_values import actuators_of, effort_bound
-from actspec.robot.model_fields import DERIVED, differences, model_fields, unequal
+from actspec.robot.compiled import DERIVED, differences, model_fields, unequal
 from actspec.robot.view import RobotView
 from actspec.targets.mujoco.plan import Plan
 from actspec.units import format_quantity

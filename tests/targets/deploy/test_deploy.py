@@ -11,10 +11,9 @@ import yaml
 from actspec.api import load, load_robot
 from actspec.diagnostics import EmitError
 from actspec.resolution import resolve
-from actspec.robot.joint_order import isaac_order
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.robot.read_urdf import read_urdf
-from actspec.robot.view import ModelFile
+from actspec.robot.view import ModelFile, isaac_order
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions

@@ -17,7 +17,7 @@ from actspec.ir import ActuatorSet
 from actspec.laws import law_of
 from actspec.learn.mujoco import reset
 from actspec.resolution import resolve
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.robot.view import ModelFile
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate

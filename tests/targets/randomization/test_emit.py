@@ -13,7 +13,7 @@ import pytest
 
 from actspec.diagnostics import EmitError, Severity
 from actspec.resolution import resolve
-from actspec.robot.listed import listed_robot
+from actspec.robot.load import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
