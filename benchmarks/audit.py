@@ -125,7 +125,7 @@ def cases(folder: Path) -> list[Case]:
     g1 = [path for path in paths if path.endswith("_g1_29dof.xml")]
     return [
         Case(f"one model ({Path((g1 or paths)[0]).name[4:]})", (g1 or paths)[:1], 1.5),
-        Case(f"{len(paths)} models", paths, 1.2),
+        Case(f"{len(paths)} models", paths, 1.5),
     ]
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
 
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
@@ -11,16 +10,12 @@ from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.pair import Robot
 from actspec.readings.versions import Versions, meant_for
 
-if TYPE_CHECKING:
-    from actspec.audit.rows.ahead import RowsAhead
-
 
 def case_of(
     readings: Sequence[FileReading],
     versions: Versions,
     options: Mapping[str, Mapping[str, float]],
     spec: str | None = None,
-    ahead: RowsAhead | None = None,
 ) -> Case:
     """Put together what the rules judge.
 
@@ -30,14 +25,13 @@ def case_of(
         options: Rule code to its options.
         spec: The spec that the other files are held to. Where its own model is not at hand, it is fitted to the
             first robot among the files that it fits.
-        ahead: Rows that are there already.
     """
     from actspec.readings.pair import pair
 
     readings = tuple(_fitted(reading, readings) if reading.path == spec else reading for reading in readings)
     artifacts = tuple(artifact for reading in readings for artifact in reading.artifacts)
     robots = pair(artifacts, spec)
-    rows = _rows(artifacts, robots, versions, ahead)
+    rows = _rows(artifacts, robots, versions)
     return Case(tuple(readings), artifacts, rows, robots, versions, options)
 
 
@@ -63,17 +57,15 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
 
 
 def _rows(
-    artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions, ahead: RowsAhead | None
+    artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
 ) -> tuple[LedgerRow, ...]:
-    from actspec.audit.rows.ahead import RowsAhead
     from actspec.audit.rows.config import rows_of_config
-    from actspec.audit.rows.robot import rows_of_spec
+    from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
 
-    made = RowsAhead() if ahead is None else ahead
     rows: list[LedgerRow] = []
     for index, artifact in enumerate(artifacts):
         if artifact.robot is not None:
-            rows += made.rows(artifact, index)
+            rows += rows_of_robot(artifact, index)
         elif artifact.spec is not None:
             rows += rows_of_spec(artifact, index)
         else:

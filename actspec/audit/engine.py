@@ -13,26 +13,19 @@ from functools import cache
 from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Skipped, TextEdit
+from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
 from actspec.audit.read import PendingFiles
-from actspec.audit.rows.ahead import RowsAhead
 from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected, strength
 from actspec.audit.settings import Settings
-from actspec.audit.spread import spread
 from actspec.audit.unused import Looked, certainly_unused
-from actspec.audit.workers import cores
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.fragments import without_fragments
-
-ROWS_TO_SPREAD = 1000
-"""Rows of the ledger from which the rules run on all cores. Chosen: some 40 robots, which one core judges in 0.1 s;
-a fork and the way back take 0.02 s."""
 
 
 def audit(
@@ -55,9 +48,8 @@ def audit(
     if not isinstance(files, PendingFiles):
         with PendingFiles(files) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
-    ahead = RowsAhead()
-    readings = without_fragments(files.finish(progress, ahead.take))
-    case = case_of(readings, settings.versions, settings.options, spec, ahead)
+    readings = without_fragments(files.finish(progress))
+    case = case_of(readings, settings.versions, settings.options, spec)
     return judge(case, settings, spec=spec, whole=files.in_folders)
 
 
@@ -110,30 +102,16 @@ def _run(
     rules: Iterable[type[Rule]], case: Case
 ) -> tuple[list[Finding], tuple[Skipped, ...], list[Diagnostic]]:
     """Findings of all rules, those that had no input, and faults of rules."""
-    rules = tuple(rules)
-    # Rules of a family look at the same things, which are made once for a process; the last families take longest.
-    families: dict[str, list[int]] = {}
-    for number in sorted(range(len(rules)), key=lambda number: rules[number].code, reverse=True):
-        families.setdefault(rules[number].code[:3], []).append(number)
-    work = tuple(families.values())
-    jobs = cores() if len(case.rows) >= ROWS_TO_SPREAD else 1
     found: list[Finding] = []
-    skipped: list[Skipped] = []
+    skipped: dict[Skipped, None] = {}
     problems: list[Diagnostic] = []
-    checked = spread(
-        lambda one: [(number, _check(rules[number], case)) for number in work[one]],
-        len(work),
-        jobs,
-        (Finding, Fix, Skipped, TextEdit),
-    )
-    by_number = dict(each for family in checked for each in family)
-    for number in range(len(rules)):
-        items, fault = by_number[number]
+    for rule in rules:
+        items, fault = _check(rule, case)
         for item in items:
             if isinstance(item, Finding):
                 found.append(item)
-            elif item not in skipped:
-                skipped.append(item)
+            else:
+                skipped[item] = None
         if fault is not None:
             problems.append(fault)
     return found, tuple(skipped), problems

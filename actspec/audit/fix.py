@@ -12,11 +12,11 @@ import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from actspec.audit.apart import Apart, LostError
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import ActspecError, AuditError, Collector, Diagnostic, Severity, Span, listed
 from actspec.files import replace_file
+from actspec.processes import IsolatedCall, LostError
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
 
@@ -79,7 +79,7 @@ def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsa
             edits |= own
             taken.append((item, fix))
     refused: list[Diagnostic] = []
-    with Apart(_model_fault) as check:
+    with IsolatedCall(_model_fault) as check:
         reason = _fault([fix for _, fix in taken], data, files, check)
         if reason is not None:
             # One of them is at fault: each is tried beside those that passed.
@@ -173,7 +173,7 @@ def _fault(
     fixes: Sequence[Fix],
     data: Mapping[str, ModelFile],
     files: Sequence[FileReading],
-    check: Apart[str | None],
+    check: IsolatedCall[str | None],
 ) -> str | None:
     """Why these fixes together must not be made; None when they may."""
     new = _edited(fixes, data)
@@ -189,7 +189,7 @@ def _fault(
 
 
 def _reading_fault(
-    reading: FileReading, after: tuple[ModelFile, ...], fields: set[str], check: Apart[str | None]
+    reading: FileReading, after: tuple[ModelFile, ...], fields: set[str], check: IsolatedCall[str | None]
 ) -> str | None:
     if reading.kind in (FileKind.MJCF, FileKind.URDF):
         form = ModelFormat.MJCF if reading.kind is FileKind.MJCF else ModelFormat.URDF

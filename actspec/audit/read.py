@@ -8,10 +8,9 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.prepared import PreparedWorkers
-from actspec.audit.workers import FAULT, Task, Workers, cores, process_context
 from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile
 from actspec.spec.read import is_spec
@@ -24,9 +23,8 @@ YAML = (".yaml", ".yml")
 MOST_YAML_BYTES = 8 * 1024 * 1024
 """Chosen: the largest deploy file seen has 30 kB."""
 
-FILES_TO_PREPARE = 8
-"""Robot files from which on MuJoCo is imported once for all workers. Chosen: one more process takes 5 ms, and each
-worker then needs 0.1 s less."""
+FAULT = "AUD008"
+"""Code of a file that was lost to a fault, and not for what is in it."""
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
 
@@ -96,12 +94,8 @@ class PendingFiles:
         self._files = expand(paths, skip_other=skip_other)
         if keep_matrices is None:
             keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
-        tasks = [Task(index, file.path, keep_matrices) for index, file in enumerate(self._files)]
-        self._workers: Workers | PreparedWorkers
-        if self._is_worth_preparing(jobs or cores()):
-            self._workers = PreparedWorkers(tasks, jobs, read_file, prepare)
-        else:
-            self._workers = Workers(tasks, jobs, read_file)
+        self._tasks = [(file.path, keep_matrices) for file in self._files]
+        self._pool = Pool(read_file, self._tasks, jobs)
 
     def __enter__(self) -> PendingFiles:
         """The same."""
@@ -109,41 +103,34 @@ class PendingFiles:
 
     def __exit__(self, *_: object) -> None:
         """Stop reading."""
-        self._workers.__exit__()
-
-    def _is_worth_preparing(self, jobs: int) -> bool:
-        """Whether forked processes would read so many robot files that MuJoCo is imported once for all."""
-        robots = sum(file.path.lower().endswith(ROBOT) for file in self._files)
-        return jobs > 1 and robots >= FILES_TO_PREPARE and process_context().get_start_method() == "fork"
+        self._pool.__exit__()
 
     @property
     def in_folders(self) -> frozenset[str]:
         """Those that were found in a folder that was named."""
         return frozenset(file.path for file in self._files if file.folder is not None)
 
-    def finish(
-        self,
-        progress: Callable[[int, int], None] | None = None,
-        taken: Callable[[FileReading], None] | None = None,
-    ) -> tuple[FileReading, ...]:
-        """Wait until all are read.
+    def finish(self, progress: Callable[[int, int], None] | None = None) -> tuple[FileReading, ...]:
+        """Wait until all are read. A file that ended its process is read once more, from its text alone.
 
         Args:
             progress: As in `read_files`.
-            taken: Called with each reading in the order of the files, also of one that is not kept, while others
-                are still being read.
 
         Returns: As of `read_files`.
         """
         found: dict[int, FileReading] = {}
-        next_ = 0
-        for index, reading in self._workers.results():
-            found[index] = reading
+        again: dict[int, int] = {}
+        for task, answer in self._pool.results():
+            index = again.get(task, task)
+            path, keep_matrices = self._tasks[index]
+            if isinstance(answer, LostError):
+                if task == index and not isinstance(answer, FaultError):
+                    again[self._pool.add(path, keep_matrices, str(answer))] = index
+                    continue
+                answer = _lost(path, str(answer))
+            found[index] = answer
             if progress is not None:
                 progress(len(found), len(self._files))
-            while taken is not None and next_ in found:
-                taken(found[next_])
-                next_ += 1
         return tuple(_chosen(self._paths, self._files, found, self._skip_other))
 
 
@@ -176,29 +163,30 @@ def _has_known_ending(path: str) -> bool:
     return path.lower().endswith((*ROBOT, *PYTHON, *YAML))
 
 
-def prepare() -> None:
-    """Import what robot files are read with."""
-    from actspec.readings.robot_file import preload_readers
-
-    preload_readers()
-
-
-def read_file(task: Task) -> FileReading:
+def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
     """Read one file, here and now, as what its name and content say that it is.
 
     Args:
-        task: The file.
+        path: As the user named it.
+        keep_matrices: As in `readings.robot_file.read_robot`.
+        refusal: Likewise; set when a process ended on the file.
     """
-    lower = task.path.lower()
+    lower = path.lower()
     if lower.endswith(PYTHON):
         from actspec.readings.python.read import read_python
 
-        return read_python(task.path)
+        return read_python(path)
     if lower.endswith(YAML):
-        return _read_yaml(task.path)
+        return _read_yaml(path)
     from actspec.readings.robot_file import read_robot
 
-    return read_robot(task.path, keep_matrices=task.keep_matrices, refusal=task.refusal)
+    return read_robot(path, keep_matrices=keep_matrices, refusal=refusal)
+
+
+def _lost(path: str, reason: str) -> FileReading:
+    """A file that would perhaps have been read, but for a fault; that is told wherever the file was found."""
+    fault = Diagnostic(FAULT, Severity.ERROR, f"the file cannot be read: {reason}", "", Span(path))
+    return FileReading(path, None, reason, diagnostics=(fault,))
 
 
 def _chosen(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity
@@ -64,13 +63,6 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
     told = tuple(item for item in view.diagnostics if item.code not in _TOLD_BY_RULES)
     return FileReading(path, kind, None, (artifact,), document.files, told)
-
-
-def preload_readers() -> None:
-    """Import what a robot file is read with, so that the processes that are forked from this one need not."""
-    # Whoever reads a file without it says why.
-    with suppress(Exception):
-        import mujoco  # noqa: F401
 
 
 def _view(document: XmlDocument, kind: FileKind, matrices: bool, refusal: str | None) -> RobotView:

@@ -35,7 +35,7 @@ def responses(
         laws: Of its joints.
         asks: Target to its engine, for those that there are.
     """
-    from actspec.audit.workers import cores
+    from actspec.processes import cores
 
     asked = [target for target in targets if target.name in asks]
     if not asked or not laws.laws:

@@ -246,7 +246,7 @@ def _ask(
     questions: Mapping[str, Question], moves: Mapping[str, Motion], step: Callable[[], None]
 ) -> dict[str, Told]:
     """Ask the engines, each in a process of its own, as many at once as there are cores."""
-    from actspec.audit.workers import cores
+    from actspec.processes import cores
 
     found: dict[str, Told] = {}
     with ThreadPoolExecutor(max_workers=cores()) as pool:

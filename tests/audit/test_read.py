@@ -7,17 +7,11 @@ import os
 import signal
 import subprocess
 import sys
-import time
-from collections.abc import Callable, Sequence
-from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-from actspec.audit.prepared import PreparedWorkers
 from actspec.audit.read import PendingFiles, expand, read_file, read_files
-from actspec.audit.workers import TIME_LIMIT, Read, Task, Workers, cores
 from actspec.readings.artifact import FileKind, FileReading
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
@@ -30,9 +24,6 @@ URDF = """<robot name="r"><link name="a"/><link name="b"><inertial><mass value="
 posix = pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX")
 forks = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
 
-Start = Callable[..., Any]
-"""Starts workers with tasks, jobs, what reads and the limit."""
-
 
 @pytest.fixture(autouse=True)
 def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -41,7 +32,7 @@ def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def reason_of(path: str) -> str | None:
     """Why a file cannot be read."""
-    return read_file(Task(0, path, False)).reason
+    return read_file(path).reason
 
 
 def test_results_are_in_the_order_of_the_paths() -> None:
@@ -120,7 +111,7 @@ def test_a_reading_comes_back_as_it_was() -> None:
     """What another process read is equal to what this one reads: spans, rows' inputs, diagnostics, bytes."""
     Path("m.xml").write_text(GOOD.replace('"j"', '"j" range="-1 1" frictionloss="2" springdamper="1 1"', 1))
     Path("r.urdf").write_text(URDF.replace("5", "0"))
-    assert read_files(["m.xml", "r.urdf"]) == tuple(read_file(Task(0, n, False)) for n in ("m.xml", "r.urdf"))
+    assert read_files(["m.xml", "r.urdf"]) == tuple(map(read_file, ("m.xml", "r.urdf")))
 
 
 def test_reading_can_be_given_up() -> None:
@@ -145,47 +136,6 @@ def test_the_audit_itself_imports_no_simulator() -> None:
         [sys.executable, "-c", code], capture_output=True, text=True, check=True, env=environment
     )
     assert done.stdout.splitlines()[-1] == "[]"
-
-
-@forks
-@pytest.mark.parametrize(
-    ("files", "jobs", "imports"),
-    [(7, 2, 2), (8, 2, 1), (8, 1, 1), (8, 4, 1)],
-    ids=["few", "many", "one-job", "many-jobs"],
-)
-def test_mujoco_is_imported_once_for_many_files(files: int, jobs: int, imports: int) -> None:
-    """From 8 robot files on one process does for all others; the audit's own never does, and has no threads."""
-    Path("d").mkdir()
-    for index in range(files):
-        Path(f"d/{index:02d}.xml").write_text(GOOD)
-    Path("d/x.py").write_text("x = 1")
-    code = (
-        "import os, sys\nfrom actspec.cli.main import main\n"
-        f"main(['audit', '--exit-zero', '--output-format', 'concise', '--jobs', '{jobs}', 'd'])\n"
-        "print('mujoco' in sys.modules, len(os.listdir('/proc/self/task')))"
-    )
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
-    environment.pop("OPENBLAS_NUM_THREADS", None)
-    done = subprocess.run(
-        [sys.executable, "-X", "importtime", "-c", code],
-        capture_output=True,
-        text=True,
-        check=True,
-        env=environment,
-    )
-    lines = done.stdout.splitlines()
-    assert lines[-1] == "False 1"
-    assert lines[-2].endswith(f"in {files} files")
-    assert [line.split("|")[-1].strip() for line in done.stderr.splitlines()].count("mujoco") == imports
-
-
-def test_a_simulator_that_cannot_be_imported_is_left_to_the_readers(tmp_path: Path) -> None:
-    """Importing it for all of them is no place to fail: each file says why it cannot be read."""
-    Path("mujoco.py").write_text("raise RuntimeError('no AVX here')")
-    Path("m.xml").write_text(GOOD)
-    code = "from actspec.readings.robot_file import preload_readers\npreload_readers()"
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}
-    subprocess.run([sys.executable, "-c", code], check=True, env=environment)
 
 
 BOMB = '<!DOCTYPE x [<!ENTITY a "aa"><!ENTITY b "&a;&a;">]>'
@@ -217,7 +167,7 @@ def test_an_include_that_is_no_mjcf_is_never_shown() -> None:
     """Neither the reason nor what is kept of the file has a word of it."""
     Path("secret").write_text("root:x:0:0\n")
     Path("m.xml").write_text('<mujoco><include file="secret"/></mujoco>')
-    found = read_file(Task(0, "m.xml", False))
+    found = read_file("m.xml")
     assert found.reason == "line 1: the included file 'secret' is not an MJCF file"
     assert b"root" not in b"".join(file.data for file in found.files)
     assert not any("root:x" in str(item) for item in found.diagnostics)
@@ -298,58 +248,40 @@ def test_a_folder_without_anything_says_so() -> None:
     assert found.reason == f"nothing to audit: it has no file that ends in {endings}"
 
 
-def dies(task: Task) -> FileReading:
+def dies(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
     """A reader that ends as its file's name says, unless it is told why not to."""
     faulthandler.disable()  # pytest's would tell of every death that is meant
-    if task.refusal is None and task.path.startswith("signal"):
-        os.kill(os.getpid(), int(task.path.removeprefix("signal")))
-    if task.refusal is None and task.path == "exit":
-        os._exit(3)
-    if task.path == "always":
+    what = Path(path).stem
+    if what == "always" or (what == "crash" and refusal is None):
         os.kill(os.getpid(), signal.SIGSEGV)
-    if task.refusal is None and task.path == "sleep":
-        time.sleep(60)
-    if task.path == "fault":
+    if what == "fault":
         raise KeyError("x")
-    return FileReading(task.path, None, task.refusal or "read")
+    return FileReading(path, None, refusal or "read")
 
 
-def prepared(tasks: Sequence[Task], jobs: int, read: Read, limit: float = TIME_LIMIT) -> PreparedWorkers:
-    """Workers of another process, with nothing to prepare."""
-    return PreparedWorkers(tasks, jobs, read, lambda: None, limit)
-
-
-WORKERS = pytest.mark.parametrize(
-    "start", [Workers, pytest.param(prepared, marks=forks)], ids=["own", "prepared"]
-)
-
-
-@posix
-@WORKERS
+@forks
 @pytest.mark.parametrize("jobs", [1, 2], ids=["one-job", "two-jobs"])
-def test_a_crash_loses_only_its_file(jobs: int, start: Start) -> None:
-    """A process that dies or hangs is replaced, and its file read once more with the reason."""
-    paths = ["a", "signal11", "b", "always", "sleep", "c", "exit", "signal9", "fault", "signal6", "d", "e"]
-    tasks = [Task(index, path, False) for index, path in enumerate(paths)]
-    with start(tasks, jobs, dies, limit=1.5) as workers:
-        found = dict(workers.results())
-    assert [found[index].reason for index in range(len(paths))] == [
-        "read",
-        "MuJoCo crashed on it (signal 11)",
-        "read",
-        "MuJoCo crashed on it (signal 11)",
-        "MuJoCo took longer than 1.5 s for it",
-        "read",
-        "MuJoCo ended the process that read it",
-        "the process that read it was killed (signal 9), perhaps for its use of memory",
-        "a fault of actspec, not of the file; please report it: KeyError: 'x'",
-        "MuJoCo crashed on it (signal 6)",
-        "read",
-        "read",
+def test_a_crash_loses_only_its_file(jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is read once more with the reason, a file of which that is the end too is lost; a fault is not tried again."""
+    monkeypatch.setattr("actspec.audit.read.read_file", dies)
+    paths = ["a.xml", "crash.xml", "b.xml", "always.xml", "fault.xml", "c.xml"]
+    seen: list[int] = []
+    found = read_files(paths, jobs=jobs, progress=lambda done, of: seen.append(done))
+    assert [(reading.path, reading.reason) for reading in found] == [
+        ("a.xml", "read"),
+        ("crash.xml", "MuJoCo crashed on it (signal 11)"),
+        ("b.xml", "read"),
+        ("always.xml", "MuJoCo crashed on it (signal 11)"),
+        ("fault.xml", "a fault of actspec, not of the file; please report it: KeyError: 'x'"),
+        ("c.xml", "read"),
     ]
+    assert [[item.code for item in reading.diagnostics] for reading in found] == [
+        [], [], [], ["AUD008"], ["AUD008"], []
+    ]  # fmt: skip
+    assert seen == [1, 2, 3, 4, 5, 6]
 
 
-def breaks(task: Task) -> FileReading:
+def breaks(*_: object) -> FileReading:
     """A reader with a fault in it."""
     raise KeyError("x")
 
@@ -366,147 +298,20 @@ def test_a_fault_is_never_passed_over(skip_other: bool, monkeypatch: pytest.Monk
     assert str(found.diagnostics[0]) == f"d/leg.xml: AUD008: the file cannot be read: {found.reason}"
 
 
-@WORKERS
-def test_every_file_of_many_is_read_once(start: Start) -> None:
-    """More files than workers, fewer files than workers, and none."""
-    for count in (0, 1, 3, 40):
-        tasks = [Task(index, f"f{index}", False) for index in range(count)]
-        with start(tasks, 4, dies) as workers:
-            found = list(workers.results())
-        assert sorted(index for index, _ in found) == list(range(count))
-    assert cores() >= 1
-
-
-def ends_its_parent(task: Task) -> FileReading:
-    """A reader that kills the process between when it first comes to the fourth file."""
-    if task.path == "3" and not os.path.exists("done"):
-        Path("done").touch()
-        os.kill(os.getppid(), signal.SIGKILL)
-        time.sleep(60)
-    return FileReading(task.path, None, "read")
-
-
-@forks
-def test_the_process_between_may_die() -> None:
-    """What its workers have not read is read without it, each file once; one of them still hangs."""
-    tasks = [Task(index, str(index), False) for index in range(12)]
-    with PreparedWorkers(tasks, 2, ends_its_parent, lambda: None) as workers:
-        found = list(workers.results())
-    assert sorted((index, reading.path) for index, reading in found) == [(i, str(i)) for i in range(12)]
-
-
-def is_large(task: Task) -> FileReading:
-    """A reading that no pipe holds; it leaves its process's number."""
-    Path(f"{task.path}.pid").write_text(str(os.getpid()))
-    return FileReading(task.path, None, task.refusal or "x" * 3_000_000)
-
-
-@forks
-@pytest.mark.parametrize("killed", [0, 2], ids=["first", "second"])
-def test_a_process_may_die_while_it_sends(killed: int) -> None:
-    """Half of a reading has come, and nobody waits for the rest: its file is read again.
-
-    Each process has two files at first, so they are on 0 and 2.
-    """
-
-    def late(*_: object) -> None:
-        raise AssertionError("half a reading is waited for")
-
-    tasks = [Task(index, str(index), False) for index in range(6)]
-    with PreparedWorkers(tasks, 2, is_large, lambda: None) as workers:
-        until = time.monotonic() + 30.0
-        while not all(Path(f"{index}.pid").exists() for index in (0, 2)) and time.monotonic() < until:
-            time.sleep(0.01)
-        time.sleep(0.2)
-        os.kill(int(Path(f"{killed}.pid").read_text()), signal.SIGKILL)
-        before = signal.signal(signal.SIGALRM, late)
-        signal.alarm(30)
-        try:
-            found = dict(workers.results())
-        finally:
-            signal.alarm(0)
-            signal.signal(signal.SIGALRM, before)
-    assert sorted(found) == list(range(6))
-    reasons = {index: reading.reason for index, reading in found.items()}
-    assert reasons.pop(killed) == (
-        "the process that read it was killed (signal 9), perhaps for its use of memory"
-    )
-    assert all(reason == "x" * 3_000_000 for reason in reasons.values())
-
-
-def children() -> set[str]:
-    """Processes that this one, or a child of it, has started."""
-    found: set[str] = set()
-    waiting = [str(os.getpid())]
-    while waiting:
-        pid = waiting.pop()
-        with suppress(FileNotFoundError):
-            own = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-            found.update(own)
-            waiting += own
-    return found
-
-
-def sleeps(task: Task) -> FileReading:
-    """A reader that is never done with a file."""
-    time.sleep(60)
-    return FileReading(task.path, None, "read")
-
-
-@forks
-@WORKERS
-def test_processes_are_ended_whatever_they_do(start: Start) -> None:
-    """Those of the process between too, although nobody has asked for a result."""
-    before = children()
-    with start([Task(index, str(index), False) for index in range(4)], 2, sleeps):
-        until = time.monotonic() + 30.0
-        wanted = 3 if start is prepared else 2
-        while len(children() - before) < wanted and time.monotonic() < until:
-            time.sleep(0.01)
-        inside = children() - before
-    assert len(inside) == wanted
-    assert gone(inside)
-
-
-def gone(processes: set[str]) -> bool:
-    """Whether processes end within half a minute; who takes notice of an orphan's end does not matter."""
-
-    def alive(pid: str) -> bool:
-        with suppress(FileNotFoundError, ProcessLookupError):
-            return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z"
-        return False
-
-    until = time.monotonic() + 30.0
-    while any(map(alive, processes)) and time.monotonic() < until:
-        time.sleep(0.01)
-    return not any(map(alive, processes))
-
-
-@forks
-def test_processes_are_ended_whenever_it_is(tmp_path: Path) -> None:
-    """Also while they are being started, which takes some milliseconds."""
-    before = children()
-    for wait in range(60):
-        with PreparedWorkers([Task(index, str(index), False) for index in range(4)], 2, sleeps, lambda: None):
-            time.sleep(wait * 2e-4)
-            inside = children() - before
-        assert gone(inside)
-
-
 def test_the_text_is_read_after_a_crash() -> None:
     """With a refusal MuJoCo does not see the file, and the artifact says why."""
     Path("m.xml").write_text(GOOD)
-    found = read_file(Task(0, "m.xml", False, "MuJoCo crashed on it (signal 11)"))
+    found = read_file("m.xml", refusal="MuJoCo crashed on it (signal 11)")
     assert found.artifacts[0].text_only == "MuJoCo crashed on it (signal 11)"
     assert found.artifacts[0].robot is not None
     assert found.artifacts[0].robot.joint_inertia is None
     Path("r.urdf").write_text(URDF)
-    found = read_file(Task(0, "r.urdf", False, "MuJoCo crashed on it (signal 11)"))
+    found = read_file("r.urdf", refusal="MuJoCo crashed on it (signal 11)")
     assert found.artifacts[0].text_only == "MuJoCo crashed on it (signal 11)"
     assert found.artifacts[0].robot is not None
     assert found.artifacts[0].robot.joints[0].effort_range == (-5.0, 5.0)
     assert found.artifacts[0].robot.joint_inertia is None
-    again = read_file(Task(0, "r.urdf", False)).artifacts[0]
+    again = read_file("r.urdf").artifacts[0]
     assert again.text_only is None
     assert again.robot is not None
     assert again.robot.joint_inertia is not None

@@ -410,10 +410,10 @@ def test_what_the_text_does_not_tell_is_none() -> None:
 
 def test_rows_of_a_spec() -> None:
     """The rows of robots/a1.yaml are what the spec says: kp 25, kd 0.5, friction 0.2 and 0.01, line 33.5 at 0."""
-    from actspec.audit.read import read_file
-    from actspec.audit.workers import Task
 
-    reading = read_file(Task(0, str(ROOT / "robots" / "a1.yaml"), False))
+    from actspec.audit.read import read_file
+
+    reading = read_file(str(ROOT / "robots" / "a1.yaml"))
     assert (reading.kind, reading.reason) == (FileKind.SPEC, None)
     found = rows_of_spec(reading.artifacts[0], 4)
     assert len(found) == 12

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources", "files", "patterns"},
+    {"units", "diagnostics", "resources", "files", "patterns", "processes"},
     {"joints"},
     {"ir", "simulators"},
     {"laws"},

@@ -1,0 +1,259 @@
+"""Functions called in other processes, so that a crash, a hang or a lack of memory costs one call and no more.
+
+`IsolatedCall` is one such process, `Pool` several of them at work on many tasks. Their processes end with this
+one, however it ends: by `with`, an interrupt, or a signal that nobody can catch.
+"""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+import threading
+import time
+from collections import deque
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
+
+if TYPE_CHECKING:
+    from multiprocessing.connection import Connection
+    from multiprocessing.process import BaseProcess
+
+TIME_LIMIT = 60.0
+"""Chosen: seconds for one call; the slowest real file takes 0.1 s."""
+
+_GRACE = 5
+"""Chosen: seconds beyond the limit in which the parent has ended a process that hangs, if it still can."""
+
+_T = TypeVar("_T")
+
+
+class LostError(Exception):
+    """A call has no answer: it ended its process or took too long; the text says which."""
+
+
+class FaultError(LostError):
+    """The function raised an exception, and would again."""
+
+
+class IsolatedCall(Generic[_T]):
+    """A function that is called in another process, one for all calls until a call ends it."""
+
+    def __init__(self, function: Callable[..., _T], limit: float = TIME_LIMIT) -> None:
+        """Nothing is started before the first call.
+
+        Args:
+            function: Of a module, so that a spawned process finds it. Its answers can be pickled.
+            limit: Most time for one call [s].
+        """
+        self._function = function
+        self._limit = limit
+        self._until = 0.0
+        self._process: BaseProcess | None = None
+        self._pipe: Connection[Any, Any] | None = None
+
+    def __enter__(self) -> IsolatedCall[_T]:
+        """The same."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End the process, whatever it is doing."""
+        if self._process is not None and self._pipe is not None:
+            self._process.kill()
+            self._process.join()
+            self._process.close()
+            self._pipe.close()
+        self._process = self._pipe = None
+
+    def __call__(self, *arguments: object) -> _T:
+        """Call the function and wait for its answer.
+
+        Raises: LostError: there is none.
+        """
+        self.begin(arguments)
+        return self.answer()
+
+    def begin(self, arguments: tuple[object, ...]) -> None:
+        """Call the function and do not wait."""
+        pipe = self._pipe or self._start()
+        self._until = time.monotonic() + self._limit
+        with suppress(OSError):  # the process has died; `answer` says so
+            pipe.send(arguments)
+
+    def answer(self) -> _T:
+        """Wait for the answer to the call that was begun.
+
+        Raises: LostError: there is none; the next call has a new process.
+        """
+        assert self._pipe is not None and self._process is not None
+        try:
+            if self._pipe.poll(max(self._until - time.monotonic(), 0.0)):
+                answer, fault = self._pipe.recv()
+                if fault is None:
+                    return answer  # type: ignore[no-any-return]
+                raise FaultError(fault)
+            reason = f"MuJoCo took longer than {self._limit:g} s for it"
+        except (EOFError, OSError):
+            reason = _death(self._process)
+        self.__exit__()
+        raise LostError(reason)
+
+    def _start(self) -> Connection[Any, Any]:
+        import multiprocessing
+        import warnings
+
+        # Elsewhere a fork is not safe; nor is one beside other threads of Python, which may hold a lock.
+        forks = sys.platform.startswith("linux") and threading.active_count() == 1
+        context: Any = multiprocessing.get_context("fork" if forks else "spawn")
+        self._pipe, theirs = context.Pipe()
+        arguments = (theirs, self._pipe, self._function, self._limit)
+        self._process = context.Process(target=_serve, args=arguments, daemon=True)
+        with warnings.catch_warnings():
+            # Python 3.12 warns of threads that numpy's linear algebra has started, which is made for forks.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            self._process.start()
+        theirs.close()
+        return self._pipe
+
+
+class Pool(Generic[_T]):
+    """Processes that are at work on many calls of one function, from the start."""
+
+    def __init__(
+        self,
+        function: Callable[..., _T],
+        tasks: Sequence[tuple[object, ...]],
+        jobs: int | None = None,
+        limit: float = TIME_LIMIT,
+    ) -> None:
+        """Start them.
+
+        Args:
+            function: As of `IsolatedCall`.
+            tasks: The arguments of each call; they are begun in this order.
+            jobs: Processes at most; default: one a core that this process may run on.
+            limit: Most time for one call [s].
+        """
+        self._waiting = deque(enumerate(tasks))
+        self._count = len(tasks)
+        number = min(len(tasks), cores() if jobs is None else max(jobs, 1))
+        self._idle = [IsolatedCall(function, limit) for _ in range(number)]
+        self._busy: dict[Connection[Any, Any], tuple[int, IsolatedCall[_T]]] = {}
+        self._fill()
+
+    def __enter__(self) -> Pool[_T]:
+        """The same."""
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """End them, whatever they are doing."""
+        for call in (*self._idle, *(call for _, call in self._busy.values())):
+            call.__exit__()
+
+    def add(self, *arguments: object) -> int:
+        """One more call, before those that wait; also while `results` is walked through.
+
+        Returns: Its index.
+        """
+        self._waiting.appendleft((self._count, arguments))
+        self._count += 1
+        return self._count - 1
+
+    def results(self) -> Iterator[tuple[int, _T | LostError]]:
+        """Wait for the answers.
+
+        Yields: Index of a task and its answer, or why it has none, as they come.
+        """
+        from multiprocessing.connection import wait
+
+        while self._busy or self._waiting:
+            self._fill()
+            until = min(call._until for _, call in self._busy.values())
+            ready = set(wait(list(self._busy), max(until - time.monotonic(), 0.0)))
+            now = time.monotonic()
+            done = [pipe for pipe, (_, call) in self._busy.items() if pipe in ready or call._until < now]
+            for pipe in done:
+                index, call = self._busy.pop(pipe)
+                answer: _T | LostError
+                try:
+                    answer = call.answer()
+                except LostError as err:
+                    answer = err
+                self._idle.append(call)
+                self._fill()
+                yield index, answer
+
+    def _fill(self) -> None:
+        while self._idle and self._waiting:
+            call = self._idle.pop()
+            index, arguments = self._waiting.popleft()
+            call.begin(arguments)
+            assert call._pipe is not None
+            self._busy[call._pipe] = index, call
+
+
+def cores() -> int:
+    """Cores that this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def _serve(
+    pipe: Connection[Any, Any],
+    parents: Connection[Any, Any],
+    function: Callable[..., object],
+    limit: float,
+) -> None:
+    """The life of another process."""
+    # The parent decides what an interrupt means, and ends its processes.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    alarm = _end_with_parent()
+    # One process a core is all the parallelism that there is to have, and nothing is drawn.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("MUJOCO_GL", "disable")
+    # A forked process has inherited it, a spawned one a copy.
+    parents.close()
+    with suppress(EOFError, BrokenPipeError):
+        while True:
+            arguments = pipe.recv()
+            alarm(int(limit) + _GRACE)
+            answer: tuple[object, str | None]
+            try:
+                answer = function(*arguments), None
+            except MemoryError:
+                answer = None, "there is not enough memory for it"
+            except Exception as err:
+                fault = f"a fault of actspec, not of the file; please report it: {type(err).__name__}: {err}"
+                answer = None, fault
+            alarm(0)
+            pipe.send(answer)
+
+
+def _end_with_parent() -> Callable[[int], object]:
+    """Have the system end this process when its parent is killed while this one hangs; else the closed pipe does.
+
+    Returns: Sets the time [s] after which the system ends this process, for systems that cannot do better.
+    """
+    if sys.platform.startswith("linux"):
+        with suppress(ImportError, OSError, AttributeError):
+            import ctypes
+
+            set_signal_of_parents_death = 1  # PR_SET_PDEATHSIG in <linux/prctl.h>
+            ctypes.CDLL(None).prctl(set_signal_of_parents_death, signal.SIGKILL)
+    if not hasattr(signal, "alarm"):
+        return lambda _: None
+    signal.signal(signal.SIGALRM, signal.SIG_DFL)
+    return signal.alarm
+
+
+def _death(process: BaseProcess) -> str:
+    """How a process ended whose pipe has closed."""
+    process.join(1.0)
+    code = process.exitcode
+    if code is None or code >= 0:
+        return "MuJoCo ended the process that read it"
+    if -code == getattr(signal, "SIGKILL", None):
+        return f"the process that read it was killed (signal {-code}), perhaps for its use of memory"
+    return f"MuJoCo crashed on it (signal {-code})"
