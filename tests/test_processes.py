@@ -72,6 +72,12 @@ def test_calls_share_a_process_that_is_not_ours() -> None:
     assert not active_children()
 
 
+def test_an_interrupt_is_the_parents_affair() -> None:
+    """A terminal sends it to all; a call goes on until the parent ends it."""
+    with IsolatedCall(act) as call:
+        assert call(f"signal{int(signal.SIGINT)}")[1] == "signal2"
+
+
 def test_a_process_that_waits_is_not_out_of_time(monkeypatch: pytest.MonkeyPatch) -> None:
     """The limits are for one call, not for the time between two."""
     monkeypatch.setattr(processes, "_GRACE", 0)
