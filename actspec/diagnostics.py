@@ -10,6 +10,10 @@ import difflib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 EXIT_CLEAN = 0
 """Nothing to report."""
@@ -90,6 +94,13 @@ class ActspecError(Exception):
     def __init__(self, diagnostics: Iterable[Diagnostic]) -> None:
         self.diagnostics: tuple[Diagnostic, ...] = tuple(diagnostics)
         super().__init__("\n".join(str(d) for d in self.diagnostics))
+
+    @classmethod
+    def of(
+        cls, code: str, message: str, span: Span | None = None, *, where: str = "", help: str | None = None
+    ) -> Self:
+        """The error of a stage that has one diagnostic."""
+        return cls([Diagnostic(code, Severity.ERROR, message, where, span, help)])
 
 
 class SpecError(ActspecError):

@@ -1,4 +1,4 @@
-"""`actspec audit`: say where robot files disagree with each other and with physics."""
+"""`actspec audit`: report where robot files disagree with each other and with physics."""
 
 from __future__ import annotations
 
@@ -6,20 +6,100 @@ import argparse
 import os
 
 from actspec.audit.read import PendingFiles
+from actspec.cli.options import add_versions, describe
+from actspec.report import FORMATS
+
+CONFIDENCES = ("low", "medium", "high")
+FAIL_ON = ("error", "warning", "info", "never")
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Read MJCF, URDF, Isaac Lab, mjlab and legged_gym configurations, deploy YAML and specs, running none of them, "
+        "and report where they disagree with each other and with physics.",
+        "actspec audit robot.xml robot_cfg.py --ledger",
+        "0 nothing at or above --fail-on; 1 findings; 2 a file could not be read, or actspec could not run; with "
+        "--output-format sarif 0 in place of 1",
+    )
+    command.add_argument(
+        "file", nargs="+", metavar="FILE", help="MJCF, URDF, cfg .py, deploy YAML or actspec spec"
+    )
+    command.add_argument(
+        "--skip-other",
+        action="store_true",
+        help="skip files that have nothing to audit, as in a folder: for hooks",
+    )
+    command.add_argument("--spec", metavar="FILE", help="the spec that the other files are held to")
+    rules = command.add_argument_group("rules")
+    rules.add_argument(
+        "--select",
+        metavar="CODES",
+        action="append",
+        type=_codes,
+        help="only these rules: code, family or name",
+    )
+    rules.add_argument("--ignore", metavar="CODES", action="append", type=_codes, help="not these rules")
+    rules.add_argument(
+        "--min-confidence", choices=CONFIDENCES, help="least confidence reported (default: low)"
+    )
+    add_versions(rules)
+    rules.add_argument(
+        "--config", metavar="FILE", help="settings (default: the nearest actspec.toml, pyproject.toml)"
+    )
+    output = command.add_argument_group("output")
+    output.add_argument("--output-format", choices=FORMATS, default=FORMATS[0], help=f"default: {FORMATS[0]}")
+    output.add_argument("-o", "--output", metavar="FILE", help="write the report to FILE")
+    output.add_argument("--ledger", action="store_true", help="print what acts on each joint")
+    output.add_argument("--statistics", action="store_true", help="print counts by rule in place of findings")
+    exits = command.add_argument_group("exit code")
+    exits.add_argument(
+        "--fail-on",
+        choices=FAIL_ON,
+        help="least severity that gives exit code 1 (default: error)",
+    )
+    exits.add_argument("--exit-zero", action="store_true", help="the same as --fail-on never")
+    fixes = command.add_argument_group("fixes")
+    fixes.add_argument(
+        "--fix", action="store_true", help="apply the fixes that do not change what is computed"
+    )
+    fixes.add_argument(
+        "--unsafe-fixes",
+        action="store_true",
+        help="apply also those that change how the robot behaves: read the diff",
+    )
+    fixes.add_argument("--diff", action="store_true", help="write no fix; show them, exit 1 if there are any")
+    known = command.add_argument_group("known findings")
+    known.add_argument("--baseline", metavar="FILE", help="leave out the findings in FILE")
+    known.add_argument("--write-baseline", metavar="FILE", help="write the findings to FILE, and exit 0")
+    command.add_argument(
+        "--jobs", metavar="N", type=_jobs, help="processes that read files (default: one a core)"
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Audit the files."""
-    with begin(arguments) as pending:
+    with _begin(arguments) as pending:
         # Rules and reports are imported while the readers import MuJoCo.
-        from actspec.cli.audit_report import report_on
+        from actspec.cli.audit_run import report_on
 
-        return report_on(arguments, pending)
+        return report_on(arguments, pending, lambda: _begin(arguments))
 
 
-def begin(arguments: argparse.Namespace) -> PendingFiles:
+def _begin(arguments: argparse.Namespace) -> PendingFiles:
     """Begin to read the files, each once, the spec too."""
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
     # Without threads of numpy's linear algebra this process can be forked; it needs none.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)
+
+
+def _codes(text: str) -> list[str]:
+    return [code.strip() for code in text.split(",") if code.strip()]
+
+
+def _jobs(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 1024:
+        raise argparse.ArgumentTypeError(f"must be a number from 1, got {text!r}")
+    return int(text)

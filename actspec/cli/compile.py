@@ -8,10 +8,39 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
+from actspec.cli.options import add_format, add_specs, add_targets, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.compile import summary
 from actspec.report.terminal import print_diagnostics, print_json, record
 from actspec.targets.base import Approximation
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Compile specs to the configuration of each target. Files go to build/ROBOT/TARGET/ and are replaced only "
+        "when they differ.",
+        "actspec compile robots/a1.yaml -t mujoco -o out",
+        "0 compiled; 1 stale files with --check or --diff, or approximations with --strict; 2 could not compile",
+    )
+    add_specs(command)
+    command.add_argument("-o", "--output", metavar="DIR", help="write below DIR (default: build/ROBOT)")
+    add_targets(command)
+    command.add_argument("--check", action="store_true", help="write nothing; exit 1 if a file is stale")
+    command.add_argument(
+        "--diff", action="store_true", help="write nothing; show what would change, exit 1 if so"
+    )
+    command.add_argument(
+        "--strict",
+        action="store_true",
+        help="write nothing and exit 1 on an approximation that the spec does not accept",
+    )
+    command.add_argument(
+        "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
+    )
+    command.add_argument("--force", action="store_true", help="replace files that actspec did not write")
+    add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from actspec.audit.difference import Difference
 from actspec.audit.revision import lay_out, names_revision
 from actspec.audit.sides import differences
-from actspec.cli.versions import configured
+from actspec.cli.options import add_format, add_versions, configured_versions, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
 from actspec.report.difference import lines, record
 from actspec.report.terminal import print_json
@@ -18,9 +18,27 @@ from actspec.report.terminal import print_json
 FORMAT = "actspec-diff/1"
 
 
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Compare two robot files, or a file with an earlier revision of it, in what acts on each joint: "
+        "gains, damping, friction, limits, armature, delays, steps.",
+        "actspec diff HEAD:robots/a1/a1.xml robots/a1/a1.xml",
+        "0 no change; 1 changes; 2 could not compare",
+    )
+    command.add_argument(
+        "old", metavar="OLD", help="MJCF, URDF, cfg .py, deploy YAML or spec, or REVISION:FILE of git"
+    )
+    command.add_argument("new", metavar="NEW", help="likewise")
+    command.add_argument("--robot", metavar="NAME", help="only this robot of files that have several")
+    add_versions(command)
+    add_format(command)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Compare the two files."""
-    versions = configured(arguments.target)
+    versions = configured_versions(arguments.target)
     texts: dict[str, str] = {}
     with tempfile.TemporaryDirectory(prefix="actspec-") as folder:
         paths = []

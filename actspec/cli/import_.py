@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import argparse
 import os
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.cli.spec_file import check_free, commands, write_spec
-from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, one_line
+from actspec.cli.options import add_versions, configured_versions, describe
+from actspec.diagnostics import EXIT_CLEAN, Diagnostic, EmitError, Severity, Span, listed, one_line
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -23,11 +24,27 @@ _POSE = "default_pose"
 """The one field that a file states for many joints at once."""
 
 
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Write the spec of one robot from what its files say, each number with its file. Where they disagree, the "
+        "training configuration counts before the deploy file, and that before the robot files. Runs none of them.",
+        "actspec import robot.xml robot_cfg.py -o robot.yaml",
+        "0 written; 2 could not",
+    )
+    command.add_argument(
+        "file", nargs="+", metavar="FILE", help="MJCF, URDF, cfg .py or deploy YAML of one robot"
+    )
+    command.add_argument("-o", "--output", metavar="SPEC", help="file to write (default: standard output)")
+    command.add_argument("--robot", metavar="NAME", help="this robot of a file that has several")
+    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_versions(command)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Import the files."""
-    from actspec.cli.versions import configured
-
-    versions = configured(arguments.target)
+    versions = configured_versions(arguments.target)
     return import_files(arguments.file, arguments.output, arguments.robot, versions, bool(arguments.force))
 
 
@@ -148,3 +165,55 @@ def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[s
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
         yield from commands(output, "show", "compile")
+
+
+def check_free(path: str, sources: Sequence[str], force: bool) -> None:
+    """Refuse a path that cannot be written, or holds something.
+
+    Args:
+        path: The spec to be.
+        sources: Files that it is imported from, which stay as they are.
+        force: Whether another file may be replaced.
+
+    Raises: EmitError: it cannot be written.
+    """
+    if os.path.isdir(path) or not os.path.basename(path):
+        raise EmitError.of(
+            "OUT001", "is a folder", Span(path), help="name the file to write, e.g. robots/my_robot.yaml"
+        )
+    if not os.path.lexists(path):
+        return
+    if os.path.exists(path) and any(
+        os.path.exists(source) and os.path.samefile(path, source) for source in sources
+    ):
+        raise EmitError.of(
+            "OUT003", "is the file to import itself", Span(path), help="name another file for the spec"
+        )
+    if not os.path.isfile(path):
+        raise EmitError.of("OUT001", "is there and is no regular file", Span(path))
+    if not force:
+        raise EmitError.of(
+            "OUT003", "is there already", Span(path), help="name another file, or replace it with --force"
+        )
+
+
+def write_spec(path: str, text: str) -> None:
+    """Write a spec in one step, with its folders.
+
+    Raises: EmitError: it cannot be written.
+    """
+    from actspec.files import replace_file
+
+    try:
+        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+        replace_file(path, text.encode("utf-8"))
+    except OSError as err:
+        raise EmitError.of("OUT002", f"cannot be written: {err.strerror}", Span(path)) from err
+    except ValueError as err:
+        # A name with a NUL in it.
+        raise EmitError.of("OUT002", f"cannot be written: {err}", Span(path)) from err
+
+
+def commands(path: str, *names: str) -> list[str]:
+    """Commands to go on with, ready to paste."""
+    return [f"  actspec {name} {shlex.quote(path)}" for name in names]

@@ -4,15 +4,29 @@ from __future__ import annotations
 
 import argparse
 
-from actspec.cli.spec_file import check_free, commands, write_spec
+from actspec.cli.import_ import check_free, commands, import_files, write_spec
+from actspec.cli.options import describe
 from actspec.diagnostics import EXIT_CLEAN
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Write a spec to begin with: a commented example with every part of the language, or with --from what a robot "
+        "file says.",
+        "actspec init robots/my_robot.yaml",
+        "0 written; 2 could not",
+    )
+    command.add_argument("path", nargs="?", default="actspec.yaml", metavar="SPEC", help="file to write")
+    command.add_argument("--from", dest="source", metavar="FILE", help="as `import FILE -o SPEC`")
+    command.add_argument("--force", action="store_true", help="replace a file that is there")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the spec and say what to do next."""
     path = str(arguments.path)
     if arguments.source is not None:
-        from actspec.cli.import_ import import_files
         from actspec.readings.versions import Versions
 
         return import_files([str(arguments.source)], path, None, Versions(), bool(arguments.force))

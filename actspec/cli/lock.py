@@ -12,14 +12,12 @@ from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
 from actspec.audit.sides import read
-from actspec.cli.versions import configured, over
+from actspec.cli.options import add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
     AuditError,
     Collector,
-    Diagnostic,
-    Severity,
     Span,
     one_line,
 )
@@ -31,23 +29,47 @@ MOST_BYTES = 64 << 20
 """Chosen: a robot of 30 joints takes 20 kB."""
 
 
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Write what acts on each joint to a file for version control, and with --check show what has changed since: "
+        "policies that were trained before need re-evaluation.",
+        "actspec lock robots/a1.yaml robots/a1/a1.xml",
+        "0 written, or no change; 1 changes; 2 could not run",
+    )
+    command.add_argument(
+        "file", nargs="*", metavar="FILE", help="files to record (default: those of the lock)"
+    )
+    command.add_argument(
+        "-o", "--output", default="actspec.lock", metavar="LOCK", help="the lock (default: actspec.lock)"
+    )
+    command.add_argument(
+        "--check", action="store_true", help="write nothing; show what changed, exit 1 if anything did"
+    )
+    add_versions(command)
+    add_format(command)
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Write the lock, or check files against it."""
     path: str = arguments.output
     old = _old(path, needed=arguments.check or not arguments.file, figures=arguments.check)
-    versions = configured(arguments.target)
+    versions = configured_versions(arguments.target)
     if arguments.check:
         assert old is not None
-        return _check(arguments, path, old, over(versions_of(old), versions))
+        return _check(arguments, path, old, overridden(versions_of(old), versions))
     if old is not None and not arguments.file:
-        versions = over(versions_of(old), versions)
+        versions = overridden(versions_of(old), versions)
     names = _names(arguments.file, path) if arguments.file else _recorded(old or {}, path)
     lock = locked(_case(names, versions), names)
     data = text_of(lock)
     try:
         replace_file(path, data)
     except (OSError, ValueError) as err:
-        raise _cannot(path, f"cannot be written: {getattr(err, 'strerror', None) or err}") from err
+        raise AuditError.of(
+            "LCK001", f"cannot be written: {getattr(err, 'strerror', None) or err}", Span(path)
+        ) from err
     if arguments.output_format == "json":
         print_json(lock)
     else:
@@ -101,14 +123,18 @@ def _old(path: str, needed: bool, figures: bool) -> dict[str, Any] | None:
         data = read_regular(path, MOST_BYTES)
     except FileNotFoundError as err:
         if needed:
-            raise _cannot(path, "there is no such lock", "write one with `actspec lock FILE`") from err
+            raise AuditError.of(
+                "LCK001", "there is no such lock", Span(path), help="write one with `actspec lock FILE`"
+            ) from err
         return None
     except NotRegular as err:
-        raise _cannot(path, f"is {err}") from err
+        raise AuditError.of("LCK001", f"is {err}", Span(path)) from err
     except TooLarge as err:
-        raise _cannot(path, f"is larger than {MOST_BYTES >> 20} MiB") from err
+        raise AuditError.of("LCK001", f"is larger than {MOST_BYTES >> 20} MiB", Span(path)) from err
     except (OSError, ValueError) as err:
-        raise _cannot(path, f"cannot be read: {getattr(err, 'strerror', None) or err}") from err
+        raise AuditError.of(
+            "LCK001", f"cannot be read: {getattr(err, 'strerror', None) or err}", Span(path)
+        ) from err
     return read_lock(path, data, figures=figures)
 
 
@@ -123,7 +149,7 @@ def _names(files: Sequence[str], lock: str) -> dict[str, str]:
         try:
             name = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
         except ValueError as err:
-            raise _cannot(file, f"has no path relative to {one_line(folder)}") from err
+            raise AuditError.of("LCK001", f"has no path relative to {one_line(folder)}", Span(file)) from err
         if name not in found.values():
             found[file] = name
     return found
@@ -133,7 +159,3 @@ def _recorded(lock: Mapping[str, Any], path: str) -> dict[str, str]:
     """Files of a lock and what it calls them."""
     folder = os.path.dirname(path)
     return {os.path.join(folder, *name.split("/")): name for name in lock["files"]}
-
-
-def _cannot(path: str, message: str, help: str | None = None) -> AuditError:
-    return AuditError([Diagnostic("LCK001", Severity.ERROR, message, "", Span(path), help)])

@@ -11,9 +11,24 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected
 from actspec.audit.settings import check_selectors
+from actspec.cli.options import add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
 from actspec.files import replace_file
 from actspec.report.terminal import print_json
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Print the pages of rules: what a rule does, why it matters, an example, what to write instead.",
+        "actspec rule DMP101",
+        "0 printed; 2 there is no such rule",
+    )
+    command.add_argument("rule", nargs="*", metavar="CODE", help="code, family or name")
+    command.add_argument("--all", action="store_true", help="every rule")
+    command.add_argument("--docs", metavar="DIR", help="write the pages of all rules to DIR")
+    add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

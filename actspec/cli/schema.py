@@ -5,8 +5,42 @@ from __future__ import annotations
 import argparse
 import sys
 
+from actspec.cli.options import describe
 from actspec.diagnostics import EXIT_CLEAN
 from actspec.resources import data_path
+
+WRITTEN = (
+    "compile",
+    "actuators",
+    "validate",
+    "manifest",
+    "randomization",
+    "report",
+    "baseline",
+    "rules",
+    "diff",
+    "lock",
+    "verify",
+)
+"""Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Print a JSON Schema: of files that people write (spec, results, network), or of what actspec writes: the JSON "
+        "of compile, show (actuators), validate, verify, audit (report), rule (rules) and diff, and files.",
+        "actspec schema > actspec.schema.json",
+        "0 printed; 2 there is no such schema",
+    )
+    command.add_argument(
+        "name",
+        nargs="?",
+        default="spec",
+        choices=("spec", "results", "network", *WRITTEN),
+        help="default: spec",
+    )
 
 
 def run(arguments: argparse.Namespace) -> int:

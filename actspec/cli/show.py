@@ -9,11 +9,26 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from actspec import api
-from actspec.diagnostics import EXIT_CLEAN, Diagnostic, ResolveError, Severity, listed
+from actspec.cli.options import add_format, describe
+from actspec.diagnostics import EXIT_CLEAN, ResolveError, listed
 from actspec.ir import ActuatorSet, Approximation, JointActuator, Quantity
 from actspec.report.tables import table
 from actspec.report.terminal import print_diagnostics, print_json
 from actspec.units import format_quantity
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Show the actuators of a spec, fitted to its robot. Without a joint one line a joint; with one every value "
+        "with unit, origin, source, place and formula, and the values that it overrides.",
+        "actspec show robots/a1.yaml FR_calf_joint",
+        "0 shown; 2 could not",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument("joint", nargs="?", metavar="JOINT", help="joint, or a pattern of joints")
+    add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -51,7 +66,7 @@ def _chosen(actuators: ActuatorSet, pattern: str) -> tuple[JointActuator, ...]:
     except PatternError as err:
         found, message, help = {pattern} & set(names), err.message, err.help
     if not found:
-        raise ResolveError([Diagnostic("BIND001", Severity.ERROR, message, "JOINT", None, help)])
+        raise ResolveError.of("BIND001", message, where="JOINT", help=help)
     return tuple(joint for joint in actuators.joints if joint.joint in found)
 
 

@@ -5,10 +5,26 @@ from __future__ import annotations
 import argparse
 import os
 
+from actspec.cli.options import add_format, add_specs, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.terminal import print_diagnostics, print_json, record
 from actspec.spec.read import MAX_BYTES, is_spec
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Check specs without a simulator and without opening the robot: keys, units, sources, references.",
+        "actspec validate robots/a1.yaml",
+        "0 all are valid; 2 one is not",
+    )
+    add_specs(command)
+    command.add_argument(
+        "--skip-other", action="store_true", help="skip files without the key `actspec`: for hooks"
+    )
+    add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:

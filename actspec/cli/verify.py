@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
+from actspec.cli.options import add_format, add_specs, add_targets, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
 from actspec.report.terminal import Progress, print_diagnostics, print_json, record
@@ -14,6 +15,39 @@ from actspec.report.verify import github, markdown, text
 from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
 
 Done = list[tuple[api.Compilation, Agreement]]
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Compile a spec, read every file back, run the simulators' own code over a grid of error, velocity and "
+        "history, and compare with the law.",
+        "actspec verify robots/a1.yaml -t mujoco",
+        "0 all agree, known approximations marked; 1 something does not; 2 could not run",
+    )
+    add_specs(command, "*")
+    command.add_argument("--built", metavar="DIR", help="verify the compiled files below DIR, edited or not")
+    add_targets(command)
+    command.add_argument(
+        "--fields-only", action="store_true", help="read the files, run no simulator and no Python file"
+    )
+    command.add_argument(
+        "--run-edited",
+        action="store_true",
+        help="with --built: let simulators execute Python files that are not what the spec compiles to",
+    )
+    command.add_argument(
+        "--require-engines", action="store_true", help="exit 2 when an engine is not prepared"
+    )
+    command.add_argument(
+        "--strict", action="store_true", help="exit 1 on an approximation that the spec does not accept, too"
+    )
+    command.add_argument(
+        "--setup", action="store_true", help="install the simulators' packages in a folder of their own"
+    )
+    command.add_argument("--yes", action="store_true", help="with --setup: do not ask")
+    add_format(command, "markdown", "github")
 
 
 def run(arguments: argparse.Namespace) -> int:

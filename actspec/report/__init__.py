@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
+from typing import TYPE_CHECKING
 
-from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity
+
+if TYPE_CHECKING:
+    from actspec.audit.outcome import Report
 
 FORMATS = ("full", "concise", "json", "sarif", "github", "junit", "markdown", "html")
 """Names of `--output-format`, the default first."""

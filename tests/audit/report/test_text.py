@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.outcome import Report
-from actspec.cli import audit_options
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.report import FORMATS, ReportOptions, render
@@ -180,8 +179,3 @@ def test_long_lines_are_cut_around_the_place(column: int, shown: str, caret: int
 def test_places_without_a_line(line: int) -> None:
     """A place that is not in the text has no excerpt."""
     assert list(Sources([reading("a.xml", b"a\r\nb")]).excerpt(Span("a.xml", line, 1))) == []
-
-
-def test_command_line_knows_the_formats() -> None:
-    """The command line's own list, which it has so as to start quickly, is the audit's."""
-    assert audit_options.FORMATS == FORMATS

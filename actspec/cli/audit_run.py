@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 
 from actspec.audit.engine import audit
@@ -14,8 +15,7 @@ from actspec.audit.read import PendingFiles
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
-from actspec.cli.audit import begin
-from actspec.cli.versions import named_versions, over
+from actspec.cli.options import named_versions, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FAILED,
@@ -39,12 +39,13 @@ WITH_LEDGER = (*TEXT, "json", "markdown", "html")
 """Formats that can show the ledger."""
 
 
-def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
+def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Callable[[], PendingFiles]) -> int:
     """Audit files and print the report.
 
     Args:
         arguments: Of the command.
         pending: Its files, which are being read.
+        again: Begins to read them once more, after they were changed.
 
     Returns: The exit code.
     """
@@ -58,7 +59,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles) -> int:
     if arguments.diff:
         return _show_fixes(report, arguments.unsafe_fixes)
     if arguments.fix or arguments.unsafe_fixes:
-        report = _fix(report, arguments, settings)
+        report = _fix(report, arguments, settings, again)
     if arguments.write_baseline is not None:
         return _write_baseline(report, arguments.write_baseline)
     options = ReportOptions(
@@ -87,7 +88,9 @@ def _audited(arguments: argparse.Namespace, settings: Settings, pending: Pending
         return audit(pending, settings, spec=arguments.spec, progress=progress.step)
 
 
-def _fix(report: Report, arguments: argparse.Namespace, settings: Settings) -> Report:
+def _fix(
+    report: Report, arguments: argparse.Namespace, settings: Settings, again: Callable[[], PendingFiles]
+) -> Report:
     """Fix until nothing more can be, and say what was done.
 
     Returns: The report afterwards.
@@ -109,7 +112,7 @@ def _fix(report: Report, arguments: argparse.Namespace, settings: Settings) -> R
         write_fixes(fixes.files)
         for file in fixes.files:
             print(one_line(f"{file.path}: {'; '.join(file.titles)}"), file=sys.stderr)
-        with begin(arguments) as pending:
+        with again() as pending:
             report = _audited(arguments, settings, pending)
     return report
 
@@ -165,7 +168,7 @@ def _settings(arguments: argparse.Namespace) -> Settings:
     if select:
         settings = replace(settings, select=select)
     settings = replace(
-        settings, ignore=(*settings.ignore, *ignore), versions=over(settings.versions, versions)
+        settings, ignore=(*settings.ignore, *ignore), versions=overridden(settings.versions, versions)
     )
     if arguments.min_confidence is not None:
         settings = replace(settings, min_confidence=Confidence(arguments.min_confidence))
@@ -185,7 +188,7 @@ def _check_spec(report: Report, spec: str | None) -> None:
     if file is None or (file.readable and file.kind is not FileKind.SPEC):
         kind = file.kind.value if file is not None and file.kind is not None else "something else"
         message = f"this is no actspec spec but {kind}"
-        raise AuditError([Diagnostic("AUD010", Severity.ERROR, message, "--spec", Span(spec))])
+        raise AuditError.of("AUD010", message, Span(spec), where="--spec")
 
 
 def _write_baseline(report: Report, path: str) -> int:
@@ -207,7 +210,7 @@ def _refuse_audited(report: Report, option: str, path: str) -> None:
     audited = {os.path.realpath(file.path) for reading in report.case.files for file in reading.files}
     if os.path.realpath(path) in audited:
         message = "this is one of the audited files, and would be written over"
-        raise AuditError([Diagnostic("AUD010", Severity.ERROR, message, option, Span(path))])
+        raise AuditError.of("AUD010", message, Span(path), where=option)
 
 
 def _write(path: str, text: str) -> None:
@@ -216,7 +219,7 @@ def _write(path: str, text: str) -> None:
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()
         message = f"the report cannot be written: {reason}"
-        raise AuditError([Diagnostic("AUD006", Severity.ERROR, message, "", Span(path))]) from err
+        raise AuditError.of("AUD006", message, Span(path)) from err
 
 
 def _print_problems(report: Report) -> None:

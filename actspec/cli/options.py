@@ -1,0 +1,116 @@
+"""Options that several commands share, how help is laid out, and what `--target NAME==VERSION` means."""
+
+from __future__ import annotations
+
+import argparse
+import textwrap
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from actspec.diagnostics import Collector
+    from actspec.readings.versions import Versions
+
+
+class Lines(argparse.HelpFormatter):
+    """Help whose description and epilog keep their line breaks."""
+
+    def _fill_text(self, text: str, width: int, indent: str) -> str:
+        filled = (
+            textwrap.fill(
+                line, width, initial_indent=indent, subsequent_indent=indent, break_on_hyphens=False
+            )
+            for line in text.splitlines()
+        )
+        return "\n".join(filled)
+
+
+def describe(command: argparse.ArgumentParser, what: str, example: str, exits: str) -> None:
+    """What the help of a command says around its options.
+
+    Args:
+        command: Its parser.
+        what: What it does.
+        example: A command line.
+        exits: Its exit codes.
+    """
+    command.description = what
+    command.epilog = f"example: {example}\nexit codes: {exits}"
+
+
+def add_specs(command: argparse.ArgumentParser, count: str = "+") -> None:
+    """Add the specs that a command works on."""
+    command.add_argument("spec", nargs=count, metavar="SPEC", help="actuator spec (YAML)")
+
+
+def add_targets(command: argparse.ArgumentParser) -> None:
+    """Add the choice among a spec's targets."""
+    command.add_argument(
+        "-t",
+        "--target",
+        action="append",
+        default=[],
+        metavar="TARGET",
+        help="only this target of the spec, or KIND==VERSION such as mujoco==3.11; may be repeated",
+    )
+
+
+def add_versions(command: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    """Add what files are meant for."""
+    command.add_argument(
+        "-t",
+        "--target",
+        action="append",
+        default=[],
+        metavar="NAME==VERSION",
+        help="what the files are for: mujoco, isaaclab, isaac_sim, mjlab with a version, or backend==newton; may be "
+        "repeated",
+    )
+
+
+def add_format(command: argparse.ArgumentParser, *more: str) -> None:
+    """Add the form of the output: text, json and what else there is."""
+    formats = ("text", "json", *more)
+    command.add_argument("--output-format", choices=formats, default="text", help="default: text")
+
+
+def named_versions(targets: Sequence[str], out: Collector) -> Versions:
+    """The versions that a user names.
+
+    Args:
+        targets: `NAME==VERSION`.
+        out: Gets what is wrong with them.
+    """
+    from actspec.audit.settings import read_versions
+
+    given: dict[str, str] = {}
+    for target in targets:
+        name, equals, version = target.partition("==")
+        if not equals:
+            help = "for example isaaclab==2.3"
+            out.error("AUD010", f"must be NAME==VERSION, got {target!r}", where="--target", help=help)
+        elif given.setdefault(name, version) != version:
+            out.error("AUD010", f"two versions of {name}: {given[name]} and {version}", where="--target")
+    return read_versions(given, "--target", None, out)
+
+
+def configured_versions(targets: Sequence[str]) -> Versions:
+    """The versions of the settings file, with those that a user names in their place.
+
+    Raises: AuditError: either is wrong.
+    """
+    from actspec.audit.rules.registry import all_rules
+    from actspec.audit.settings import load_settings
+    from actspec.diagnostics import AuditError, Collector
+
+    out = Collector()
+    named = named_versions(targets, out)
+    out.raise_if_failed(AuditError)
+    return overridden(load_settings(all_rules()).versions, named)
+
+
+def overridden(versions: Versions, by: Versions) -> Versions:
+    """Versions with those of `by` in their place where it states any."""
+    given = {name: getattr(by, name) for name in by.__dataclass_fields__}
+    return replace(versions, **{name: value for name, value in given.items() if value is not None})
