@@ -18,7 +18,7 @@ from actspec.robot.view import ModelFormat, RobotView, isaac_order
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.deploy.text import comment, entry, scalar
 from actspec.targets.kit.provenance import source_lines
-from actspec.targets.kit.python_text import environment, grouped, identifier, provenance
+from actspec.targets.kit.python_text import environment, grouped, identifier, origin_of
 
 FORMAT = "actspec-deploy/1"
 
@@ -100,7 +100,7 @@ def _map(first: str, second: str, orders: dict[str, Order | None]) -> list[str]:
 def _timing(actuators: ActuatorSet) -> Iterator[str]:
     dt, decimation = actuators.physics_dt, actuators.decimation
     control = None if decimation is None or dt.value is None else dt.value * decimation
-    yield f"  physics_dt: {scalar(dt.value)}  # s, of the simulation; {comment(provenance(dt))}"
+    yield f"  physics_dt: {scalar(dt.value)}  # s, of the simulation; {comment(origin_of(dt))}"
     yield f"  decimation: {scalar(decimation)}  # physics steps in one control step"
     yield f"  control_dt: {scalar(control)}  # s, between two actions of the policy"
 
@@ -217,7 +217,7 @@ def _origins(
         elif not quantity.known:
             said.append(("unknown", joint.joint))
         else:
-            text = "a default" if quantity.origin is Origin.DEFAULT else provenance(quantity)
+            text = "a default" if quantity.origin is Origin.DEFAULT else origin_of(quantity)
             said.append((text, joint.joint))
     kinds = grouped(said, lambda pair: pair[0])
     if len(kinds) == 1:

@@ -8,11 +8,11 @@ from dataclasses import replace
 from actspec.diagnostics import Collector, EmitError, Span, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators import UnknownVersion
 from actspec.simulators.isaaclab import IsaacLabDialect, isaaclab_dialect
-from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab.joint_cfg import IMPLICIT, Drive, drive_of
+from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_name, module_text
+from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
 from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
 from actspec.targets.kit.python_text import grouped, identifier
 
@@ -32,59 +32,40 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         EmitError: the target cannot be written, with every reason.
     """
     collector = Collector()
-    dialect = _dialect(options, collector)
+    dialect = dialect_of(
+        lambda: isaaclab_dialect(options.version, options.isaac_sim, options.backend),
+        "ISL001",
+        options,
+        collector,
+    )
     _check_class(actuators, dialect, options, collector)
     _check_limits(actuators, collector)
     networks = _networks(actuators, collector)
     step = actuators.physics_dt.require()
-    drives = []
-    for actuator in actuators.joints:
+
+    def cfg(actuator: JointActuator, _: Collector) -> JointCfg | None:
         network = networks.get(actuator.group)
         if not actuator.effort_limit.known or (actuator.level is Level.ACTUATOR_NET and network is None):
-            continue
-        drive = drive_of(actuator, dialect, options.actuator_class, step, options.name, network, collector)
-        if drive is not None:
-            drives.append(drive)
-    collector.raise_if_failed(EmitError)
-    _warn(actuators, robot, dialect, drives, collector)
+            return None
+        return cfg_of(actuator, dialect, options.actuator_class, step, options.name, network)
 
-    approximations = [loss for drive in drives for loss in drive.approximations]
-    if actuators.delta_action is not None:
-        approximations.append(
-            Approximation(
-                options.name,
-                "",
-                "delta_action",
-                os.path.basename(actuators.delta_action.network),
-                "none",
-                "no actuator class sees the whole robot: wrap the environment with the runtime",
-                None,
-            )
-        )
+    cfgs = joint_by_joint(actuators, cfg, ("ISL011",), collector)
+    collector.raise_if_failed(EmitError)
+    _warn(actuators, robot, dialect, cfgs, collector)
+
+    approximations = [loss for cfg in cfgs for loss in cfg.approximations]
+    why = "no actuator class sees the whole robot: wrap the environment with the runtime"
+    approximations += delta_action_loss(actuators, options.name, why)
     # A floating base is no joint of an articulation.
     names = [joint.name for joint in robot.joints if joint.kind is not JointKind.FREE]
-    groups = groups_of(drives, names)
+    groups = groups_of(cfgs, names)
     model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
     text = module_text(actuators, groups, approximations, dialect, model)
     files = [EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))]
     written = {file.name: file.data for file, _ in networks.values()}
     files += [EmittedFile(name, data) for name, data in sorted(written.items())]
-    explicit = frozenset(drive.actuator.joint for drive in drives if drive.cls != IMPLICIT)
+    explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.cls != IMPLICIT)
     return Emission(tuple(files), tuple(approximations), collector.sorted(), explicit)
-
-
-def _dialect(options: TargetOptions, collector: Collector) -> IsaacLabDialect:
-    try:
-        return isaaclab_dialect(options.version, options.isaac_sim, options.backend)
-    except UnknownVersion as err:
-        collector.error(
-            "ISL001",
-            err.message,
-            where=options.where(err.key),
-            span=options.span(err.key),
-            help=err.help,
-        )
-        raise EmitError(collector.sorted()) from None
 
 
 def _check_class(
@@ -227,20 +208,11 @@ def _warn(
     actuators: ActuatorSet,
     robot: RobotView,
     dialect: IsaacLabDialect,
-    drives: list[Drive],
+    cfgs: list[JointCfg],
     collector: Collector,
 ) -> None:
-    unmeasured = [a for a in actuators.joints if a.armature.value is None]
-    if unmeasured:
-        collector.warning(
-            "ISL030",
-            f"the armature of {len(unmeasured)} joints is unknown, and Isaac Lab takes the USD's: "
-            f"{listed([a.joint for a in unmeasured])}",
-            where=f"actuators.{unmeasured[0].group}.armature",
-            span=unmeasured[0].armature.span or unmeasured[0].span,
-            help="state armature, or rotor_inertia and gear_ratio of the motor",
-        )
-    open_gains = [d.actuator for d in drives if any(f.value is None for f in d.fields)]
+    warn_unknown_armature(actuators, "ISL030", "Isaac Lab takes the USD's", collector)
+    open_gains = [d.actuator for d in cfgs if any(f.value is None for f in d.fields)]
     if open_gains:
         collector.warning(
             "ISL031",

@@ -8,15 +8,11 @@ from typing import TYPE_CHECKING
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
-from actspec.targets.base import Approximation
-from actspec.targets.kit.joint import network_clip
-from actspec.targets.kit.python_text import provenance, stated
+from actspec.targets.kit.joint import JointEmission
+from actspec.targets.kit.python_text import origin_of, stated
 from actspec.targets.kit.sizes import (
-    command_range_error,
     held_step_error,
-    static_error,
     summed_viscous_error,
-    viscous_error,
 )
 from actspec.units import format_quantity
 
@@ -43,8 +39,15 @@ class Field:
     file: bool = False
 
 
-class Joint:
+class Joint(JointEmission):
     """A joint and a dialect, with the losses and remarks that gather as fields are chosen.
+
+    Attributes:
+        dialect: Version that is written.
+        network: The network and the physics steps between its taps; None without one.
+        limit: Effort limit [N*m or N].
+        gains_known: Whether the drive has all gains that it is to have.
+        remarks: Comments above the fields.
 
     Raises: ValueError: the law lacks a number; it says which.
     """
@@ -57,35 +60,28 @@ class Joint:
         target: str,
         network: tuple[NetworkFile, int] | None,
     ) -> None:
-        self.actuator = actuator
+        self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
+        super().__init__(actuator, step, target)
         self.dialect = dialect
-        self.step = step
-        self.target = target
         self.network = network
-        self.unit = actuator.effort_limit.unit
         self.speed_unit = actuator.velocity_limit.unit
         self.limit = actuator.effort_limit.require()
-        self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
-        self.lost: list[Approximation] = []
         self.remarks: list[str] = []
-        self.law = self._law()
 
     def _law(self) -> TorqueLaw:
-        """The law; of a network or unknown gains its clamp, as a drive whose command is the torque."""
-        actuator = self.actuator
-        if actuator.level is Level.ACTUATOR_NET:
-            return law_of(replace(network_clip(actuator), delay=None, filter_cutoff=None))
-        return law_of(actuator if self.gains_known else replace(actuator, command=Command.EFFORT))
+        """The law; of unknown gains its clamp, as a drive whose command is the torque."""
+        if self.learned or self.gains_known:
+            return super()._law()
+        return law_of(replace(self.actuator, command=Command.EFFORT))
 
-    def approximate(self, field: str, asked: str, emitted: str, why: str, error: float | None) -> None:
-        """Record a loss; see `Approximation`."""
-        self.lost.append(
-            Approximation(self.target, self.actuator.joint, field, asked, emitted, why, error, self.unit)
-        )
+    @property
+    def opaque(self) -> bool:
+        """Whether the torque of a command is not known here; it is at most from one limit to the other."""
+        return self.learned or not self.gains_known
 
     def note(self, quantity: Quantity) -> str:
         """Unit, origin and formula, as a comment has them."""
-        return "; ".join(filter(None, (quantity.unit, provenance(quantity), quantity.formula)))
+        return "; ".join(filter(None, (quantity.unit, origin_of(quantity), quantity.formula)))
 
     def curve_text(self, law: TorqueLaw) -> str:
         """A line or curve in words."""
@@ -99,25 +95,6 @@ class Joint:
             f"line from {format_quantity(law.stall_torque, self.unit)} to "
             f"{format_quantity(law.no_load_speed, self.speed_unit)}"
         )
-
-    def ms(self, steps: int) -> str:
-        """A number of physics steps in words."""
-        plural = "" if steps == 1 else "s"
-        return f"{steps * self.step * 1e3:g} ms ({steps} step{plural} of {self.step * 1e3:g} ms)"
-
-    @property
-    def speed_limit(self) -> float | None:
-        """The joint's speed limit [rad/s or m/s]; None: unknown."""
-        return self.actuator.velocity_limit.value
-
-    @property
-    def opaque(self) -> bool:
-        """Whether the torque of a command is not known here; it is at most from one limit to the other."""
-        return self.network is not None or not self.gains_known
-
-    def lost_step(self) -> float:
-        """Size of a lost delay or filter [N*m or N]."""
-        return held_step_error(self.law) if self.network is None else 2.0 * self.limit
 
 
 def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
@@ -146,36 +123,12 @@ def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
                 held_step_error(joint.law, filtered=filtered, late=delay.high - delay.low),
             )
         return low.steps, high.steps
-    nominal = delay.nominal.value if ranged else delay.high
-    if nominal is None:
-        joint.approximate(
-            "delay.range",
-            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
-            "none",
-            f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay, and the nominal is unknown",
-            held_step_error(joint.law, filtered=filtered, late=delay.high),
-        )
-        return 0, 0
-    steps, loss = delay_steps(nominal, joint.step)
-    if abs(loss) > 1e-9:
-        joint.approximate(
-            "delay",
-            f"{nominal * 1e3:g} ms",
-            joint.ms(steps),
-            f"a delay is a whole number of physics steps; {abs(loss) * 1e3:g} ms "
-            f"{'more' if loss > 0 else 'less'} than asked",
-            held_step_error(joint.law, filtered=filtered, late=abs(loss)),
-        )
-    if ranged:
-        reach = max(abs(steps * joint.step - end) for end in (delay.low, delay.high))
-        joint.approximate(
-            "delay.range",
-            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
-            joint.ms(steps),
-            f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay; at most "
-            f"{reach * 1e3:g} ms off",
-            held_step_error(joint.law, filtered=filtered, late=reach),
-        )
+    why = f"the actuators of Isaac Lab {joint.dialect.text} have one fixed delay"
+
+    def size(late: float) -> float:
+        return held_step_error(joint.law, filtered=filtered, late=late)
+
+    steps, _ = joint.one_delay(why, joint.ms, size, steps="physics steps")
     return steps, steps
 
 
@@ -185,7 +138,7 @@ def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
     assert delay is not None
     first = f"physics steps of {joint.step * 1e3:g} ms"
     if delay.nominal.known:
-        first += f"; {provenance(delay.nominal)}"
+        first += f"; {origin_of(delay.nominal)}"
     return [
         Field("min_delay", steps[0], first, scalar=True),
         Field("max_delay", steps[1], f"{steps[1] * joint.step * 1e3:g} ms", scalar=True),
@@ -200,50 +153,18 @@ def no_delay(joint: Joint, why: str) -> None:
     asked = "unknown" if delay.nominal.value is None else f"{delay.nominal.value * 1e3:g} ms"
     if delay.low != delay.high:
         asked += f" ({delay.low * 1e3:g} to {delay.high * 1e3:g} ms)"
-    joint.approximate("delay", asked, "none", why, joint.lost_step())
+    joint.approximate("delay", asked, "none", why, joint.late)
 
 
-def no_filter(joint: Joint) -> None:
-    """Report the command filter as lost, if there is one."""
-    cutoff = joint.actuator.filter_cutoff
-    if cutoff is None or not cutoff.known:
-        return
-    joint.approximate(
-        "command_filter",
-        f"{cutoff.require():g} Hz",
-        "none",
-        "no stock class filters the command",
-        joint.lost_step(),
-    )
-
-
-def no_bias(joint: Joint) -> None:
-    """Report the encoder bias as lost, if it does anything."""
-    bias = joint.actuator.encoder_bias
-    if not bias.value or (joint.network is None and joint.actuator.command is not Command.POSITION):
-        return
-    error = 2.0 * joint.limit
-    if not joint.opaque:
-        error = static_error(joint.law, replace(joint.law, encoder_bias=0.0).torque)
-    joint.approximate(
-        "encoder_bias",
-        format_quantity(bias.value, bias.unit),
-        "none",
-        "no stock class has an encoder bias",
-        error,
-    )
-
-
-def no_range(joint: Joint) -> None:
-    """Report the clamp of the command as lost, if there is one."""
+def no_command_path(joint: Joint) -> None:
+    """Report filter, encoder bias and clamp of the command as lost, where there are any."""
+    joint.no_filter("no stock class filters the command")
+    joint.no_bias("no stock class has an encoder bias")
     ends = joint.actuator.command_range
-    if ends is None or not any(end.known for end in ends):
-        return
-    error = 2.0 * joint.limit
-    if not joint.opaque:
-        error = command_range_error(joint.law, joint.actuator.position_range)
-    low, high = (format_quantity(end.value, end.unit) for end in ends)
-    joint.approximate("command_range", f"{low} to {high}", "none", "no stock class clamps the command", error)
+    if ends is not None and any(end.known for end in ends):
+        low, high = (format_quantity(end.value, end.unit) for end in ends)
+        why = "no stock class clamps the command"
+        joint.approximate("command_range", f"{low} to {high}", "none", why, joint.range_error())
 
 
 def gain_fields(joint: Joint) -> list[Field]:
@@ -257,8 +178,7 @@ def gain_fields(joint: Joint) -> list[Field]:
     value, asked = viscous.require(), format_quantity(viscous.value, viscous.unit)
     why = _no_field(joint, "viscous")
     if not viscous_in_damping(actuator, joint.dialect):
-        error = viscous_error(joint.law, value, joint.speed_limit)
-        joint.approximate("friction.viscous", asked, "none", why, error)
+        joint.no_viscous(why)
         return [stiffness, damping]
     assert isinstance(damping.value, float)
     total = damping.value + value
@@ -308,13 +228,7 @@ def joint_fields(joint: Joint, *, summed: bool = True) -> list[Field]:
         if joint.dialect.viscous:
             fields.append(Field("viscous_friction", viscous.require(), joint.note(viscous)))
         elif not summed and viscous.require():
-            joint.approximate(
-                "friction.viscous",
-                format_quantity(viscous.value, viscous.unit),
-                "none",
-                _no_field(joint, "viscous"),
-                viscous_error(joint.law, viscous.require(), joint.speed_limit),
-            )
+            joint.no_viscous(_no_field(joint, "viscous"))
     return fields
 
 
@@ -378,18 +292,12 @@ def _effort_friction(
 
 def _no_stribeck(joint: Joint, sticking: float | None, kinetic: float | None) -> None:
     """Report the Stribeck effect as lost, if there is one; no solver has it."""
-    stribeck = joint.actuator.stribeck_velocity
-    if sticking is None or stribeck is None or not stribeck.known or sticking <= (kinetic or 0.0):
-        return
-    joint.approximate(
-        "friction.stribeck_velocity",
-        format_quantity(stribeck.value, stribeck.unit),
-        "none",
-        "the solver goes from static to sliding friction at once"
-        if joint.dialect.friction is FrictionUnit.EFFORT
-        else "no solver has a Stribeck effect",
-        sticking - (kinetic or 0.0),
-    )
+    if sticking is not None and sticking > (kinetic or 0.0):
+        effort = joint.dialect.friction is FrictionUnit.EFFORT
+        at_once = "the solver goes from static to sliding friction at once"
+        joint.no_stribeck(
+            at_once if effort else "no solver has a Stribeck effect", sticking - (kinetic or 0.0)
+        )
 
 
 def _no_field(joint: Joint, kind: str) -> str:

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw
 from actspec.simulators.isaaclab import IsaacLabDialect
@@ -22,12 +21,10 @@ from actspec.targets.isaaclab.fields import (
     joint_fields,
     lag_fields,
     lags,
-    no_bias,
+    no_command_path,
     no_delay,
-    no_filter,
-    no_range,
 )
-from actspec.targets.kit.python_text import provenance, stated
+from actspec.targets.kit.python_text import origin_of, stated
 from actspec.targets.kit.sizes import (
     Torque,
     at_standstill,
@@ -53,7 +50,7 @@ CUSTOM = "custom"
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
+class JointCfg:
     """One joint's part of a cfg; joint side, SI.
 
     Attributes:
@@ -71,16 +68,15 @@ class Drive:
     approximations: tuple[Approximation, ...]
 
 
-def drive_of(
+def cfg_of(
     actuator: JointActuator,
     dialect: IsaacLabDialect,
     actuator_class: str,
     step: float,
     target: str,
     network: tuple[NetworkFile, int] | None,
-    collector: Collector,
-) -> Drive | None:
-    """Choose the class and fields of one joint; None after an error.
+) -> JointCfg:
+    """Choose the class and fields of one joint.
 
     Args:
         actuator: What the spec asks for, with a known effort limit.
@@ -89,20 +85,10 @@ def drive_of(
         step: Physics step [s].
         target: Name of the target, for approximations.
         network: The network and the physics steps between its taps, for level actuator_net.
-        collector: Takes errors.
+
+    Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    try:
-        return _choose(Joint(actuator, dialect, step, target, network), actuator_class)
-    except ValueError as err:
-        # The law itself says which number it lacks; a delay that is too long is so for all joints of a group.
-        where = f"actuators.{actuator.group}"
-        if not any((item.where, item.message) == (where, str(err)) for item in collector):
-            collector.error("ISL011", str(err), where=where, span=actuator.span)
-        return None
-
-
-def _choose(joint: Joint, actuator_class: str) -> Drive:
-    actuator = joint.actuator
+    joint = Joint(actuator, dialect, step, target, network)
     if actuator.level is Level.ACTUATOR_NET:
         cls, fields = _net(joint)
     elif actuator_class == "implicit":
@@ -124,7 +110,7 @@ def _choose(joint: Joint, actuator_class: str) -> Drive:
     ]
     if silent:
         joint.remarks.append(f"Nobody states {', '.join(silent)}: the USD's own.")
-    return Drive(actuator, cls, tuple(fields), tuple(joint.remarks), tuple(joint.lost))
+    return JointCfg(actuator, cls, tuple(fields), tuple(joint.remarks), tuple(joint.lost))
 
 
 def _ideal(joint: Joint) -> tuple[str, list[Field]]:
@@ -134,9 +120,7 @@ def _ideal(joint: Joint) -> tuple[str, list[Field]]:
     if steps[1]:
         cls = "DelayedPDActuator"
         fields += lag_fields(joint, steps)
-    no_filter(joint)
-    no_bias(joint)
-    no_range(joint)
+    no_command_path(joint)
     return cls, fields
 
 
@@ -145,9 +129,7 @@ def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
     _one_line(joint, law, "DCMotor")
     fields = [*_limits(joint, law.effort_limit, law), *gain_fields(joint), *joint_fields(joint)]
     no_delay(joint, "DCMotor has no delay; the torque-speed line is kept instead")
-    no_filter(joint)
-    no_bias(joint)
-    no_range(joint)
+    no_command_path(joint)
     return "DCMotor", fields
 
 
@@ -168,9 +150,7 @@ def _implicit(joint: Joint) -> tuple[str, list[Field]]:
     fields = [Field(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
     no_delay(joint, "the solver's drive has no delay")
-    no_filter(joint)
-    no_bias(joint)
-    no_range(joint)
+    no_command_path(joint)
     return IMPLICIT, fields
 
 
@@ -243,9 +223,7 @@ def _net(joint: Joint) -> tuple[str, list[Field]]:
         )
     fields += [*_limits(joint, line.effort_limit, line), *joint_fields(joint, summed=False)]
     no_delay(joint, "the network's class has no delay")
-    no_filter(joint)
-    no_bias(joint)
-    no_range(joint)
+    no_command_path(joint)
     return ("ActuatorNetLSTM" if lstm else "ActuatorNetMLP"), fields
 
 
@@ -262,10 +240,10 @@ def _limits(joint: Joint, limit: float, line: TorqueLaw | None = None) -> list[F
         if actuator.curve is not None:
             torque += "; the line through knee and no-load speed"
         elif actuator.stall_torque is not None and actuator.stall_torque.known:
-            torque += f"; {provenance(actuator.stall_torque)}"
+            torque += f"; {origin_of(actuator.stall_torque)}"
         source = actuator.curve.no_load_speed if actuator.curve is not None else actuator.no_load_speed
         if source is not None and source.known:
-            speed += f"; {provenance(source)}"
+            speed += f"; {origin_of(source)}"
         per_group = not joint.dialect.dict_saturation
         fields.append(Field("saturation_effort", line.stall_torque, torque, scalar=per_group))
         fields.append(Field(names.velocity, line.no_load_speed, speed))
@@ -279,13 +257,8 @@ def _solver_velocity(joint: Joint) -> list[Field]:
     if not quantity.known:
         return []
     if joint.dialect.backend == "newton":
-        joint.approximate(
-            "velocity_limit",
-            format_quantity(quantity.value, quantity.unit),
-            "a field that the solver does not read",
-            "MuJoCo has no speed limit of a joint",
-            None,
-        )
+        why = "MuJoCo has no speed limit of a joint"
+        joint.no_velocity_limit(why, "a field that the solver does not read")
     return [Field(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
 
 

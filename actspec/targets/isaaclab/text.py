@@ -1,4 +1,4 @@
-"""From drives to the groups of a cfg: which joints share one, what it is called, scalar or dict."""
+"""From cfgs to the groups of a cfg: which joints share one, what it is called, scalar or dict."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from actspec.ir import ActuatorSet
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.fields import Field
-from actspec.targets.isaaclab.joint_cfg import CUSTOM, Drive
+from actspec.targets.isaaclab.joint_cfg import CUSTOM, JointCfg
 from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.kit.python_text import (
     WIDTH,
@@ -55,7 +55,7 @@ class Keyword:
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class CfgGroup:
     """One group of joints.
 
     Attributes:
@@ -64,7 +64,7 @@ class Group:
         patterns: Expressions that match its joints, each once.
         keywords: The rest of the cfg.
         remarks: Comments.
-        drives: Its joints.
+        cfgs: Its joints.
     """
 
     name: str
@@ -72,19 +72,19 @@ class Group:
     patterns: tuple[str, ...]
     keywords: tuple[Keyword, ...]
     remarks: tuple[str, ...]
-    drives: tuple[Drive, ...]
+    cfgs: tuple[JointCfg, ...]
 
 
-def groups_of(drives: Sequence[Drive], names: Sequence[str]) -> tuple[Group, ...]:
+def groups_of(cfgs: Sequence[JointCfg], names: Sequence[str]) -> tuple[CfgGroup, ...]:
     """Split the spec's groups where a cfg takes one value, and merge the rest.
 
     Args:
-        drives: One a joint, in the robot's order.
+        cfgs: One a joint, in the robot's order.
         names: All of the robot's joints.
     """
-    found: list[Group] = []
+    found: list[CfgGroup] = []
     taken: set[str] = set()
-    for spec_group, members in grouped(drives, lambda drive: drive.actuator.group):
+    for spec_group, members in grouped(cfgs, lambda cfg: cfg.actuator.group):
         parts = [part for _, part in grouped(members, _shared)]
         for label, part in zip(_labels(spec_group, parts), parts, strict=True):
             name, number = label, 2
@@ -95,17 +95,17 @@ def groups_of(drives: Sequence[Drive], names: Sequence[str]) -> tuple[Group, ...
     return tuple(found)
 
 
-def _shared(drive: Drive) -> tuple[object, ...]:
+def _shared(cfg: JointCfg) -> tuple[object, ...]:
     """What all joints of a group must have in common; `None` fits in no dict."""
-    fields = tuple((f.name, repr(f.value) if f.scalar or f.value is None else "") for f in drive.fields)
-    return (drive.cls, fields)
+    fields = tuple((f.name, repr(f.value) if f.scalar or f.value is None else "") for f in cfg.fields)
+    return (cfg.cls, fields)
 
 
-def _labels(name: str, parts: Sequence[Sequence[Drive]]) -> list[str]:
+def _labels(name: str, parts: Sequence[Sequence[JointCfg]]) -> list[str]:
     """Names of a split group's parts: with the words that all of a part's joints have and no other's."""
     if len(parts) == 1:
         return [name]
-    words = [[_words(drive.actuator.joint) for drive in part] for part in parts]
+    words = [[_words(cfg.actuator.joint) for cfg in part] for part in parts]
     labels = []
     for index, mine in enumerate(words):
         others = [
@@ -120,17 +120,17 @@ def _words(joint: str) -> list[str]:
     return [word for word in re.split(r"[^A-Za-z0-9]+", joint) if word]
 
 
-def _group(name: str, drives: Sequence[Drive], names: Sequence[str]) -> Group:
+def _group(name: str, cfgs: Sequence[JointCfg], names: Sequence[str]) -> CfgGroup:
     keywords = []
-    for index, first in enumerate(drives[0].fields):
-        members = [(drive, drive.fields[index]) for drive in drives]
+    for index, first in enumerate(cfgs[0].fields):
+        members = [(cfg, cfg.fields[index]) for cfg in cfgs]
         keywords.append(_merged(first, members, names))
-    remarks = tuple(dict.fromkeys(remark for drive in drives for remark in drive.remarks))
-    patterns = joint_patterns([drive.actuator for drive in drives], names)
-    return Group(name, drives[0].cls, patterns, tuple(keywords), remarks, tuple(drives))
+    remarks = tuple(dict.fromkeys(remark for cfg in cfgs for remark in cfg.remarks))
+    patterns = joint_patterns([cfg.actuator for cfg in cfgs], names)
+    return CfgGroup(name, cfgs[0].cls, patterns, tuple(keywords), remarks, tuple(cfgs))
 
 
-def _merged(first: Field, members: list[tuple[Drive, Field]], names: Sequence[str]) -> Keyword:
+def _merged(first: Field, members: list[tuple[JointCfg, Field]], names: Sequence[str]) -> Keyword:
     notes = list(dict.fromkeys(field.note for _, field in members))
     note = notes[0] if len(notes) == 1 else ""
     if all(field.value == first.value for _, field in members):
@@ -138,7 +138,7 @@ def _merged(first: Field, members: list[tuple[Drive, Field]], names: Sequence[st
     entries = []
     for (value, own), part in grouped(members, lambda member: (member[1].value, member[1].note)):
         assert isinstance(value, int | float)
-        for pattern in joint_patterns([drive.actuator for drive, _ in part], names):
+        for pattern in joint_patterns([cfg.actuator for cfg, _ in part], names):
             entries.append(Entry(pattern, value, "" if note else own))
     return Keyword(first.name, None, tuple(entries), note, first.file)
 
@@ -156,7 +156,7 @@ def class_name(robot: str) -> str:
 
 def module_text(
     actuators: ActuatorSet,
-    groups: Sequence[Group],
+    groups: Sequence[CfgGroup],
     approximations: Sequence[Approximation],
     dialect: IsaacLabDialect,
     model: str,
@@ -216,7 +216,7 @@ def _imports(names: Sequence[str]) -> Iterator[str]:
         yield from ("from isaaclab.actuators import (", *(f"    {name}," for name in names), ")")
 
 
-def _timing(actuators: ActuatorSet, groups: Sequence[Group]) -> str:
+def _timing(actuators: ActuatorSet, groups: Sequence[CfgGroup]) -> str:
     text = f"Made for ``SimulationCfg(dt={py(actuators.physics_dt.require())})``"
     if actuators.decimation is not None:
         text += f" and ``decimation={actuators.decimation}``"
@@ -240,14 +240,14 @@ def _stages(features: set[str]) -> list[str]:
     return textwrap.wrap(f"In the order of a physics step: {', '.join(stages)}.", WIDTH - 4)
 
 
-def _shared_remarks(groups: Sequence[Group]) -> tuple[str, ...]:
+def _shared_remarks(groups: Sequence[CfgGroup]) -> tuple[str, ...]:
     """Remarks that hold for every group: said once, above them all."""
     if len(groups) < 2:
         return ()
     return tuple(r for r in groups[0].remarks if all(r in group.remarks for group in groups))
 
 
-def _rows(group: Group, said: Sequence[str]) -> Iterator[str]:
+def _rows(group: CfgGroup, said: Sequence[str]) -> Iterator[str]:
     """The lines between the cfg's parentheses, without the remarks that are said above."""
     indent = " " * 8
     for remark in group.remarks:

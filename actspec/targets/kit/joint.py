@@ -1,58 +1,122 @@
-"""One joint on its way into a target of one class a joint: its law, and the losses that several targets have alike."""
+"""One joint on its way into a target: its law, and what is lost of it, each kind of loss once for all targets."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import os
+from collections.abc import Callable, Collection
 from dataclasses import replace
+from typing import TypeVar
 
-from actspec.diagnostics import Collector
-from actspec.ir import Approximation, Command, JointActuator, Level
-from actspec.laws import TorqueLaw, law_of
-from actspec.targets.base import EmittedFile
-from actspec.targets.kit.sizes import command_range_error, held_step_error
+from actspec.diagnostics import Collector, EmitError, listed
+from actspec.ir import ActuatorSet, Approximation, Command, JointActuator, Level
+from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.resolution.reports import Reports
+from actspec.simulators import UnknownVersion
+from actspec.targets.base import TargetOptions
+from actspec.targets.kit.network import network_clip
+from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
 from actspec.units import format_quantity
 
+T = TypeVar("T")
 
-class LosingJoint:
-    """A joint with the losses that gather as its fields are chosen; each target adds its dialect.
+
+class JointLosses:
+    """Collects what a target loses of one joint.
 
     Attributes:
         actuator: What the spec asks for.
-        step: Physics step [s].
-        collector: Takes errors.
-        where: The group's place in the spec.
         unit: Unit of a torque here.
-        law: What the target is held to; of a network, the clip of its torque.
         lost: What the target cannot hold.
+    """
+
+    def __init__(self, actuator: JointActuator, target: str) -> None:
+        self.actuator = actuator
+        self.unit = actuator.effort_limit.unit
+        self.lost: list[Approximation] = []
+        self._target = target
+
+    def approximate(
+        self, field: str, asked: str, emitted: str, why: str, error: float | None, unit: str | None = None
+    ) -> None:
+        """Record a loss; see `Approximation`."""
+        self.lost.append(
+            Approximation(
+                self._target, self.actuator.joint, field, asked, emitted, why, error, unit or self.unit
+            )
+        )
+
+    def torque(self, value: float) -> str:
+        """A torque with its unit."""
+        return format_quantity(value, self.unit)
+
+    @property
+    def speed_limit(self) -> float | None:
+        """The joint's speed limit [rad/s or m/s]; None: unknown."""
+        return self.actuator.velocity_limit.value
+
+    def no_break_away(self, keeps: str | None, one_number: str, no_effect: str) -> None:
+        """Report static friction above the dry one, and its Stribeck effect, as lost, where there are any.
+
+        Args:
+            keeps: What acts where the spec states no dry friction; None: nothing is written there, or lost.
+            one_number: Why there is one friction.
+            no_effect: Why there is no Stribeck effect.
+        """
+        actuator = self.actuator
+        coulomb = actuator.friction_coulomb.value
+        static = None if actuator.friction_static is None else actuator.friction_static.value
+        if static is None or static <= (coulomb or 0.0) or (coulomb is None and keeps is None):
+            return
+        error = static - (coulomb or 0.0)
+        emitted = str(keeps) if coulomb is None else self.torque(coulomb)
+        self.approximate("friction.static", self.torque(static), emitted, one_number, error)
+        self.no_stribeck(no_effect, error)
+
+    def no_stribeck(self, why: str, error: float) -> None:
+        """Report the Stribeck effect as lost, if there is one."""
+        stribeck = self.actuator.stribeck_velocity
+        if stribeck is not None and stribeck.known:
+            asked = format_quantity(stribeck.value, stribeck.unit)
+            self.approximate("friction.stribeck_velocity", asked, "none", why, error)
+
+    def no_velocity_limit(self, why: str, emitted: str = "none") -> None:
+        """Report the joint's speed limit as lost, if there is one."""
+        limit = self.actuator.velocity_limit
+        if limit.known:
+            asked = format_quantity(limit.value, limit.unit)
+            self.approximate("velocity_limit", asked, emitted, why, None)
+
+
+class JointEmission(JointLosses):
+    """A joint with its law; each target adds its dialect.
+
+    Attributes:
+        step: Physics step [s].
+        where: The group's place in the spec.
+        law: What the target is held to; of a network, the clip of its torque.
 
     Raises: ValueError: the law lacks a number; it says which.
     """
 
-    def __init__(self, actuator: JointActuator, step: float, target: str, collector: Collector) -> None:
-        self.actuator = actuator
+    def __init__(self, actuator: JointActuator, step: float, target: str) -> None:
+        super().__init__(actuator, target)
         self.step = step
-        self.collector = collector
         self.where = f"actuators.{actuator.group}"
-        self.unit = actuator.effort_limit.unit
-        self.law: TorqueLaw = law_of(network_clip(actuator) if self.learned else actuator)
-        self.lost: list[Approximation] = []
-        self._target = target
+        self.law: TorqueLaw = self._law()
+
+    def _law(self) -> TorqueLaw:
+        return law_of(network_clip(self.actuator) if self.learned else self.actuator)
 
     @property
     def learned(self) -> bool:
         """Whether a network makes the torque."""
         return self.actuator.level is Level.ACTUATOR_NET
 
-    def approximate(self, field: str, asked: str, emitted: str, why: str, error: float | None) -> None:
-        """Record a loss; see `Approximation`."""
-        self.lost.append(
-            Approximation(self._target, self.actuator.joint, field, asked, emitted, why, error, self.unit)
-        )
-
-    def torque(self, value: float) -> str:
-        """A torque with its unit."""
-        return format_quantity(value, self.unit)
+    @property
+    def opaque(self) -> bool:
+        """Whether the torque of a command is not known here; it is at most from one limit to the other."""
+        return self.learned
 
     @property
     def both_limits(self) -> float | None:
@@ -71,6 +135,19 @@ class LosingJoint:
         if cutoff is not None:
             self.approximate("command_filter", f"{cutoff:g} Hz", "none", why, self.late)
 
+    def no_bias(self, why: str) -> None:
+        """Report the encoder bias as lost, if it does anything."""
+        bias = self.law.encoder_bias
+        if bias == 0.0 or not (self.learned or self.actuator.command is Command.POSITION):
+            return
+        error = (
+            self.both_limits
+            if self.opaque
+            else static_error(self.law, replace(self.law, encoder_bias=0.0).torque)
+        )
+        asked = format_quantity(bias, self.actuator.encoder_bias.unit)
+        self.approximate("encoder_bias", asked, "none", why, error)
+
     def no_range(self, why: str) -> None:
         """Report the clamp of the command as lost, if there is one."""
         if self.law.command_range is None:
@@ -80,67 +157,179 @@ class LosingJoint:
             Command.POSITION: self.actuator.encoder_bias.unit,
             Command.VELOCITY: self.actuator.velocity_limit.unit,
         }
-        error = self.both_limits
-        if not self.learned:
-            error = command_range_error(self.law, self.actuator.position_range)
         asked = f"{low:g} to {high:g} {unit.get(self.actuator.command, self.unit)}"
-        self.approximate("command_range", asked, "none", why, error)
+        self.approximate("command_range", asked, "none", why, self.range_error())
 
-    def no_break_away(self, keeps: str, one_number: str, no_effect: str) -> None:
-        """Report static friction above the dry one, and its Stribeck effect, as lost, where there are any.
+    def range_error(self) -> float | None:
+        """Size of a lost clamp of the command [N*m or N]."""
+        return (
+            self.both_limits if self.opaque else command_range_error(self.law, self.actuator.position_range)
+        )
+
+    def no_viscous(self, why: str, emitted: str = "none", kept: float | None = 0.0) -> None:
+        """Report the passive viscous friction as lost.
 
         Args:
-            keeps: What acts where the spec states no dry friction.
-            one_number: Why there is one friction.
-            no_effect: Why there is no Stribeck effect.
+            why: Why it cannot be written.
+            emitted: What acts in its place.
+            kept: How much of it acts all the same [N*m*s/rad or N*s/m]; None: unknown.
         """
-        actuator = self.actuator
-        coulomb = actuator.friction_coulomb.value
-        static = None if actuator.friction_static is None else actuator.friction_static.value
-        if static is None or static <= (coulomb or 0.0):
-            return
-        error = static - (coulomb or 0.0)
-        emitted = keeps if coulomb is None else self.torque(coulomb)
-        self.approximate("friction.static", self.torque(static), emitted, one_number, error)
-        stribeck = actuator.stribeck_velocity
-        if stribeck is not None and stribeck.known:
-            asked = format_quantity(stribeck.value, stribeck.unit)
-            self.approximate("friction.stribeck_velocity", asked, "none", no_effect, error)
+        viscous = self.actuator.friction_viscous
+        error = None if kept is None else viscous_error(self.law, viscous.require() - kept, self.speed_limit)
+        self.approximate(
+            "friction.viscous", format_quantity(viscous.value, viscous.unit), emitted, why, error
+        )
+
+    def drive_side(self, why: str) -> TorqueLaw:
+        """The drive side of an asymmetric curve, as a line through knee and no-load speed, with what it loses."""
+        assert self.law.curve is not None
+        drive, brake, knee, no_load = self.law.curve
+        line = lined(self.law)
+        self.approximate(
+            "torque_speed_curve",
+            f"curve: drive {self.torque(drive)}, brake {self.torque(brake)}, knee {knee:g}, no load {no_load:g}",
+            f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
+            why,
+            static_error(self.law, line.torque),
+        )
+        return line
+
+    def one_delay(
+        self,
+        why: str,
+        said: Callable[[int], str],
+        size: Callable[[float], float | None],
+        *,
+        steps: str = "steps",
+        off: bool = True,
+    ) -> tuple[int, float]:
+        """The delay as one whole number of steps, with what that loses of it and of its range.
+
+        Args:
+            why: Why there is one delay.
+            said: A number of steps in words.
+            size: How large the loss of being so late is [s to N*m or N].
+            steps: What steps are called.
+            off: Say how far the ends of the range are off.
+
+        Returns: the steps, and the delay that was asked for [s]; 0 and 0 without one, or where it is unknown.
+        """
+        delay = self.actuator.delay
+        if delay is None or delay.high == 0.0:
+            return 0, 0.0
+        asked_range = f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}"
+        ranged = delay.low != delay.high
+        nominal = delay.nominal.value if ranged else delay.high
+        if nominal is None:
+            self.approximate(
+                "delay.range", asked_range, "none", f"{why}, and the nominal is unknown", size(delay.high)
+            )
+            return 0, 0.0
+        count, loss = delay_steps(nominal, self.step)
+        if abs(loss) > 1e-9:
+            self.approximate(
+                "delay",
+                f"{nominal * 1e3:g} ms",
+                said(count),
+                f"a delay is a whole number of {steps}; {abs(loss) * 1e3:g} ms "
+                f"{'more' if loss > 0 else 'less'} than asked",
+                size(abs(loss)),
+            )
+        if ranged:
+            reach = max(abs(count * self.step - end) for end in (delay.low, delay.high))
+            more = f"; at most {reach * 1e3:g} ms off" if off else ""
+            self.approximate("delay.range", asked_range, said(count), f"{why}{more}", size(reach))
+        return count, nominal
+
+    def ms(self, steps: int) -> str:
+        """A number of physics steps in words: `10 ms (2 steps of 5 ms)`."""
+        plural = "" if steps == 1 else "s"
+        return f"{steps * self.step * 1e3:g} ms ({steps} step{plural} of {self.step * 1e3:g} ms)"
+
+    def count(self, steps: int) -> str:
+        """A number of physics steps in words: `2 steps of 5 ms`."""
+        return f"{steps} step{'' if steps == 1 else 's'} of {self.step * 1e3:g} ms"
 
 
-def network_clip(actuator: JointActuator) -> JointActuator:
-    """The clip of a network's torque, as a drive whose command is the torque."""
-    line = (actuator.stall_torque, actuator.no_load_speed)
-    known = all(part is not None and part.known for part in line)
-    level = Level.DC_MOTOR if known or actuator.curve is not None else Level.IDEAL_PD
-    return replace(actuator, level=level, command=Command.EFFORT, kp=None, kd=None)
+def delta_action_loss(actuators: ActuatorSet, target: str, why: str) -> tuple[Approximation, ...]:
+    """The robot-wide delta action, which no target holds; empty without one."""
+    if actuators.delta_action is None:
+        return ()
+    network = os.path.basename(actuators.delta_action.network)
+    return (Approximation(target, "", "delta_action", network, "none", why, None),)
 
 
-def network_files(
-    networks: Iterable[tuple[JointActuator, tuple[str, bytes] | None]],
-    code: str,
-    differ: str,
-    collector: Collector,
-) -> list[EmittedFile]:
-    """The networks' files, each once.
+def dialect_of(row: Callable[[], T], code: str, options: TargetOptions, collector: Collector) -> T:
+    """The row of a target's version.
 
     Args:
-        networks: A joint and the name and bytes of its network; None: it has none.
-        code: Of the error for two different networks of one name.
-        differ: What such two do: `differ`, and in what.
+        row: Looks it up.
+        code: Of the error where there is none.
+        options: The target.
         collector: Takes that error.
+
+    Raises: EmitError: the version is not known.
     """
-    found: dict[str, bytes] = {}
-    for actuator, network in networks:
-        if network is None:
-            continue
-        name, data = network
-        if found.setdefault(name, data) != data:
-            collector.error(
-                code,
-                f"two networks are called '{name}' and {differ}",
-                where=f"actuators.{actuator.group}.network",
-                span=actuator.span,
-                help="rename one: both are written into one folder",
-            )
-    return [EmittedFile(name, data) for name, data in found.items()]
+    try:
+        return row()
+    except UnknownVersion as err:
+        where, span = options.where(err.key), options.span(err.key)
+        collector.error(code, err.message, where=where, span=span, help=err.help)
+        raise EmitError(collector.sorted()) from None
+
+
+def joint_by_joint(
+    actuators: ActuatorSet,
+    make: Callable[[JointActuator, Collector], T | None],
+    shared: Collection[str],
+    collector: Collector,
+) -> list[T]:
+    """What each joint becomes, with the errors of all.
+
+    Args:
+        actuators: What the spec asks for.
+        make: Makes one joint's part; None after an error. A ValueError names a number that the law lacks, or a
+            delay that is too long: it has the first code of `shared`.
+        shared: Codes of errors that several joints of a group can have: said once, with their names.
+        collector: Takes the errors.
+    """
+    found = []
+    reports = Reports()
+    for actuator in actuators.joints:
+        # A collector of its own: an error of one joint does not hide the next one's.
+        own = Collector()
+        part = None
+        try:
+            part = make(actuator, own)
+        except ValueError as err:
+            own.error(next(iter(shared)), str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        for item in own:
+            if item.code in shared:
+                message = item.message.removeprefix(f"{actuator.joint}: ")
+                reports.error(item.code, actuator.joint, message, item.where, item.span, item.help)
+            else:
+                collector.add(item)
+        if part is not None:
+            found.append(part)
+    reports.tell(collector)
+    return found
+
+
+def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, collector: Collector) -> None:
+    """Warn where a simulator takes an armature that nobody states.
+
+    Args:
+        actuators: What the spec asks for.
+        code: Of the warning.
+        simulator: What it takes: `Isaac Lab takes the USD's`.
+        collector: Takes the warning.
+    """
+    unknown = [actuator for actuator in actuators.joints if actuator.armature.value is None]
+    if unknown:
+        collector.warning(
+            code,
+            f"the armature of {len(unknown)} joints is unknown, and {simulator}: {listed([a.joint for a in unknown])}",
+            where=f"actuators.{unknown[0].group}.armature",
+            span=unknown[0].armature.span or unknown[0].span,
+            help="state armature, or rotor_inertia and gear_ratio of the motor",
+        )

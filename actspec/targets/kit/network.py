@@ -5,12 +5,14 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import Network
+from actspec.ir import Command, JointActuator, Level, Network
+from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
     from actspec.spec.network import NetworkManifest
@@ -173,3 +175,41 @@ def tap_stride(
         )
         return None
     return stride
+
+
+def network_clip(actuator: JointActuator) -> JointActuator:
+    """The clip of a network's torque, as a drive whose command is the torque."""
+    line = (actuator.stall_torque, actuator.no_load_speed)
+    known = all(part is not None and part.known for part in line)
+    level = Level.DC_MOTOR if known or actuator.curve is not None else Level.IDEAL_PD
+    return replace(actuator, level=level, command=Command.EFFORT, kp=None, kd=None)
+
+
+def network_files(
+    networks: Iterable[tuple[JointActuator, tuple[str, bytes] | None]],
+    code: str,
+    differ: str,
+    collector: Collector,
+) -> list[EmittedFile]:
+    """The networks' files, each once.
+
+    Args:
+        networks: A joint and the name and bytes of its network; None: it has none.
+        code: Of the error for two different networks of one name.
+        differ: What such two do: `differ`, and in what.
+        collector: Takes that error.
+    """
+    found: dict[str, bytes] = {}
+    for actuator, network in networks:
+        if network is None:
+            continue
+        name, data = network
+        if found.setdefault(name, data) != data:
+            collector.error(
+                code,
+                f"two networks are called '{name}' and {differ}",
+                where=f"actuators.{actuator.group}.network",
+                span=actuator.span,
+                help="rename one: both are written into one folder",
+            )
+    return [EmittedFile(name, data) for name, data in found.items()]

@@ -37,7 +37,7 @@ def source_lines(actuators: ActuatorSet, shown: Iterable[Quantity]) -> Iterator[
             yield f"{source.key}: " + ", ".join(part for part in parts if part)
 
 
-def provenance(quantity: Quantity, *remarks: str) -> str:
+def with_origin(quantity: Quantity, *remarks: str) -> str:
     """A known number with its origin, formula, source and deviation: `25 N*m/rad (authored; manual)`.
 
     Args:

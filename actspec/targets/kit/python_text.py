@@ -150,7 +150,7 @@ def stated(quantity: Quantity | None) -> bool:
     return quantity is not None and quantity.known and quantity.origin is not Origin.DEFAULT
 
 
-def provenance(quantity: Quantity) -> str:
+def origin_of(quantity: Quantity) -> str:
     """Where a number comes from, short enough to stand behind it: `authored, a1_urdf`."""
     parts = [quantity.origin.value]
     if quantity.source and quantity.origin is not Origin.MODEL:

@@ -11,18 +11,17 @@ from collections.abc import Sequence
 
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
-from actspec.resolution.reports import Reports
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators import UnknownVersion
-from actspec.simulators.mjlab import MjlabDialect, mjlab_dialect
-from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.joint import network_files
+from actspec.simulators.mjlab import mjlab_dialect
+from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
+from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, stated
-from actspec.targets.mjlab.joint_cfg import Cfg, cfg_of
+from actspec.targets.mjlab.joint_cfg import JointCfg, cfg_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
 
 OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
-"""Errors that several joints of a group can have: told once, with their names."""
+"""Errors that several joints of a group can have: said once, with their names."""
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
@@ -37,26 +36,16 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         EmitError: the target cannot be written, with every reason.
     """
     collector = Collector()
-    dialect = _dialect(options, collector)
+    dialect = dialect_of(lambda: mjlab_dialect(options.version), "MJL007", options, collector)
     step = actuators.physics_dt.require()
     described = robot.format is not ModelFormat.NONE
-    cfgs: list[Cfg] = []
-    reports = Reports()
-    for actuator in actuators.joints:
-        joint = robot.joint(actuator.joint) if described else None
-        # A collector of its own: an error of one joint does not hide the next one's.
-        own = Collector()
-        cfg = cfg_of(actuator, joint, dialect, step, options.name, own)
-        for item in own:
-            if item.code in OF_A_JOINT:
-                message = item.message.removeprefix(f"{actuator.joint}: ")
-                reports.error(item.code, actuator.joint, message, item.where, item.span, item.help)
-            else:
-                collector.add(item)
-        if cfg is not None:
-            cfgs.append(cfg)
-        _check_springdamper(actuator, robot, collector)
-    reports.tell(collector)
+
+    def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
+        view = robot.joint(actuator.joint) if described else None
+        _check_springdamper(actuator, robot, own)
+        return cfg_of(actuator, view, dialect, step, options.name, own)
+
+    cfgs = joint_by_joint(actuators, cfg, OF_A_JOINT, collector)
     names = _short_names(actuators, robot, collector)
     networks = ((cfg.actuator, cfg.network) for cfg in cfgs)
     files = network_files(networks, "MJL010", "differ", collector)
@@ -70,10 +59,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         return joint_patterns(members, matched, first)
 
     lost = [loss for cfg in cfgs for loss in cfg.lost]
-    if actuators.delta_action is not None:
-        network = os.path.basename(actuators.delta_action.network)
-        why = "an actuator cfg holds no residual policy: wrap the environment with the runtime"
-        lost.append(Approximation(options.name, "", "delta_action", network, "none", why, None))
+    why = "an actuator cfg holds no residual policy: wrap the environment with the runtime"
+    lost += delta_action_loss(actuators, options.name, why)
     text = module_text(
         actuators,
         cfgs,
@@ -86,20 +73,6 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     module = EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))
     explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.explicit)
     return Emission((module, *files), tuple(lost), collector.sorted(), explicit)
-
-
-def _dialect(options: TargetOptions, collector: Collector) -> MjlabDialect:
-    try:
-        return mjlab_dialect(options.version)
-    except UnknownVersion as err:
-        collector.error(
-            "MJL007",
-            err.message,
-            where=options.where("version"),
-            span=options.span("version"),
-            help=err.help,
-        )
-        raise EmitError(collector.sorted()) from None
 
 
 def _matched(actuators: ActuatorSet, robot: RobotView) -> list[str]:

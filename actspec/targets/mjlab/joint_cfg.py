@@ -11,23 +11,23 @@ Delays are steps of the simulation; there is no filter, no bias and no clamp of 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import delay_steps
 from actspec.robot.view import JointView
-from actspec.simulators.mjlab import MjlabDialect
+from actspec.simulators import text_of
+from actspec.simulators.mjlab import COMMON_FIELDS, MjlabDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.joint import LosingJoint
+from actspec.targets.kit.joint import JointEmission
 from actspec.targets.kit.network import read_network, tap_stride
-from actspec.targets.kit.python_text import provenance, py, stated
-from actspec.targets.kit.sizes import lined, static_error, viscous_error
+from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
-class Cfg:
+class JointCfg:
     """One joint's actuator in mjlab's words.
 
     Attributes:
@@ -60,32 +60,26 @@ class Cfg:
 
 def cfg_of(
     actuator: JointActuator,
-    joint: JointView | None,
+    view: JointView | None,
     dialect: MjlabDialect,
     step: float,
     target: str,
     collector: Collector,
-) -> Cfg | None:
+) -> JointCfg | None:
     """Choose class and fields for one joint; None after an error.
 
     Args:
         actuator: What the spec asks for.
-        joint: The robot's joint; None where the spec names no model.
+        view: The robot's joint; None where the spec names no model.
         dialect: mjlab version that is written.
         step: Simulation step [s].
         target: Name of the target, for approximations.
         collector: Takes errors.
+
+    Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    try:
-        return _choose(Joint(actuator, joint, dialect, step, target, collector))
-    except ValueError as err:
-        # The law itself says which number it lacks, or that a delay is too long.
-        collector.error("MJL001", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
-        return None
-
-
-def _choose(joint: Joint) -> Cfg | None:
-    actuator, law = joint.actuator, joint.law
+    joint = Joint(actuator, view, dialect, step, target, collector)
+    law = joint.law
     network: tuple[str, bytes] | None = None
     if joint.learned:
         found = network_fields(joint)
@@ -113,7 +107,7 @@ def _choose(joint: Joint) -> Cfg | None:
     no_command_path(joint)
     if joint.collector.failed:
         return None
-    return Cfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), network)
+    return JointCfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), network)
 
 
 @dataclass(frozen=True, slots=True)
@@ -139,16 +133,17 @@ def number(name: str, quantity: Quantity, what: str = "") -> Field:
         quantity: The number.
         what: What it is, where the name does not say.
     """
-    about = [quantity.unit, *([what] if what else []), provenance(quantity)]
+    about = [quantity.unit, *([what] if what else []), origin_of(quantity)]
     return Field(name, py(quantity.require()), ", ".join(about))
 
 
-class Joint(LosingJoint):
+class Joint(JointEmission):
     """A joint with its losses, and a dialect.
 
     Attributes:
         view: The robot's joint; None where the spec names no model.
         dialect: mjlab version that is written.
+        collector: Takes errors.
 
     Raises: ValueError: the law lacks a number; it says which.
     """
@@ -162,9 +157,10 @@ class Joint(LosingJoint):
         target: str,
         collector: Collector,
     ) -> None:
-        super().__init__(actuator, step, target, collector)
+        super().__init__(actuator, step, target)
         self.view = view
         self.dialect = dialect
+        self.collector = collector
 
 
 NO_LINE = 1e9
@@ -204,7 +200,15 @@ def line_fields(joint: Joint) -> list[Field]:
     """Limit and torque-speed line."""
     actuator, law = joint.actuator, joint.law
     if law.curve is not None:
-        return _curve_fields(joint, law.curve)
+        line = joint.drive_side("mjlab has one line for driving and braking")
+        assert line.stall_torque is not None and line.no_load_speed is not None
+        speed = f"{actuator.velocity_limit.unit}, no-load speed"
+        through = f"{joint.unit}, of the line through the curve's knee"
+        return [
+            *limit_fields(joint, line.effort_limit),
+            Field("saturation_effort", py(line.stall_torque), through),
+            Field("velocity_limit", py(line.no_load_speed), speed),
+        ]
     limit = limit_fields(joint, law.effort_limit, required=True)
     if law.stall_torque is None:
         why = "no torque-speed line: effort_limit alone"
@@ -218,30 +222,6 @@ def line_fields(joint: Joint) -> list[Field]:
     ]
 
 
-def _curve_fields(joint: Joint, curve: tuple[float, float, float, float]) -> list[Field]:
-    """The drive side of an asymmetric curve, as a line through knee and no-load speed."""
-    drive, brake, knee, no_load = curve
-    line = lined(joint.law)
-    assert line.stall_torque is not None
-    speed = joint.actuator.velocity_limit.unit
-    joint.approximate(
-        "torque_speed_curve",
-        f"curve: drive {joint.torque(drive)}, brake {joint.torque(brake)}, knee {knee:g}, no load {no_load:g}",
-        f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
-        "mjlab has one line for driving and braking",
-        static_error(joint.law, line.torque),
-    )
-    return [
-        *limit_fields(joint, line.effort_limit),
-        Field(
-            "saturation_effort",
-            py(line.stall_torque),
-            f"{joint.unit}, of the line through the curve's knee",
-        ),
-        Field("velocity_limit", py(no_load), f"{speed}, no-load speed"),
-    ]
-
-
 HELD = "10**9"
 """Steps between two draws of a lag: longer than any episode, so that it is drawn once after each reset."""
 
@@ -252,7 +232,7 @@ def delay_fields(joint: Joint) -> tuple[Field, ...]:
     if delay is None:
         return ()
     (low, late), (high, later) = (delay_steps(end, joint.step) for end in (delay.low, delay.high))
-    origin = [provenance(delay.nominal)] if delay.nominal.known else []
+    origin = [origin_of(delay.nominal)] if delay.nominal.known else []
     losses: tuple[float, ...]
     if delay.low == delay.high:
         field, asked, losses = "delay", f"{delay.low * 1e3:g} ms", (late,)
@@ -286,18 +266,12 @@ def delay_fields(joint: Joint) -> tuple[Field, ...]:
 
 def no_command_path(joint: Joint) -> None:
     """Report filter, bias and clamp of the command as lost, where there are any."""
-    actuator, law = joint.actuator, joint.law
+    bias = joint.law.encoder_bias
     joint.no_filter("mjlab's actuators have no filter on the command")
-    if law.encoder_bias != 0.0 and actuator.command is Command.POSITION:
-        bias = format_quantity(law.encoder_bias, actuator.encoder_bias.unit)
-        joint.approximate(
-            "encoder_bias",
-            bias,
-            "none",
-            f"mjlab's actuators have no bias; an event {joint.dialect.bias_event} with the range "
-            f"({law.encoder_bias:g}, {law.encoder_bias:g}) sets it",
-            joint.both_limits if joint.learned else static_error(law, replace(law, encoder_bias=0.0).torque),
-        )
+    joint.no_bias(
+        f"mjlab's actuators have no bias; an event {joint.dialect.bias_event} with the range "
+        f"({bias:g}, {bias:g}) sets it"
+    )
     joint.no_range("mjlab's actuators do not clamp the command; its action term can (`clip`)")
 
 
@@ -319,28 +293,17 @@ def passive_fields(joint: Joint) -> list[Field]:
         if joint.dialect.viscous_damping:
             fields.append(number("viscous_damping", viscous))
         elif view is None or viscous.require() != own_viscous:
-            difference = viscous.require() - own_viscous
-            joint.approximate(
-                "friction.viscous",
-                format_quantity(viscous.value, viscous.unit),
+            joint.no_viscous(
+                f"mjlab {joint.dialect.text} has no viscous_damping ({text_of(COMMON_FIELDS)} and later have)",
                 "the model's own" if view is None else format_quantity(own_viscous, viscous.unit),
-                f"mjlab {joint.dialect.text} has no viscous_damping (1.3 and later have)",
-                None if view is None else viscous_error(joint.law, difference, actuator.velocity_limit.value),
+                None if view is None else own_viscous,
             )
     joint.no_break_away(
         "the model's own",
         "frictionloss is one number for sticking and sliding",
         "MuJoCo has no Stribeck effect",
     )
-    if actuator.velocity_limit.known:
-        limit = actuator.velocity_limit
-        joint.approximate(
-            "velocity_limit",
-            format_quantity(limit.value, limit.unit),
-            "none",
-            "mjlab has no speed limit of a joint; its velocity_limit is the no-load speed",
-            None,
-        )
+    joint.no_velocity_limit("mjlab has no speed limit of a joint; its velocity_limit is the no-load speed")
     return fields
 
 
@@ -393,7 +356,7 @@ def network_fields(joint: Joint) -> tuple[list[Field], tuple[str, bytes]] | None
             manifest.initial_history,
             "first_sample",
             "mjlab fills a network's history with its first sample after a reset",
-            2.0 * joint.law.effort_limit if math.isfinite(joint.law.effort_limit) else None,
+            joint.both_limits,
         )
     order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
     return [

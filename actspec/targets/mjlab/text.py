@@ -12,7 +12,7 @@ from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py
-from actspec.targets.mjlab.joint_cfg import Cfg, Field
+from actspec.targets.mjlab.joint_cfg import Field, JointCfg
 
 WIDTH = 88
 """Columns of mjlab's own code."""
@@ -50,7 +50,7 @@ def constant_name(robot: str) -> str:
 
 def module_text(
     actuators: ActuatorSet,
-    cfgs: Sequence[Cfg],
+    cfgs: Sequence[JointCfg],
     approximations: Sequence[Approximation],
     dialect: MjlabDialect,
     names: Names,
@@ -128,7 +128,7 @@ def _imports(classes: Sequence[str]) -> Iterator[str]:
 
 
 def _block(
-    constant: str, members: Sequence[Cfg], names: Sequence[str], dialect: MjlabDialect
+    constant: str, members: Sequence[JointCfg], names: Sequence[str], dialect: MjlabDialect
 ) -> Iterator[str]:
     """One constant."""
     first = members[0]
@@ -160,7 +160,7 @@ def _targets(names: Sequence[str], indent: str) -> Iterator[str]:
     yield f"{indent}),"
 
 
-def _agreed(members: Sequence[Cfg], wrapped: bool) -> Iterator[Field]:
+def _agreed(members: Sequence[JointCfg], wrapped: bool) -> Iterator[Field]:
     """The fields of a cfg; a note only where all of its joints have the same."""
     rows = [cfg.fields if wrapped else (*cfg.fields, *cfg.delay) for cfg in members]
     for same in zip(*rows, strict=True):

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.targets.base import Approximation
-from actspec.targets.kit.provenance import loss_lines, provenance, source_lines, xml_comment
+from actspec.targets.kit.provenance import loss_lines, source_lines, with_origin, xml_comment
 
 LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
 """Numbers that MuJoCo's drive and joint are not made of."""
@@ -28,7 +28,7 @@ def header(
         f"Written by {tool} for {target}. Do not edit: change the spec and compile again.",
         f"spec sha256 {actuators.spec_sha256}",
         f"model {source}",
-        f"physics_dt {provenance(actuators.physics_dt)}",
+        f"physics_dt {with_origin(actuators.physics_dt)}",
     ]
     for names, entries in _groups(actuators):
         lines += ["", names, *(f"  {entry}" for entry in entries)]
@@ -65,7 +65,7 @@ def _entries(actuator: JointActuator) -> Iterator[str]:
         if name == "delay" and delay is not None and delay.low != delay.high:
             reach = f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
         if not name.startswith("command_range"):
-            yield f"{name} {provenance(quantity)}{reach}"
+            yield f"{name} {with_origin(quantity)}{reach}"
     if actuator.command_range is not None:
         low, high = actuator.command_range
-        yield f"command_range {provenance(low)} to {provenance(high)}"
+        yield f"command_range {with_origin(low)} to {with_origin(high)}"

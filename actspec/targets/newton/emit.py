@@ -6,14 +6,13 @@ import os
 from collections import Counter
 
 from actspec.diagnostics import Collector, EmitError, listed
-from actspec.ir import ActuatorSet, JointKind
-from actspec.resolution.reports import Reports
+from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators import UnknownVersion
-from actspec.simulators.newton import NewtonDialect, newton_dialect
-from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.joint import network_files
-from actspec.targets.newton.joint_prims import Driven, driven
+from actspec.simulators.newton import newton_dialect
+from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
+from actspec.targets.kit.network import network_files
+from actspec.targets.newton.joint_prims import JointPrims, prims_of
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.text import overlay_name, overlay_text
 
@@ -30,27 +29,17 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         EmitError: the target cannot be written, with every reason.
     """
     collector = Collector()
-    dialect = _dialect(options, collector)
+    dialect = dialect_of(lambda: newton_dialect(options.version), "NWT007", options, collector)
     step = actuators.physics_dt.require()
-    joints: list[Driven] = []
-    reports = Reports()
-    for actuator in actuators.joints:
-        # A collector of its own: an error of one joint does not hide the next one's.
-        own = Collector()
-        found = driven(actuator, dialect, step, options.name, own)
-        for item in own:
-            if item.code == "NWT001":
-                message = item.message.removeprefix(f"{actuator.joint}: ")
-                reports.error(item.code, actuator.joint, message, item.where, item.span, item.help)
-            else:
-                collector.add(item)
-        if found is not None:
-            joints.append(found)
-    reports.tell(collector)
+
+    def prims(actuator: JointActuator, own: Collector) -> JointPrims | None:
+        return prims_of(actuator, dialect, step, options.name, own)
+
+    joints = joint_by_joint(actuators, prims, ("NWT001",), collector)
     _check_bodies(actuators, robot, collector)
     networks = ((joint.actuator, joint.network) for joint in joints)
     files = network_files(networks, "NWT005", "differ, in themselves or in their manifests", collector)
-    # The joints' paths are an affair of their own: told beside the rest.
+    # The joints' paths are an affair of their own: said beside the rest.
     own = Collector()
     layout = lay_out(actuators, robot, options, own)
     for item in own:
@@ -58,29 +47,13 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector.raise_if_failed(EmitError)
 
     lost = [loss for joint in joints for loss in joint.lost]
-    if actuators.delta_action is not None:
-        network = os.path.basename(actuators.delta_action.network)
-        why = "an actuator holds no residual policy: wrap the environment with the runtime"
-        lost.append(Approximation(options.name, "", "delta_action", network, "none", why, None))
+    why = "an actuator holds no residual policy: wrap the environment with the runtime"
+    lost += delta_action_loss(actuators, options.name, why)
     model = "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path)
     text = overlay_text(actuators, robot, joints, layout, lost, dialect, model)
     overlay = EmittedFile(overlay_name(actuators.robot), text.encode("utf-8"))
     explicit = frozenset(actuator.joint for actuator in actuators.joints)
     return Emission((overlay, *files), tuple(lost), collector.sorted(), explicit)
-
-
-def _dialect(options: TargetOptions, collector: Collector) -> NewtonDialect:
-    try:
-        return newton_dialect(options.version)
-    except UnknownVersion as err:
-        collector.error(
-            "NWT007",
-            err.message,
-            where=options.where("version"),
-            span=options.span("version"),
-            help=err.help,
-        )
-        raise EmitError(collector.sorted()) from None
 
 
 def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector) -> None:

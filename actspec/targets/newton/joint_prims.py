@@ -14,12 +14,12 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Collector
 from actspec.ir import JointActuator, JointKind, Quantity
-from actspec.laws import delay_steps
-from actspec.simulators.newton import NewtonDialect
+from actspec.simulators import text_of
+from actspec.simulators.newton import JOINT_DAMPING, NewtonDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.joint import LosingJoint
-from actspec.targets.kit.python_text import provenance, py, stated
-from actspec.targets.kit.sizes import lined, static_error, viscous_error
+from actspec.targets.kit.joint import JointEmission
+from actspec.targets.kit.python_text import origin_of, py, stated
+from actspec.targets.kit.sizes import lined
 from actspec.targets.newton.network import network_attributes
 from actspec.targets.newton.usda import Attribute
 from actspec.units import format_quantity
@@ -29,7 +29,7 @@ Schemas = tuple[tuple[str, ...], tuple[Attribute, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Driven:
+class JointPrims:
     """One joint in Newton's words.
 
     Attributes:
@@ -47,9 +47,9 @@ class Driven:
     network: tuple[str, bytes] | None
 
 
-def driven(
+def prims_of(
     actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
-) -> Driven | None:
+) -> JointPrims | None:
     """Choose schemas and attributes for one joint; None after an error.
 
     Args:
@@ -58,16 +58,10 @@ def driven(
         step: Physics step [s].
         target: Name of the target, for approximations.
         collector: Takes errors.
+
+    Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    try:
-        return _choose(Joint(actuator, dialect, step, target, collector))
-    except ValueError as err:
-        # The law itself says which number it lacks, or that a delay is too long.
-        collector.error("NWT001", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
-        return None
-
-
-def _choose(joint: Joint) -> Driven | None:
+    joint = Joint(actuator, dialect, step, target, collector)
     network = None
     if joint.learned:
         found = network_attributes(joint)
@@ -81,7 +75,7 @@ def _choose(joint: Joint) -> Driven | None:
     apis = (control, *clamping, *(["NewtonActuatorDelayAPI"] if delay else []))
     own, about = joint_prim(joint)
     no_command_path(joint)
-    return Driven(
+    return JointPrims(
         joint.actuator,
         (own, tuple(about)),
         (apis, (*attributes, *limits, *delay)),
@@ -98,7 +92,7 @@ def number(name: str, quantity: Quantity, what: str = "") -> Attribute:
         quantity: The number.
         what: What it is, where the name does not say.
     """
-    return given(name, quantity.require(), quantity.unit, what, provenance(quantity))
+    return given(name, quantity.require(), quantity.unit, what, origin_of(quantity))
 
 
 def given(name: str, value: float, *notes: str) -> Attribute:
@@ -107,11 +101,12 @@ def given(name: str, value: float, *notes: str) -> Attribute:
     return Attribute("float", name, text, ", ".join(note for note in notes if note))
 
 
-class Joint(LosingJoint):
+class Joint(JointEmission):
     """A joint with its losses, and a dialect.
 
     Attributes:
         dialect: Newton version that is written.
+        collector: Takes errors.
 
     Raises: ValueError: the law lacks a number; it says which.
     """
@@ -119,8 +114,9 @@ class Joint(LosingJoint):
     def __init__(
         self, actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
     ) -> None:
-        super().__init__(actuator, step, target, collector)
+        super().__init__(actuator, step, target)
         self.dialect = dialect
+        self.collector = collector
 
     @property
     def hinge(self) -> bool:
@@ -164,10 +160,16 @@ def _line(joint: Joint) -> list[Attribute]:
             number("newton:velocityLimit", actuator.no_load_speed, "no-load speed"),
         ]
     else:
-        line = _drive_side(joint)
+        line = joint.drive_side("Newton has one line for driving and braking")
+        assert line.stall_torque is not None and line.no_load_speed is not None
         found = [
-            given("newton:saturationEffort", line[0], joint.unit, "of the line through the curve's knee"),
-            given("newton:velocityLimit", line[1], speed, "no-load speed"),
+            given(
+                "newton:saturationEffort",
+                line.stall_torque,
+                joint.unit,
+                "of the line through the curve's knee",
+            ),
+            given("newton:velocityLimit", line.no_load_speed, speed, "no-load speed"),
         ]
     limit = lined(law).effort_limit
     if actuator.effort_limit.value == limit:
@@ -176,67 +178,23 @@ def _line(joint: Joint) -> list[Attribute]:
     return [*found, given("newton:maxMotorEffort", limit, joint.unit, why)]
 
 
-def _drive_side(joint: Joint) -> tuple[float, float]:
-    """The drive side of an asymmetric curve, as a line through knee and no-load speed."""
-    assert joint.law.curve is not None
-    drive, brake, knee, no_load = joint.law.curve
-    line = lined(joint.law)
-    assert line.stall_torque is not None
-    joint.approximate(
-        "torque_speed_curve",
-        f"curve: drive {joint.torque(drive)}, brake {joint.torque(brake)}, knee {knee:g}, no load {no_load:g}",
-        f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
-        "Newton has one line for driving and braking",
-        static_error(joint.law, line.torque),
-    )
-    return line.stall_torque, no_load
-
-
 def delay_attributes(joint: Joint) -> list[Attribute]:
     """`newton:delaySteps`, in physics steps; empty without a delay."""
+    why = "a NewtonActuator has one fixed delay"
+    steps, asked = joint.one_delay(why, joint.count, lambda _: joint.late)
     delay = joint.actuator.delay
-    if delay is None or delay.high == 0.0:
+    if steps == 0 or delay is None:
         return []
-    asked_range = f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}"
-    ranged = delay.low != delay.high
-    nominal = delay.nominal.value if ranged else delay.high
-    if nominal is None:
-        why = "a NewtonActuator has one fixed delay, and the nominal is unknown"
-        joint.approximate("delay.range", asked_range, "none", why, joint.late)
-        return []
-    steps, loss = delay_steps(nominal, joint.step)
-    emitted = f"{steps} step{'' if steps == 1 else 's'} of {joint.step * 1e3:g} ms"
-    if abs(loss) > 1e-9:
-        joint.approximate(
-            "delay",
-            f"{nominal * 1e3:g} ms",
-            emitted,
-            f"a delay is a whole number of steps; {abs(loss) * 1e3:g} ms {'more' if loss > 0 else 'less'} than asked",
-            joint.late,
-        )
-    if ranged:
-        reach = max(abs(steps * joint.step - end) for end in (delay.low, delay.high))
-        why = f"a NewtonActuator has one fixed delay; at most {reach * 1e3:g} ms off"
-        joint.approximate("delay.range", asked_range, emitted, why, joint.late)
-    if steps == 0:
-        return []
-    notes = [f"steps of {joint.step * 1e3:g} ms: {nominal * 1e3:g} ms"]
-    notes += [provenance(delay.nominal)] if delay.nominal.known else []
+    notes = [f"steps of {joint.step * 1e3:g} ms: {asked * 1e3:g} ms"]
+    notes += [origin_of(delay.nominal)] if delay.nominal.known else []
     return [Attribute("int", "newton:delaySteps", str(steps), ", ".join(notes))]
 
 
 def no_command_path(joint: Joint) -> None:
     """Report filter and clamp of the command, and a network's bias, as lost where there are any."""
     joint.no_filter("a NewtonActuator has no filter on its command")
-    bias = joint.law.encoder_bias
-    if joint.learned and bias != 0.0:
-        joint.approximate(
-            "encoder_bias",
-            format_quantity(bias, joint.actuator.encoder_bias.unit),
-            "none",
-            "a network's position error has no bias",
-            joint.both_limits,
-        )
+    if joint.learned:
+        joint.no_bias("a network's position error has no bias")
     joint.no_range("a NewtonActuator does not clamp its command")
 
 
@@ -279,25 +237,20 @@ def _passive(joint: Joint) -> list[Attribute]:
         if joint.dialect.joint_damping:
             found.append(_in_degrees(joint, "newton:damping", viscous, DEGREE))
         else:
-            joint.approximate(
-                "friction.viscous",
-                format_quantity(viscous.value, viscous.unit),
-                "none",
-                f"Newton {joint.dialect.text} reads no joint damping from USD (1.4 and later do)",
-                viscous_error(joint.law, viscous.require(), actuator.velocity_limit.value),
+            since = text_of(JOINT_DAMPING)
+            joint.no_viscous(
+                f"Newton {joint.dialect.text} reads no joint damping from USD ({since} and later do)"
             )
     limit = actuator.velocity_limit
-    if limit.known:
-        asked = format_quantity(limit.value, limit.unit)
-        if joint.dialect.joint_damping:
-            found.append(_in_degrees(joint, "newton:velocityLimit", limit, 1.0 / DEGREE))
-            why = "Newton's MuJoCo solver, which Isaac Lab has, takes no speed limit of a joint"
-            joint.approximate(
-                "velocity_limit", asked, "newton:velocityLimit, which not all solvers take", why, None
-            )
-        else:
-            why = f"Newton {joint.dialect.text} reads no speed limit of a joint from USD (1.4 and later do)"
-            joint.approximate("velocity_limit", asked, "none", why, None)
+    if limit.known and joint.dialect.joint_damping:
+        found.append(_in_degrees(joint, "newton:velocityLimit", limit, 1.0 / DEGREE))
+        why = "Newton's MuJoCo solver, which Isaac Lab has, takes no speed limit of a joint"
+        joint.no_velocity_limit(why, "newton:velocityLimit, which not all solvers take")
+    else:
+        since = text_of(JOINT_DAMPING)
+        joint.no_velocity_limit(
+            f"Newton {joint.dialect.text} reads no speed limit of a joint from USD ({since} and later do)"
+        )
     joint.no_break_away(
         "the stage's own",
         "newton:friction is one number for sticking and sliding",
@@ -312,4 +265,4 @@ def _in_degrees(joint: Joint, name: str, quantity: Quantity, factor: float) -> A
         return number(name, quantity)
     unit = quantity.unit.replace("rad", "deg")
     said = format_quantity(quantity.value, quantity.unit)
-    return given(name, quantity.require() * factor, f"{unit}: {said}", provenance(quantity))
+    return given(name, quantity.require() * factor, f"{unit}: {said}", origin_of(quantity))

@@ -13,7 +13,7 @@ from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
 from actspec.targets.kit.python_text import identifier
-from actspec.targets.newton.joint_prims import Driven
+from actspec.targets.newton.joint_prims import JointPrims
 from actspec.targets.newton.paths import Layout, converted_actuators
 from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
 
@@ -32,7 +32,7 @@ def overlay_name(robot: str) -> str:
 def overlay_text(
     actuators: ActuatorSet,
     robot: RobotView,
-    joints: Sequence[Driven],
+    joints: Sequence[JointPrims],
     layout: Layout,
     approximations: Sequence[Approximation],
     dialect: NewtonDialect,
@@ -63,7 +63,7 @@ def overlay_text(
     return "\n".join([*lines, ""])
 
 
-def _prims(robot: RobotView, joints: Sequence[Driven], layout: Layout) -> Iterator[Prim]:
+def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: Layout) -> Iterator[Prim]:
     own = converted_actuators(robot, layout)
     for joint in joints:
         apis, attributes = joint.joint

@@ -12,7 +12,7 @@ from actspec.diagnostics import Collector, EmitError, Span, listed, shortened
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.provenance import loss_lines, provenance, source_lines, xml_comment
+from actspec.targets.kit.provenance import loss_lines, source_lines, with_origin, xml_comment
 from actspec.targets.kit.python_text import grouped
 from actspec.targets.urdf.check import deviations
 from actspec.targets.urdf.paths import from_folder, relative_paths
@@ -167,8 +167,8 @@ def _by_group(actuators: ActuatorSet, lost: Iterable[Approximation]) -> Iterator
 def _entries(numbers: dict[str, Quantity]) -> Iterator[str]:
     for attribute, quantity in numbers.items():
         if not quantity.known:
-            yield f"{attribute} {provenance(quantity)}: the file's own, if it has one"
+            yield f"{attribute} {with_origin(quantity)}: the file's own, if it has one"
         elif quantity.origin is Origin.DEFAULT:
-            yield f"{attribute} {provenance(quantity, 'not written')}"
+            yield f"{attribute} {with_origin(quantity, 'not written')}"
         else:
-            yield f"{attribute} {provenance(quantity)}"
+            yield f"{attribute} {with_origin(quantity)}"
