@@ -26,7 +26,7 @@ def load(path: str | os.PathLike[str]) -> Spec:
     Raises:
         SpecError: with every error of the spec.
     """
-    from actspec.spec.load import load_spec
+    from actspec.spec.validate import load_spec
 
     return load_spec(os.fspath(path))
 

@@ -196,3 +196,18 @@ def nearest(name: str, known: Sequence[str]) -> str | None:
     """The known name that is nearest to a misspelt one, or None if none is near."""
     found = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     return found[0] if found else None
+
+
+Path = tuple[str | int, ...]
+"""Keys and indices from the top."""
+
+
+def dotted(path: Path) -> str:
+    """`('actuators', 'legs', 'joints', 0)` as `actuators.legs.joints[0]`."""
+    text = ""
+    for part in path:
+        if isinstance(part, int):
+            text += f"[{part}]"
+        else:
+            text += f".{part}" if text else part
+    return text

@@ -14,7 +14,7 @@ from actspec.audit.read import read_files
 from actspec.draft import Draft, draft
 from actspec.draft.combine import Combined, combine
 from actspec.draft.reading import read_robot_files
-from actspec.draft.targets import targets_of
+from actspec.draft.sources import targets_of
 from actspec.readings.versions import Versions
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate

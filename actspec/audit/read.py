@@ -13,7 +13,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile
-from actspec.spec.read import is_spec
+from actspec.spec.yaml_text import is_spec
 
 ROBOT = (".xml", ".urdf", ".mjcf")
 """Endings of robot files; a file that is named may have any other."""

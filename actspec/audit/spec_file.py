@@ -22,7 +22,7 @@ def resolved(path: str) -> ActuatorSet:
     from actspec.diagnostics import RobotError
     from actspec.resolution import resolve
     from actspec.robot.load import find_model, listed_robot, load_robot
-    from actspec.spec.load import load_spec
+    from actspec.spec.validate import load_spec
 
     spec = load_spec(path)
     model = spec.model.robot.model
@@ -58,6 +58,6 @@ def resolved_on(path: str, robot: RobotView) -> ActuatorSet:
     Raises: SpecError, ResolveError: the spec is wrong, or does not fit.
     """
     from actspec.resolution import resolve
-    from actspec.spec.load import load_spec
+    from actspec.spec.validate import load_spec
 
     return resolve(load_spec(path), robot)

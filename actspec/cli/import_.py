@@ -63,7 +63,7 @@ def import_files(
     from actspec.draft import draft
     from actspec.draft.combine import combine
     from actspec.draft.reading import read_robot_files
-    from actspec.draft.targets import targets_of
+    from actspec.draft.sources import targets_of
     from actspec.report.terminal import print_diagnostics
     from actspec.robot.load import find_model
     from actspec.spec.document import document_from_text

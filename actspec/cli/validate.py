@@ -9,7 +9,7 @@ from actspec.cli.options import add_format, add_specs, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.terminal import print_diagnostics, print_json, record
-from actspec.spec.read import MAX_BYTES, is_spec
+from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -29,7 +29,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every spec; all of them, whatever is wrong with the first."""
-    from actspec.spec.load import load_spec
+    from actspec.spec.validate import load_spec
 
     failed = False
     records = []

@@ -12,7 +12,7 @@ from actspec.diagnostics import listed
 from actspec.draft.names import body_part
 from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of, rows_of
 from actspec.draft.sources import stated
-from actspec.draft.values import figure
+from actspec.draft.text import figure
 from actspec.ir import JointActuator, JointKind
 from actspec.readings.artifact import FileKind
 

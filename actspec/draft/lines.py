@@ -13,8 +13,7 @@ from actspec.draft.groups import Group, Motor, differing
 from actspec.draft.names import joint_patterns, one_pattern
 from actspec.draft.rows import RANGE, Row, lost_of, lost_text
 from actspec.draft.sources import places, stated
-from actspec.draft.text import comment, scalar
-from actspec.draft.values import figure, sourced
+from actspec.draft.text import comment, figure, scalar, sourced
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Source
 
 _WIDTH = 100

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.draft.sources import stated
-from actspec.draft.text import scalar
-from actspec.draft.values import figure, quantity_text, sourced, time_text
+from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
 from actspec.readings.artifact import FileKind
 from actspec.resolution.quantities import unit_of
-from actspec.spec.rules.randomization import RANDOMIZED_KINDS
+from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind
 
 LEAST_DAMPING = 1e-3

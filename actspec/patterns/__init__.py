@@ -19,8 +19,7 @@ from actspec.patterns.pattern import (
     covering_pattern,
     match_names,
 )
-from actspec.patterns.selection import Matches, PatternProblem, resolve_patterns
-from actspec.patterns.suggest import suggest_pattern
+from actspec.patterns.selection import Matches, PatternProblem, resolve_patterns, suggest_pattern
 
 __all__ = [
     "MAX_NAME",

@@ -1,13 +1,13 @@
-"""What a list of patterns selects."""
+"""What a list of patterns selects, and the nearest pattern that matches something for one that matches nothing."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import listed
-from actspec.patterns.pattern import PatternError, match_names, quoted
-from actspec.patterns.suggest import suggest_pattern
+from actspec.patterns.pattern import MAX_NAME, MAX_PATTERN, PatternError, from_glob, match_names, quoted
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,3 +69,86 @@ def _unmatched_help(pattern: str, names: Sequence[str]) -> str:
     if guess is not None:
         return f"did you mean {quoted(guess)}? (matches {listed(match_names(guess, names))})"
     return f"the joints are: {listed(names)}" if names else "there are no joints"
+
+
+_SUGGESTED_NAMES = 512
+_SUGGESTED_RUNS = 8
+_SUGGESTED_TRIES = 24
+_SUGGESTED_CELLS = 300_000
+_TOKEN = re.compile(
+    r"\\."  # an escape
+    r"|\[\^?\]?(?:\\.|[^\]\\])*\]"  # a class
+    r"|\{[\d,]*\}"  # a repeat
+    r"|\(\?(?:P?<\w*[!=]?>?|[:=!])?"  # a group's head
+    r"|[A-Za-z0-9_/-]+"  # a literal part
+    r"|.",
+    re.S,
+)
+
+
+def suggest_pattern(pattern: str, names: Sequence[str]) -> str | None:
+    """The nearest pattern that matches a name, for one that matches none; None if none is near.
+
+    Tried in order: the reading as a glob; one letter of a literal part changed; `.*` before or after
+    the pattern; a literal part replaced by the most similar part of a name.
+    """
+    few = [name for name in names[:_SUGGESTED_NAMES] if len(name) <= MAX_NAME]
+    longer = []
+    if "|" not in pattern and any(c.isalnum() for c in pattern):
+        longer = [f".*{pattern}", f"{pattern}.*", f".*{pattern}.*"]
+    respelt = _respelt(pattern, few)
+    close = [text for text, distance in respelt if distance <= 1]
+    far = [text for text, distance in respelt if distance > 1]
+    for candidate in [from_glob(pattern), *close, *longer, *far]:
+        if candidate == pattern:
+            continue
+        try:
+            # All names, not the few: the caller matches a suggestion against them without a guard.
+            if match_names(candidate, names):
+                return candidate
+        except PatternError:
+            continue
+    return None
+
+
+def _respelt(pattern: str, names: Sequence[str]) -> list[tuple[str, int]]:
+    """The pattern with one literal part respelt from a name, and the change; the smallest first."""
+    if len(pattern) > MAX_PATTERN:
+        return []
+    runs = [m for m in _TOKEN.finditer(pattern) if m[0][0] in "_/-" or m[0][0].isalnum()]
+    runs = sorted(runs, key=lambda m: -len(m[0]))[:_SUGGESTED_RUNS]
+    found: dict[str, int] = {}
+    cells = 0
+    for run in runs:
+        anchored = (run.start() == 0, run.end() == len(pattern))
+        for name in names:
+            cells += len(run[0]) * len(name)
+            if cells > _SUGGESTED_CELLS:
+                break
+            distance, part = _nearest_part(run[0], name, *anchored)
+            if distance <= (len(run[0]) + 1) // 3 and part != run[0]:
+                candidate = pattern[: run.start()] + part + pattern[run.end() :]
+                found[candidate] = min(distance, found.get(candidate, distance))
+    return sorted(found.items(), key=lambda item: (item[1], item[0]))[:_SUGGESTED_TRIES]
+
+
+def _nearest_part(run: str, name: str, from_start: bool, to_end: bool) -> tuple[int, str]:
+    """The part of a name with the least edit distance to `run`, case aside, and that distance.
+
+    The part starts where the name does if `from_start`, and ends where it does if `to_end`.
+    """
+    low = name.lower() if len(name.lower()) == len(name) else name
+    # Row i holds, for each end j in the name, (distance of run[:i] to the best part, its start).
+    row = [(j if from_start else 0, 0 if from_start else j) for j in range(len(low) + 1)]
+    for i, want in enumerate(run.lower(), 1):
+        last, row = row, [(i, 0)]
+        for j, have in enumerate(low, 1):
+            row.append(
+                min(
+                    (last[j - 1][0] + (want != have), last[j - 1][1]),
+                    (last[j][0] + 1, last[j][1]),
+                    (row[j - 1][0] + 1, row[j - 1][1]),
+                )
+            )
+    end = len(low) if to_end else min(range(len(row)), key=lambda j: (row[j][0], -j))
+    return row[end][0], name[row[end][1] : end]

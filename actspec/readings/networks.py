@@ -82,7 +82,7 @@ def _manifest(path: str) -> tuple[NetworkConventions | None, str | None]:
         return None, None
     # Few configurations have one, and the models take time to build.
     from actspec.spec.document import load_document
-    from actspec.spec.network import NetworkManifest
+    from actspec.spec.results import NetworkManifest
     from actspec.spec.validate import checked
 
     collector = Collector()

@@ -7,16 +7,13 @@ import os
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
-from actspec.resolution.binding import bind
-from actspec.resolution.inputs import joint_inputs
 from actspec.resolution.joint import actuator_of, armature_of
-from actspec.resolution.linked import linked_motors
+from actspec.resolution.linkage import linked_motors
 from actspec.resolution.model_values import model_values
 from actspec.resolution.motor import own_motors
-from actspec.resolution.quantities import written
-from actspec.resolution.reports import Reports
+from actspec.resolution.quantities import Reports, written
 from actspec.resolution.simplified import simplifications
-from actspec.resolution.stated import stated_of
+from actspec.resolution.stated import bind, joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.validate import Spec
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from actspec.ir import Command, InertiaRange, Level, Origin, Quantity
-from actspec.resolution.inputs import JointInputs
 from actspec.resolution.quantities import tidy, unknown
-from actspec.spec.derive import DerivedGain
+from actspec.resolution.stated import JointInputs
+from actspec.spec.fields import DerivedGain
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
 

@@ -6,13 +6,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Path, dotted
 from actspec.ir import JointKind, Origin, Quantity
 from actspec.resolution.quantities import Factor, in_words, scaled, tidy, unit_of, written
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
 from actspec.spec.models import Motor
-from actspec.spec.paths import Path, dotted
-from actspec.spec.rules.gears import number, stage_ratio
+from actspec.spec.rules.motors import number, stage_ratio
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Path, dotted
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
 from actspec.resolution.gearbox import (
     Train,
@@ -19,7 +19,6 @@ from actspec.resolution.gearbox import (
 from actspec.resolution.quantities import Factor, scaled, tidy, unit_of, unknown, written
 from actspec.resolution.stated import Stated
 from actspec.spec.models import Motor
-from actspec.spec.paths import Path, dotted
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity

@@ -1,12 +1,15 @@
-"""From numbers as written to quantities with origin, and the precedence between them."""
+"""From numbers as written to quantities with origin, and the precedence between them.
+
+Also errors about joints: the same one of several joints is reported once, with their names.
+"""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import JointKind, Origin, Quantity
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity
@@ -102,3 +105,25 @@ def conflict(authored: Quantity | None, identified: Quantity | None) -> str | No
         f"{format_quantity(identified.value, identified.unit)} are {apart / std:.1f} std apart "
         f"(std {format_quantity(std, identified.unit)})"
     )
+
+
+@dataclass(slots=True)
+class Reports:
+    """Collects errors of single joints until all joints are through."""
+
+    joints: dict[tuple[str, str, str, Span | None, str | None], list[str]] = field(default_factory=dict)
+    """Code, message, where, span and help, to the joints concerned."""
+
+    def error(
+        self, code: str, joint: str, message: str, where: str, span: Span | None, help: str | None
+    ) -> None:
+        """Note that something is wrong with a joint."""
+        named = self.joints.setdefault((code, message, where, span, help), [])
+        if joint not in named:
+            named.append(joint)
+
+    def tell(self, collector: Collector) -> None:
+        """Hand everything noted to the collector."""
+        for (code, message, where, span, help), named in self.joints.items():
+            collector.error(code, f"{listed(named)}: {message}", where=where, span=span, help=help)
+        self.joints.clear()

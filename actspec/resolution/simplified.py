@@ -9,7 +9,7 @@ from actspec.diagnostics import listed
 from actspec.ir import Approximation, JointActuator, Quantity
 from actspec.resolution.linkage import LinkedMotors
 from actspec.resolution.motor import JointMotor
-from actspec.spec.rules.targets import SPEC_ITSELF
+from actspec.spec.rules.robot import SPEC_ITSELF
 from actspec.units import format_quantity
 
 NEGLIGIBLE = 1e-9

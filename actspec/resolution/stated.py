@@ -1,24 +1,30 @@
-"""What the spec states of one joint: its group's fields with the overrides of the joint laid over."""
+"""What is said of one joint: spec, results, motor, robot file.
+
+Patterns put a joint in a group, whose fields it has, with the overrides of the joint laid over.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Collector
-from actspec.ir import JointKind, Quantity
-from actspec.resolution.binding import Binding
-from actspec.resolution.quantities import unit_of, written
-from actspec.spec.derive import DerivedGain
-from actspec.spec.fields import CommandRange
+from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
+from actspec.ir import Command, JointKind, Level, Origin, Quantity
+from actspec.patterns import PatternError, match_names, suggest_pattern
+from actspec.resolution.quantities import Reports, choose, conflict, unit_of, written
+from actspec.robot.view import JointView, RobotView
+from actspec.spec.fields import CommandRange, DerivedGain
 from actspec.spec.models import Actuators, Motor
-from actspec.spec.paths import Path, dotted
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind
 
 if TYPE_CHECKING:
+    from actspec.resolution.model_values import ModelValues
+    from actspec.resolution.motor import JointMotor
     from actspec.spec.results import JointResult
+
 
 FIELDS = (
     "motor",
@@ -153,3 +159,343 @@ def _fault(stated: Stated, field: str, value: SpecValue, path: Path, collector: 
         span=stated.spec.span(*path),
         help=UNITS_OF_JOINTS,
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Binding:
+    """A managed joint with its group.
+
+    Attributes:
+        joint: The joint.
+        group: Name of its group.
+        pattern: The pattern of the group that matched it.
+        overrides: Patterns of the group's overrides that match it.
+    """
+
+    joint: JointView
+    group: str
+    pattern: str
+    overrides: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Bindings:
+    """All joints, managed and not, in the robot's order."""
+
+    managed: tuple[Binding, ...]
+    unmanaged: tuple[str, ...]
+    """Joints left as they are: by `robot.unmanaged`, or in no group and without an actuator."""
+    default_pose: dict[str, str]
+    """Joint to the pattern of `default_pose` that matches it."""
+
+
+def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
+    """Match every pattern of the spec; breaches go to the collector."""
+    joints = [joint for joint in robot.joints if joint.kind in (JointKind.HINGE, JointKind.SLIDE)]
+    matcher = _Matcher(spec, robot, [joint.name for joint in joints], collector)
+    model = spec.model
+    owner: dict[str, tuple[str, str, int]] = {}
+    for name, group in model.actuators.items():
+        for index, pattern in enumerate(group.joints):
+            path: Path = ("actuators", name, "joints", index)
+            for joint in matcher.match(pattern, path):
+                if joint in owner and owner[joint][0] != name:
+                    other, other_pattern, other_index = owner[joint]
+                    place = spec.span("actuators", other, "joints", other_index)
+                    collector.error(
+                        "BIND002",
+                        f"the joint '{joint}' is in two groups: '{name}' by '{pattern}' and '{other}' by "
+                        f"'{other_pattern}' ({place})",
+                        where=dotted(path),
+                        span=spec.span(*path),
+                        help="make the patterns disjoint; to change one field of some joints use `overrides`",
+                    )
+                owner.setdefault(joint, (name, pattern, index))
+    unmanaged: dict[str, str] = {}
+    for index, pattern in enumerate(model.robot.unmanaged):
+        path = ("robot", "unmanaged", index)
+        for joint in matcher.match(pattern, path):
+            unmanaged.setdefault(joint, pattern)
+            if joint in owner:
+                collector.error(
+                    "BIND003",
+                    f"the joint '{joint}' is unmanaged by '{pattern}' and in the group '{owner[joint][0]}'",
+                    where=dotted(path),
+                    span=spec.span(*path),
+                    help="narrow one of the two patterns",
+                )
+    overrides: dict[tuple[str, str], list[str]] = {}
+    for name, group in model.actuators.items():
+        members = [joint for joint, (other, _, _) in owner.items() if other == name]
+        for pattern in group.overrides:
+            path = ("actuators", name, "overrides", pattern)
+            for joint in matcher.match(
+                pattern, path, names=members, scope=f"of the group '{name}'", key=True
+            ):
+                overrides.setdefault((name, joint), []).append(pattern)
+    pose: dict[str, str] = {}
+    for pattern in model.robot.default_pose:
+        path = ("robot", "default_pose", pattern)
+        for joint in matcher.match(pattern, path, key=True):
+            if joint in pose:
+                collector.error(
+                    "BIND004",
+                    f"the joint '{joint}' has two default positions, by '{pose[joint]}' and '{pattern}'",
+                    where=dotted(path),
+                    span=spec.document.spans.key(path),
+                    help="make the patterns disjoint",
+                )
+            pose.setdefault(joint, pattern)
+    loose = [joint.name for joint in joints if joint.name not in owner and joint.name not in unmanaged]
+    if loose and not matcher.failed:
+        _report_loose(spec, robot, loose, collector)
+    managed = tuple(
+        Binding(
+            joint,
+            owner[joint.name][0],
+            owner[joint.name][1],
+            tuple(overrides.get((owner[joint.name][0], joint.name), ())),
+        )
+        for joint in joints
+        if joint.name in owner
+    )
+    return Bindings(managed, tuple(joint.name for joint in joints if joint.name not in owner), pose)
+
+
+def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector: Collector) -> None:
+    """Joints in no group: an error where the file drives them, else said once.
+
+    Only an MJCF with actuators can say that a joint has none; of another file the spec must.
+    """
+    driven = {
+        actuator.target for actuator in robot.actuators if actuator.transmission in ("joint", "jointinparent")
+    }
+    forgotten = [name for name in loose if not driven or name in driven]
+    passive = [name for name in loose if name not in forgotten]
+    span = spec.document.spans.key(("actuators",))
+    for names, severity in ((forgotten, Severity.ERROR), (passive, Severity.INFO)):
+        if not names:
+            continue
+        error = severity is Severity.ERROR
+        collector.add(
+            Diagnostic(
+                "BIND005" if error else "BIND007",
+                severity,
+                f"{len(names)} joint{'s' * (len(names) > 1)} of '{robot.name}' in no group"
+                f"{'' if error else ' and without an actuator in the model: left as they are'}: {listed(names)}",
+                "actuators",
+                span,
+                "add them to a group, or to robot.unmanaged to leave them as they are" if error else None,
+            )
+        )
+
+
+class _Matcher:
+    """Matches patterns and reports those that match nothing."""
+
+    def __init__(self, spec: Spec, robot: RobotView, names: Sequence[str], collector: Collector) -> None:
+        self.spec = spec
+        self.robot = robot
+        self.names = names
+        self.collector = collector
+        self.failed = False
+
+    def match(
+        self,
+        pattern: str,
+        path: Path,
+        names: Sequence[str] | None = None,
+        scope: str = "",
+        *,
+        key: bool = False,
+    ) -> tuple[str, ...]:
+        names = self.names if names is None else names
+        spans = self.spec.document.spans
+        span = spans.key(path) if key else spans.value(path)
+        try:
+            found = match_names(pattern, names)
+        except PatternError as err:
+            self.failed = True
+            self.collector.error("SPEC122", err.message, where=dotted(path), span=span, help=err.help)
+            return ()
+        if found:
+            return found
+        self.failed = True
+        try:
+            elsewhere = set(match_names(pattern, [joint.name for joint in self.robot.joints]))
+        except PatternError:
+            # It is safe to match against the group's joints, not against all of them.
+            elsewhere = set()
+        others = [joint for joint in self.robot.joints if joint.name in elsewhere]
+        guess = suggest_pattern(pattern, names)
+        if others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
+            help: str | None = (
+                f"'{others[0].name}' is a {others[0].kind.value} joint; only hinge and slide joints have actuators here"
+            )
+        elif others and scope:
+            help = f"it matches {listed([j.name for j in others])}, outside the group"
+        elif guess is not None:
+            help = f"did you mean '{guess}'? (matches {listed(match_names(guess, names))})"
+        else:
+            help = f"joints: {listed(names)}" if names else "it has no hinge or slide joint with a name"
+        self.collector.error(
+            "BIND001",
+            f"the pattern '{pattern}' matches no joint {scope or f'of {self.robot.name!r}'}",
+            where=dotted(path),
+            span=span,
+            help=help,
+        )
+        return ()
+
+
+FITTED = (
+    "kp",
+    "kd",
+    "armature",
+    "encoder_bias",
+    "friction.coulomb",
+    "friction.viscous",
+    "friction.static",
+    "friction.stribeck_velocity",
+)
+"""Fields that identification results may hold, beside the delay and the bandwidth."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointInputs:
+    """What is said about one joint.
+
+    Attributes:
+        stated: What spec and results state.
+        model: What the robot's file states.
+        motor: Its motor, at the joint; None without one.
+        command: What is commanded.
+        level: How much of the drive is modelled.
+        collector: Takes what concerns this joint alone.
+        reports: Takes what may concern others in the same way.
+    """
+
+    stated: Stated
+    model: ModelValues
+    motor: JointMotor | None
+    command: Command
+    level: Level
+    collector: Collector
+    reports: Reports
+
+    @property
+    def joint(self) -> JointView:
+        """The robot's joint."""
+        return self.stated.binding.joint
+
+    @property
+    def kind(self) -> JointKind:
+        """hinge or slide."""
+        return self.stated.kind
+
+    def span(self, field: str) -> Span:
+        """Where a field is written; the group where it is not."""
+        return self.stated.spec.span(*self.stated.path(field))
+
+    def unit(self, kind: Kind) -> str:
+        """SI unit of a quantity kind at this joint."""
+        return unit_of(kind, self.kind)
+
+    def error(self, code: str, message: str, field: str, help: str | None = None) -> None:
+        """Report a fault of a field."""
+        self.reports.error(
+            code, self.joint.name, message, dotted(self.stated.path(field)), self.span(field), help
+        )
+
+    def check_unit(self, value: SpecValue, but: str, path: Path, help: str = UNITS_OF_JOINTS) -> None:
+        """Refuse a number that is in the other kind of joint's unit.
+
+        Args:
+            value: The number.
+            but: What it is said to be, behind "'hip' is a hinge joint, but".
+            path: Where it is written.
+            help: Units of the two kinds.
+        """
+        if value.linear is None or value.linear is (self.kind is JointKind.SLIDE):
+            return
+        self.collector.error(
+            "RES001",
+            f"'{self.joint.name}' is a {self.kind.value} joint, but {but}",
+            where=dotted(path),
+            span=self.stated.spec.span(*path),
+            help=help,
+        )
+
+    def identified(self, field: str, kind: Kind) -> Quantity | None:
+        """The fitted value of a field, or None."""
+        result = self.stated.result
+        if result is None:
+            return None
+        value = getattr(result.friction, field.partition(".")[2]) if "." in field else getattr(result, field)
+        if not isinstance(value, SpecValue) or value.value is None:
+            return None
+        file = str(self.stated.group.identified)
+        path = ("actuators", self.stated.binding.group, "identified")
+        self.check_unit(value, f"{file} gives its {field} as {value.written}", path)
+        found = written(value, self.unit(kind), self.stated.spec.span(*path), Origin.IDENTIFIED)
+        return replace(found, source=found.source or file)
+
+    def number(
+        self,
+        field: str,
+        kind: Kind,
+        *,
+        derived: Quantity | None = None,
+        rest: tuple[Quantity | None, ...] = (),
+    ) -> Quantity | None:
+        """A field by the precedence authored > identified > derived > rest; None when nobody states it."""
+        authored = self.stated.authored(field, kind)
+        fitted = self.identified(field, kind) if field in FITTED else None
+        self.compare(field, self.stated.get(field), authored, fitted)
+        return choose(authored, fitted, derived, *rest)
+
+    def compare(
+        self,
+        field: str,
+        value: object,
+        authored: Quantity | None,
+        fitted: Quantity | None,
+        word: str | None = None,
+    ) -> None:
+        """Report an identified number that is asked for and missing, or far from the authored one.
+
+        Args:
+            field: The field.
+            value: What is written.
+            authored: The written number.
+            fitted: The identified one.
+            word: Key to write `identified` at; default: the field's own.
+        """
+        if isinstance(value, SpecValue) and value.identified and fitted is None:
+            self.error(
+                "RES002",
+                f"{field} is to be the identified value, but the results have none",
+                field,
+                f"see {self.stated.group.identified}, or write the number here",
+            )
+        apart = conflict(authored, fitted)
+        if apart is not None:
+            self.collector.warning(
+                "RES010",
+                f"{self.joint.name}: {field}: {apart}",
+                where=dotted(self.stated.path(field)),
+                span=self.span(field),
+                help="the authored value is used; to use the fitted one write "
+                f"`{word or field.split('.')[-1]}: identified`",
+            )
+
+
+def joint_inputs(
+    stated: Stated, model: ModelValues, motor: JointMotor | None, collector: Collector, reports: Reports
+) -> JointInputs:
+    """Gather what is said about a joint.
+
+    Args: as the fields of `JointInputs`.
+    """
+    command, level = Command(stated.group.command), Level(stated.group.level)
+    return JointInputs(stated, model, motor, command, level, collector, reports)

@@ -12,11 +12,11 @@ The draws of two fields are independent; `per` says which joints share one draw 
 
 from __future__ import annotations
 
-from actspec.sampling.checks import check_ranges
 from actspec.sampling.draw import sample
 from actspec.sampling.ranges import (
     FACTORS,
     FIELDS,
+    check_ranges,
     drawn_ends,
     nominal_of,
     own_ranges,

@@ -7,8 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, JointActuator, Level, Randomization
-from actspec.sampling.checks import check_ranges
-from actspec.sampling.ranges import FACTORS, FIELDS, applied, nominal_of, own_ranges, quantity_of
+from actspec.sampling.ranges import (
+    FACTORS,
+    FIELDS,
+    applied,
+    check_ranges,
+    nominal_of,
+    own_ranges,
+    quantity_of,
+)
 
 if TYPE_CHECKING:
     from actspec.sampling.ranges import Numbers

@@ -1,16 +1,24 @@
-"""What a range is of: the fields, their nominal values, and which values a drawn number gives."""
+"""The ranges of a spec: of which fields, their nominal values, and which values a drawn number gives.
+
+Also whether they can be drawn from, and which are probably slips.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from actspec.ir import JointActuator, Quantity, Randomization
+from actspec.diagnostics import Collector, listed
+from actspec.ir import ActuatorSet, JointActuator, Level, Quantity, Randomization
+from actspec.units import format_quantity
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     Numbers = NDArray[np.float64]
+
 
 Number = TypeVar("Number", float, "Numbers")
 
@@ -99,3 +107,150 @@ def own_ranges(actuator: JointActuator) -> dict[str, Randomization]:
     """A joint's ranges by field, in the order of `FIELDS` and then `FACTORS`."""
     stated = {entry.field: entry for entry in actuator.randomize}
     return {field: stated[field] for field in (*FIELDS, *FACTORS) if field in stated}
+
+
+@dataclass(frozen=True, slots=True)
+class _Fault:
+    code: str
+    message: str
+    help: str
+    is_error: bool = True
+
+
+def check_ranges(actuators: ActuatorSet, collector: Collector) -> None:
+    """Report ranges that cannot be drawn from, and those that are probably slips; joints are named together.
+
+    Errors: a factor or an offset on an unknown nominal (RND001); a field that the joint does not have (RND002);
+    a factor on 0 (RND003); values below 0 (RND004). Warnings: a gaussian that reaches below 0 (RND005); a nominal
+    outside of the range (RND006); kinetic friction above static friction (RND007); gains of a network (RND008).
+    """
+    found: dict[tuple[str, str, _Fault], list[JointActuator]] = {}
+    for actuator in actuators.joints:
+        for field, entry in own_ranges(actuator).items():
+            for fault in _faults(actuator, entry):
+                found.setdefault((actuator.group, field, fault), []).append(actuator)
+        for fault in _friction_fault(actuator):
+            found.setdefault((actuator.group, "friction.coulomb", fault), []).append(actuator)
+    for (group, field, fault), joints in found.items():
+        entry_of = own_ranges(joints[0])
+        entry_at = entry_of.get(field) or entry_of.get("friction.static")
+        (collector.error if fault.is_error else collector.warning)(
+            fault.code,
+            f"{listed(joint.joint for joint in joints)}: {fault.message}",
+            where=f"actuators.{group}.randomize.{field}",
+            span=None if entry_at is None else entry_at.span,
+            help=fault.help,
+        )
+
+
+def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
+    field = entry.field
+    if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
+        yield _Fault("RND008", f"a network has no {field} to draw", "remove it, or draw strength", False)
+        return
+    parts = FACTORS.get(field, (field,))
+    if field in FACTORS:
+        there = [quantity_of(actuator, part) for part in parts]
+        if field == "gains" and not any(there):
+            yield _absent(actuator, field)
+            return
+        known = [quantity.value for quantity in there if quantity is not None]
+        if actuator.level is not Level.ACTUATOR_NET and None in known and field == "gains":
+            yield _Fault("RND001", f"{field}: kp or kd is unknown", "state kp and kd")
+        elif known and all(value == 0.0 for value in known):
+            yield _Fault("RND003", f"{field} scales nothing but zeros", f"state {' and '.join(parts)}")
+        yield from _outside(entry, 1.0, "1")
+        return
+    if quantity_of(actuator, field) is None and field != "delay":
+        yield _absent(actuator, field)
+        return
+    nominal, unit = nominal_of(actuator, field), unit_of(actuator, field)
+    if entry.operation != "abs" and nominal is None:
+        yield _Fault(
+            "RND001",
+            f"{field} is unknown, and the range is {_WORDS[entry.operation]} it",
+            f"state {field}, or give the range as abs",
+        )
+        return
+    if entry.operation == "scale" and nominal == 0.0:
+        yield _Fault(
+            "RND003", f"{field} is 0 {unit}, and 0 times a factor stays 0", "give the range as add or abs"
+        )
+        return
+    if field != "encoder_bias":
+        least = applied(entry, drawn_ends(entry)[0], nominal)
+        if least < 0.0 and entry.distribution == "gaussian":
+            yield _Fault(
+                "RND005",
+                f"{field} is drawn below 0 within {SPREAD:g} std: {format_quantity(least, unit)}",
+                "choose a smaller standard deviation, or log_uniform; "
+                "actspec cuts such draws to 0, simulators may not",
+                False,
+            )
+        elif least < 0.0:
+            yield _Fault(
+                "RND004",
+                f"{field} is drawn below 0: {format_quantity(least, unit)}",
+                f"the nominal is {format_quantity(nominal, unit)}: raise the low end",
+            )
+    if nominal is not None:
+        neutral = {"scale": 1.0, "add": 0.0, "abs": nominal}[entry.operation]
+        text = f"the nominal {format_quantity(nominal, unit)}" if entry.operation == "abs" else f"{neutral:g}"
+        yield from _outside(entry, neutral, text)
+
+
+_WORDS = {"scale": "a factor on", "add": "an offset on"}
+
+
+def _absent(actuator: JointActuator, field: str) -> _Fault:
+    if field == "friction.stribeck_velocity":
+        return _Fault(
+            "RND002", "the joint has no Stribeck velocity to draw", "state friction.stribeck_velocity"
+        )
+    return _Fault(
+        "RND002",
+        f"a drive of level {actuator.level.value} and command {actuator.command.value} has no {field}",
+        "remove the range",
+    )
+
+
+def _outside(entry: Randomization, neutral: float, text: str) -> Iterator[_Fault]:
+    low, high = drawn_ends(entry)
+    # Ends come from decimal text and the nominal from a formula: a rounding apart is not outside.
+    slack = 1e-9 * max(abs(low), abs(high), abs(neutral))
+    if not low - slack <= neutral <= high + slack:
+        yield _Fault(
+            "RND006",
+            f"{text} is outside of the range of {entry.field}, {low:g} to {high:g}: "
+            "the nominal robot is never drawn",
+            "widen the range, or correct the nominal",
+            False,
+        )
+
+
+def _friction_fault(actuator: JointActuator) -> Iterator[_Fault]:
+    """Kinetic friction can be drawn above static friction."""
+    ranges = own_ranges(actuator)
+    coulomb, static = ranges.get("friction.coulomb"), ranges.get("friction.static")
+    if static is None and (coulomb is None or actuator.friction_static is None):
+        return
+    most = _end(actuator, "friction.coulomb", coulomb, 1)
+    least = _end(actuator, "friction.static", static, 0)
+    if most is not None and least is not None and most > least * (1.0 + 1e-9):
+        unit = actuator.friction_coulomb.unit
+        yield _Fault(
+            "RND007",
+            f"coulomb friction up to {format_quantity(most, unit)} meets static friction from "
+            f"{format_quantity(least, unit)}: it is cut to the static one",
+            "draw both so that static stays above",
+            False,
+        )
+
+
+def _end(actuator: JointActuator, field: str, entry: Randomization | None, which: int) -> float | None:
+    nominal = nominal_of(actuator, field)
+    if entry is None:
+        return nominal
+    if entry.operation != "abs" and nominal is None:
+        return None
+    return ends_of(entry, nominal)[which]

@@ -8,8 +8,20 @@ from typing import Annotated, Any, Literal
 from pydantic import Field
 from pydantic_core import PydanticCustomError
 
-from actspec.spec.base import Efficiency, Factor, Inertia, Name, Strict
-from actspec.spec.values import FieldParser, Number, SpecValue, fault, parse_value, short, value_schema
+from actspec.spec.values import (
+    Efficiency,
+    Factor,
+    FieldParser,
+    Inertia,
+    Name,
+    Number,
+    SpecValue,
+    Strict,
+    fault,
+    parse_value,
+    short,
+    value_schema,
+)
 from actspec.units import Kind
 
 MOST_STAGES = 16

@@ -10,11 +10,29 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, Tag, WithJsonSchema
 
-from actspec.spec.base import Efficiency, Factor, Inertia, Name, Ratio, Strict
-from actspec.spec.derive import Gain, GainField
-from actspec.spec.fields import CommandRange, CommandRangeField, DelayField, EffortField, SpecDelay
+from actspec.spec.fields import (
+    CommandRange,
+    CommandRangeField,
+    DelayField,
+    EffortField,
+    Gain,
+    GainField,
+    SpecDelay,
+)
 from actspec.spec.gears import Linkage, Stages
-from actspec.spec.values import Number, Pair, SpecValue, fault, short
+from actspec.spec.values import (
+    Efficiency,
+    Factor,
+    Inertia,
+    Name,
+    Number,
+    Pair,
+    Ratio,
+    SpecValue,
+    Strict,
+    fault,
+    short,
+)
 from actspec.units import Kind
 
 SPEC_VERSION = 1

@@ -1,18 +1,28 @@
 """JSON Schemas of the files that people write, for editors; generated from the models.
 
 An editor checks less than `actspec validate`: units, references and patterns are not in a schema.
+
+Descriptions of fields are the strings under them in the models' source. pydantic can read them as each class is made,
+which parses the source at every start of the tool; only a schema and the help of a missing key need them.
 """
 
 from __future__ import annotations
 
+import ast
+import inspect
 import json
+import sys
 from collections.abc import Iterator
+from functools import cache
 from typing import TYPE_CHECKING, Any
+
+from pydantic import BaseModel
 
 from actspec.spec.values import HOIST
 
 if TYPE_CHECKING:
     from pydantic import BaseModel
+
 
 FILES = {
     "spec": "actspec-v1.schema.json",
@@ -65,7 +75,7 @@ def _root(name: str) -> type[BaseModel]:
 
         return Results
     if name == "network":
-        from actspec.spec.network import NetworkManifest
+        from actspec.spec.results import NetworkManifest
 
         return NetworkManifest
     from actspec.spec.models import SpecModel
@@ -75,7 +85,7 @@ def _root(name: str) -> type[BaseModel]:
 
 def _models(root: type[BaseModel]) -> Iterator[type[BaseModel]]:
     """Every model of the language."""
-    from actspec.spec.base import Strict
+    from actspec.spec.values import Strict
 
     pending = [Strict]
     while pending:
@@ -86,7 +96,6 @@ def _models(root: type[BaseModel]) -> Iterator[type[BaseModel]]:
 
 def _describe(part: dict[str, Any], model: type[BaseModel]) -> None:
     """Write the fields' docstrings into a model's schema."""
-    from actspec.spec.descriptions import descriptions
 
     texts = descriptions(model)
     for name, field in model.model_fields.items():
@@ -133,3 +142,38 @@ def _tidy(node: Any, hoisted: dict[str, Any], *, names: bool = False) -> Any:
         del tidy["anyOf"]
         return {**parts[0], **tidy}
     return tidy
+
+
+def descriptions(model: type[BaseModel]) -> dict[str, str]:
+    """Text under each field of a model and of its bases, by the field's name; empty without source."""
+    found: dict[str, str] = {}
+    for base in reversed(model.__mro__):
+        if issubclass(base, BaseModel):
+            found.update(_of_module(base.__module__).get(base.__qualname__, {}))
+    return found
+
+
+@cache
+def _of_module(name: str) -> dict[str, dict[str, str]]:
+    """Class to field to text."""
+    module = sys.modules[name]
+    try:
+        tree = ast.parse(inspect.getsource(module))
+    except (OSError, SyntaxError):
+        # Installed as bytecode alone.
+        return {}
+    return {node.name: _of_class(node) for node in tree.body if isinstance(node, ast.ClassDef)}
+
+
+def _of_class(node: ast.ClassDef) -> dict[str, str]:
+    texts = {}
+    for field, after in zip(node.body, node.body[1:], strict=False):
+        if (
+            isinstance(field, ast.AnnAssign)
+            and isinstance(field.target, ast.Name)
+            and isinstance(after, ast.Expr)
+            and isinstance(after.value, ast.Constant)
+            and isinstance(after.value.value, str)
+        ):
+            texts[field.target.id] = inspect.cleandoc(after.value.value)
+    return texts

@@ -1,18 +1,20 @@
 """Validation: a YAML document becomes a typed spec, or all of its errors at once.
 
 Needs no robot: what a spec says about itself. Whether its patterns match the robot's joints is
-`resolve`'s matter.
+`resolve`'s matter. `load_spec` also reads the results files that a spec names.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Span, SpecError, listed, nearest
+from actspec.diagnostics import Collector, Path, Span, SpecError, dotted, listed, nearest
+from actspec.spec.document import load_document
 from actspec.spec.models import (
     GAPPED,
     SPEC_VERSION,
@@ -24,13 +26,13 @@ from actspec.spec.models import (
     Timing,
     Tunable,
 )
-from actspec.spec.paths import Path, dotted
 from actspec.spec.rules import check_spec
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
     from actspec.spec.document import Document
     from actspec.spec.results import Results
+
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -87,8 +89,6 @@ def validate(document: Document) -> Spec:
     if model is not None:
         check_spec(model, document, collector)
     else:
-        from actspec.spec.salvage import salvaged
-
         rest = salvaged(data, faults)
         if rest is not None:
             check_spec(rest[0], document, collector, rest[1])
@@ -345,7 +345,7 @@ def _keys(model: type[BaseModel]) -> list[str]:
 
 
 def _description(root: type[BaseModel], path: Path) -> str | None:
-    from actspec.spec.descriptions import descriptions
+    from actspec.spec.schema import descriptions
 
     model = _model_at(root, path[:-1])
     if model is None:
@@ -355,3 +355,106 @@ def _description(root: type[BaseModel], path: Path) -> str | None:
         if (info.alias or name) == path[-1] and name in texts:
             return f"{path[-1]}: {' '.join(texts[name].split())}"
     return None
+
+
+_BY_NAME = ("actuators", "motors", "linkages", "sources", "targets", "accept")
+"""Sections of named parts: a fault concerns its part."""
+_ROBOT = {"name": "robot", "model": "robot"}
+_GROUP = {"joints": ["joint"], "level": "ideal_pd"}
+
+
+def salvaged(data: dict[str, Any], faults: Iterable[Path]) -> tuple[SpecModel, frozenset[Path]] | None:
+    """The spec without the parts that have faults.
+
+    Args:
+        data: The document.
+        faults: Place of every fault.
+
+    Returns:
+        The rest, and the places of which it tells nothing: what is left out, and what refers to it.
+        None where nothing is left.
+    """
+    # A fault at () is a missing section.
+    left_out = {path[: 2 if path[0] in _BY_NAME else 1] for path in faults if path}
+    rest = {key: dict(value) if isinstance(value, dict) else value for key, value in data.items()}
+    for path in left_out:
+        if len(path) == 2 and isinstance(rest.get(str(path[0])), dict):
+            rest[str(path[0])].pop(path[1], None)
+        else:
+            rest.pop(str(path[0]), None)
+    rest["actspec"] = SPEC_VERSION
+    rest.setdefault("robot", _ROBOT)
+    if not rest.get("actuators"):
+        rest["actuators"] = {"": _GROUP}
+        left_out.add(("actuators", ""))
+    try:
+        model = SpecModel.model_validate(rest)
+    except ValidationError:
+        return None
+    for name, linkage in model.linkages.items():
+        if any(("motors", motor) in left_out for motor in linkage.motors) or ("motors",) in left_out:
+            left_out.add(("linkages", name))
+    unlinked = any(path[:1] == ("linkages",) for path in left_out)
+    for name, group in model.actuators.items():
+        motors = [group.motor, *(override.motor for override in group.overrides.values())]
+        if group.motor is None and unlinked:
+            # Its motors may be those of a linkage that is left out.
+            left_out.add(("actuators", name))
+        if any(("motors", motor) in left_out for motor in motors) or ("motors",) in left_out:
+            left_out.add(("actuators", name))
+    if any(path[:1] == ("targets",) for path in left_out):
+        left_out.add(("accept",))
+    return model, frozenset(left_out)
+
+
+def load_spec(path: str) -> Spec:
+    """Read and validate a spec and the results files that it names.
+
+    Raises:
+        SpecError: with every error of the spec, or of all of its results files.
+
+    Results of another robot are a warning in `Spec.diagnostics`.
+    """
+    spec = validate(load_document(path))
+    folder = os.path.dirname(os.path.abspath(path))
+    collector = Collector()
+    results: dict[str, Results] = {}
+    for name, group in spec.model.actuators.items():
+        named = group.identified
+        if named is None or named in results:
+            continue
+        where = f"actuators.{name}.identified"
+        full = os.path.realpath(os.path.join(folder, named))
+        if os.path.commonpath([full, os.path.realpath(folder)]) != os.path.realpath(folder):
+            collector.error(
+                "SPEC170",
+                f"'{named}' is outside the spec's folder",
+                where=where,
+                span=spec.span("actuators", name, "identified"),
+                help="keep results files below the folder of the spec",
+            )
+            continue
+        # Most specs name no results, and the models take time to build.
+        from actspec.spec.results import validate_results
+
+        try:
+            found = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
+        except SpecError as err:
+            for item in err.diagnostics:
+                if item.span is None or not item.span.line:
+                    # About the file as a whole: the place to change is the line that names it.
+                    place = spec.span("actuators", name, "identified")
+                    item = replace(item, where=where, span=place)
+                collector.add(item)
+            continue
+        results[named] = found
+        if found.robot != spec.model.robot.name:
+            collector.warning(
+                "RES012",
+                f"'{named}' has the results of the robot '{found.robot}', the spec is for '{spec.model.robot.name}'",
+                where=where,
+                span=spec.span("actuators", name, "identified"),
+                help="name this robot's results, or correct `robot` in one of the two files",
+            )
+    collector.raise_if_failed(SpecError)
+    return replace(spec, results=results, diagnostics=(*spec.diagnostics, *collector.sorted()))

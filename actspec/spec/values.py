@@ -1,7 +1,7 @@
 """Numbers as a spec writes them: `33.5 N*m`, `0.2`, `unknown`, `{value, unit, source, std, note}`.
 
 Each field of the spec names its quantity kind; a field's type is an annotated `SpecValue` that
-parses, checks and documents itself in the JSON Schema (`Number`).
+parses, checks and documents itself in the JSON Schema (`Number`). Also the base of all models.
 """
 
 from __future__ import annotations
@@ -10,9 +10,9 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
-from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
+from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from actspec.diagnostics import nearest
@@ -396,3 +396,20 @@ def _a(noun: str) -> str:
 
 
 _PLAIN_NUMBER = re.compile(r"\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?\s*", re.ASCII)
+
+
+class Strict(BaseModel):
+    """Base of all models: frozen, unknown keys refused, built when the first file is read.
+
+    `use_attribute_docstrings` is off because it parses the source at every start; `descriptions`
+    does so when somebody asks.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+
+Name = Annotated[str, Field(min_length=1, max_length=200)]
+Inertia = Annotated[SpecValue, Number(Kind.INERTIA, at_least=0.0)]
+Ratio = Annotated[SpecValue, Number(Kind.RATIO, above=0.0)]
+Factor = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, unknown=False)]
+Efficiency = Annotated[SpecValue, Number(Kind.RATIO, above=0.0, at_most=1.0)]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed, nearest
 from actspec.simulators import DEFAULT_VERSIONS
-from actspec.spec.rules.targets import SPEC_ITSELF
+from actspec.spec.rules.robot import SPEC_ITSELF
 
 if TYPE_CHECKING:
     from actspec.spec.validate import Spec

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from actspec.cli.main import main
-from actspec.spec.load import load_spec
+from actspec.spec.validate import load_spec
 
 ROOT = Path(__file__).resolve().parents[2]
 

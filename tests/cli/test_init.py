@@ -10,7 +10,7 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.robot.load import load_robot
-from actspec.spec.load import load_spec
+from actspec.spec.validate import load_spec
 
 ROBOT = """<mujoco model="pendulum">
   <option timestep="0.004"/>

@@ -8,8 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from actspec.draft.names import body_part, group_name, joint_patterns
-from actspec.draft.text import comment, scalar
-from actspec.draft.values import figure, quantity_text, sourced, time_text
+from actspec.draft.text import comment, figure, quantity_text, scalar, sourced, time_text
 from actspec.ir import Origin, Quantity
 from actspec.patterns import MAX_PATTERN, compile_pattern, covering_pattern
 from actspec.spec.document import document_from_text

@@ -18,7 +18,7 @@ import pytest
 import yaml
 
 from actspec.cli.main import main
-from actspec.spec.read import is_spec
+from actspec.spec.yaml_text import is_spec
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = ("actspec", "robots", "schemas", "templates", "pyproject.toml", "LICENSE", "README.md")

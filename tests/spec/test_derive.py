@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from pydantic_core import PydanticCustomError
 
-from actspec.spec.derive import DerivedGain, GainField
+from actspec.spec.fields import DerivedGain, GainField
 from actspec.spec.values import Number, SpecValue
 from actspec.units import Kind
 

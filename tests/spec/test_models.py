@@ -10,14 +10,13 @@ import pytest
 from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import SpecError
-from actspec.spec.base import Strict
-from actspec.spec.derive import DerivedGain
-from actspec.spec.descriptions import descriptions
 from actspec.spec.document import document_from_text
+from actspec.spec.fields import DerivedGain
 from actspec.spec.gears import Linkage
 from actspec.spec.models import CommandFilter, ListedJoint, SpecModel
+from actspec.spec.schema import descriptions
 from actspec.spec.validate import validate
-from actspec.spec.values import SpecValue
+from actspec.spec.values import SpecValue, Strict
 from tests.fitting import faults_of, model_of, spec_of
 
 EVERYTHING = """

@@ -8,8 +8,8 @@ import pytest
 
 from actspec.diagnostics import Severity, SpecError
 from actspec.spec.document import document_from_text
-from actspec.spec.load import load_spec
 from actspec.spec.results import validate_results
+from actspec.spec.validate import load_spec
 
 GOOD = """format: actspec-results/1
 robot: unitree_a1

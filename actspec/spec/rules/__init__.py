@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Path
 from actspec.spec.models import SpecModel
-from actspec.spec.paths import Path
-from actspec.spec.rules.breaches import Breaches
-from actspec.spec.rules.gears import check_linkages
 from actspec.spec.rules.groups import check_group
-from actspec.spec.rules.motors import check_motor
-from actspec.spec.rules.robot import check_robot, check_sources
-from actspec.spec.rules.targets import TARGETS, check_accept, check_targets
+from actspec.spec.rules.motors import check_linkages, check_motor
+from actspec.spec.rules.robot import (
+    TARGETS,
+    Breaches,
+    check_accept,
+    check_robot,
+    check_sources,
+    check_targets,
+)
 
 if TYPE_CHECKING:
     from actspec.spec.document import Document

@@ -1,13 +1,15 @@
-"""Rules of `motors`."""
+"""Rules of `motors`: figures, gearboxes, transmissions and linkages."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.spec.models import Motor
-from actspec.spec.paths import Path
-from actspec.spec.rules.breaches import Breaches
-from actspec.spec.rules.gears import check_gearbox
+from actspec.diagnostics import Path, nearest
+from actspec.patterns import PatternError, match_names
+from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
+from actspec.spec.models import Motor, Source
+from actspec.spec.rules.robot import Breaches
 from actspec.spec.values import SpecValue
 
 SIDED = ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque", "torque_constant", "curve")
@@ -92,3 +94,203 @@ def _efficiencies(path: Path, motor: Motor) -> Iterator[tuple[Path, SpecValue | 
     yield (*path, "efficiency"), motor.efficiency
     for index, stage in enumerate(motor.gearbox or ()):
         yield (*path, "gearbox", index, "efficiency"), stage.efficiency
+
+
+SAME_RATIO = 0.005
+"""A stated gear ratio and that of the stages may differ by this much, relative.
+
+Chosen: a ratio rounded to three digits is at most this far off.
+"""
+
+
+def stage_ratio(stage: Stage) -> float | None:
+    """Turns at the input of a stage in one turn at its output; None for one that changes turns and travel."""
+    if stage.ratio is not None:
+        return number(stage.ratio)
+    if stage.planetary is not None:
+        return 1.0 + number(stage.planetary.ring) / number(stage.planetary.sun)
+    if stage.teeth is not None:
+        return number(stage.teeth.driven) / number(stage.teeth.driving)
+    return None
+
+
+def number(value: SpecValue) -> float:
+    """The number of a field that takes no `unknown`."""
+    assert value.value is not None
+    return value.value
+
+
+def check_stages(path: Path, stages: Iterable[Stage], breaches: Breaches) -> None:
+    """Every stage is one thing."""
+    for index, stage in enumerate(stages):
+        at = (*path, index)
+        given = [kind for kind in KINDS_OF_STAGE if getattr(stage, kind) is not None]
+        if len(given) != 1:
+            breaches.error(
+                "SPEC136",
+                f"a stage is {' and '.join(given)} at once" if given else "the stage does not say what it is",
+                at,
+                f"write exactly one of {', '.join(KINDS_OF_STAGE)}",
+            )
+        gears = stage.planetary
+        if gears is not None and number(gears.ring) <= number(gears.sun):
+            breaches.error(
+                "SPEC136",
+                f"the ring has {gears.ring.written} teeth, the sun {gears.sun.written}: the ring is round the sun",
+                (*at, "planetary", "ring"),
+                "are the two swapped?",
+            )
+
+
+def check_gearbox(path: Path, motor: Motor, breaches: Breaches) -> None:
+    """A gearbox by stages agrees with what the motor says of it as a whole."""
+    if motor.gearbox is None:
+        return
+    check_stages((*path, "gearbox"), motor.gearbox, breaches)
+    if motor.efficiency is not None and any(stage.efficiency is not None for stage in motor.gearbox):
+        breaches.error(
+            "SPEC137",
+            "the efficiency is stated for the gearbox and for its stages",
+            (*path, "efficiency"),
+            "state it once: that of the gearbox is the product of its stages'",
+        )
+    _check_ratio(path, motor, motor.gearbox, breaches)
+    for index, stage in enumerate(motor.gearbox):
+        if stage.inertia is not None and motor.rotor_inertia is None:
+            whole = motor.reflected_inertia is not None
+            breaches.error(
+                "SPEC138",
+                "reflected_inertia holds the whole gearbox, and a stage states an inertia"
+                if whole
+                else "the stage states its inertia, and the motor no rotor_inertia",
+                (*path, "gearbox", index, "inertia"),
+                "keep one of the two" if whole else "state rotor_inertia: the sum needs both",
+            )
+
+
+def _check_ratio(path: Path, motor: Motor, stages: Sequence[Stage], breaches: Breaches) -> None:
+    """gear_ratio is the product of the stages."""
+    stated = motor.gear_ratio
+    if stated is None or stated.value is None:
+        return
+    ratios = [stage_ratio(stage) for stage in stages]
+    if None in ratios:
+        breaches.error(
+            "SPEC137",
+            "gear_ratio counts turns per turn, and a stage of the gearbox changes turns and travel",
+            (*path, "gear_ratio"),
+            "remove gear_ratio: the gearbox says it all",
+        )
+        return
+    product = math.prod(ratio for ratio in ratios if ratio is not None)
+    if abs(stated.value - product) > SAME_RATIO * product:
+        breaches.error(
+            "SPEC137",
+            f"gear_ratio is {stated.written}, the stages of the gearbox make "
+            f"{' x '.join(f'{ratio:g}' for ratio in ratios)} = {product:g}",
+            (*path, "gear_ratio"),
+            "remove gear_ratio: it follows from the stages; or correct the stage that is wrong",
+        )
+
+
+def check_linkages(
+    linkages: Mapping[str, Linkage],
+    motors: Mapping[str, Motor],
+    sources: Mapping[str, Source],
+    breaches: Breaches,
+) -> None:
+    """Every linkage has its motors and one square Jacobian a pose, and no joint is in two."""
+    owner: dict[str, str] = {}
+    for name, linkage in linkages.items():
+        path: Path = ("linkages", name)
+        for index, joint in enumerate(linkage.joints):
+            if joint in owner:
+                twice = (
+                    "twice in the linkage" if owner[joint] == name else f"in the linkage '{owner[joint]}' too"
+                )
+                breaches.error("SPEC170", f"the joint '{joint}' is {twice}", (*path, "joints", index))
+            owner.setdefault(joint, name)
+        for index, motor in enumerate(linkage.motors):
+            if motor not in motors:
+                guess = nearest(motor, sorted(motors))
+                breaches.error(
+                    "SPEC141",
+                    f"no motor is named '{motor}'",
+                    (*path, "motors", index),
+                    f"did you mean '{guess}'?" if guess else "add it to `motors`",
+                )
+        if linkage.source is not None and linkage.source not in sources:
+            guess = nearest(linkage.source, sorted(sources))
+            breaches.error(
+                "SPEC123",
+                f"no source is named '{linkage.source}'",
+                (*path, "source"),
+                f"did you mean '{guess}'?" if guess else "add it to `sources`",
+            )
+        _check_geometry(path, linkage, breaches)
+
+
+def _check_geometry(path: Path, linkage: Linkage, breaches: Breaches) -> None:
+    """One of Jacobian, table and factor, each of the size that joints and motors have."""
+    given = [key for key in ("jacobian", "table", "factor") if getattr(linkage, key) is not None]
+    if len(given) != 1:
+        breaches.error(
+            "SPEC172",
+            f"states {' and '.join(given)} at once"
+            if given
+            else "does not say how motors and joints move together",
+            path,
+            "write one of jacobian (motor speed per joint speed at a pose), table (at several poses), or "
+            "`factor: 1` where nobody has computed it",
+        )
+    for key, needs in (("at", "jacobian"), ("limits", "jacobian or table")):
+        stated = linkage.at is not None if key == "at" else linkage.limits != "alone"
+        if stated and not any(part in needs for part in given):
+            breaches.error("SPEC172", f"`{key}` goes with {needs}", (*path, key), "remove it")
+    size = len(linkage.joints)
+    if linkage.factor is None and len(linkage.motors) != size:
+        breaches.error(
+            "SPEC171",
+            f"{_count(size, 'joint')} and {_count(len(linkage.motors), 'motor')}: a Jacobian needs as many of both",
+            (*path, "motors"),
+            "name the motor of each rod, the same one several times if need be",
+        )
+    poses = [((*path, "jacobian"), linkage.jacobian), ((*path, "at"), linkage.at)]
+    for index, pose in enumerate(linkage.table or ()):
+        poses += [
+            ((*path, "table", index, "jacobian"), pose.jacobian),
+            ((*path, "table", index, "at"), pose.at),
+        ]
+    for place, part in poses:
+        if part is None or isinstance(part, str):
+            continue
+        if place[-1] == "at" and len(part) != size:
+            breaches.error(
+                "SPEC171",
+                f"{_count(len(part), 'position')} for {_count(size, 'joint')}",
+                place,
+                "write one a joint, in their order",
+            )
+        if place[-1] == "jacobian" and [len(row) for row in part if isinstance(row, tuple)] != [size] * size:
+            breaches.error(
+                "SPEC171",
+                f"the Jacobian of {_count(size, 'joint')} is {size} by {size}",
+                place,
+                "write a row a motor, in it a column a joint",
+            )
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'s' * (number != 1)}"
+
+
+def may_be_linked(patterns: Iterable[str], linkages: Mapping[str, Linkage]) -> bool:
+    """Whether patterns match a joint whose motor a linkage names."""
+    names = [joint for linkage in linkages.values() for joint in linkage.joints]
+    for pattern in patterns:
+        try:
+            if match_names(pattern, names):
+                return True
+        except PatternError:
+            continue
+    return False

@@ -11,7 +11,7 @@ from typing import TypeVar
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, Approximation, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
-from actspec.resolution.reports import Reports
+from actspec.resolution.quantities import Reports
 from actspec.simulators import UnknownVersion
 from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip

@@ -15,7 +15,7 @@ from actspec.ir import Command, JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
-    from actspec.spec.network import NetworkManifest
+    from actspec.spec.results import NetworkManifest
 
 MAX_NETWORK = 64 * 1024 * 1024
 """Largest network file [bytes]. Chosen: actuator networks have some tens of kilobytes."""
@@ -109,7 +109,7 @@ def _bytes(path: str, where: str, span: Span | None, collector: Collector) -> by
 def _manifest(path: str, where: str, span: Span | None, collector: Collector) -> NetworkManifest | None:
     """JSON is YAML: read as strictly as a spec, with places."""
     from actspec.spec.document import load_document
-    from actspec.spec.network import NetworkManifest
+    from actspec.spec.results import NetworkManifest
     from actspec.spec.validate import checked
 
     try:

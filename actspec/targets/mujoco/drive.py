@@ -21,7 +21,7 @@ from itertools import chain
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
-from actspec.resolution.reports import Reports
+from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.base import Approximation

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.resolution.model_values import actuators_of, effort_bound
-from actspec.resolution.reports import Reports
+from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation

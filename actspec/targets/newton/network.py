@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import shortened
 from actspec.ir import Command
-from actspec.spec.network import NetworkManifest
+from actspec.spec.results import NetworkManifest
 from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
 from actspec.targets.newton.usda import Attribute, asset
 
