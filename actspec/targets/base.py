@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from actspec.diagnostics import Diagnostic, Span
 from actspec.ir import Approximation
 
-__all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions"]
+__all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions", "relative_path"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,6 +57,11 @@ class TargetOptions:
     def span(self, option: str) -> Span | None:
         """Where an option is written; None: nowhere."""
         return None if self.spans is None else self.spans.get(option)
+
+
+def relative_path(path: str, folder: str) -> str:
+    """A path as one from a folder, with forward slashes, so that the file is the same on every system."""
+    return os.path.relpath(os.path.abspath(path), os.path.abspath(folder)).replace(os.sep, "/")
 
 
 @dataclass(frozen=True, slots=True)

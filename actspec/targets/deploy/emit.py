@@ -11,13 +11,12 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 
-import actspec
 from actspec.diagnostics import Collector, EmitError, listed, nearest, shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
 from actspec.robot.view import ModelFormat, RobotView, isaac_order
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.deploy.text import comment, entry, scalar
-from actspec.targets.kit.provenance import source_lines
+from actspec.targets.kit.provenance import source_lines, written_by
 from actspec.targets.kit.python_text import environment, grouped, identifier, origin_of
 
 FORMAT = "actspec-deploy/1"
@@ -65,7 +64,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 
 
 def _header(actuators: ActuatorSet, robot: RobotView) -> Iterator[str]:
-    yield f"Written by actspec {actspec.__version__}. Do not edit: change the spec and compile again."
+    yield written_by()
     if robot.format is not ModelFormat.NONE:
         yield f"model {os.path.basename(robot.path)}"
     if actuators.unmanaged:

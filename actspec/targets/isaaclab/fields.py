@@ -83,19 +83,6 @@ class Joint(JointEmission):
         """Unit, origin and formula, as a comment has them."""
         return "; ".join(filter(None, (quantity.unit, origin_of(quantity), quantity.formula)))
 
-    def curve_text(self, law: TorqueLaw) -> str:
-        """A line or curve in words."""
-        if law.curve is not None:
-            drive, brake, knee, no_load = law.curve
-            return (
-                f"curve: drive {format_quantity(drive, self.unit)}, brake {format_quantity(brake, self.unit)}, "
-                f"knee {knee:g}, no load {no_load:g} {self.speed_unit}"
-            )
-        return (
-            f"line from {format_quantity(law.stall_torque, self.unit)} to "
-            f"{format_quantity(law.no_load_speed, self.speed_unit)}"
-        )
-
 
 def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
     """Least and largest lag in physics steps, with what is lost; 0 and 0 without a delay."""

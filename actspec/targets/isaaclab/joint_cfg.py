@@ -145,7 +145,9 @@ def _implicit(joint: Joint) -> tuple[str, list[Field]]:
         limited = free
     if joint.actuator.level is Level.DC_MOTOR:
         error = static_error(joint.law, limited.torque)
-        joint.approximate("torque_speed_curve", joint.curve_text(joint.law), clip, why, error)
+        joint.approximate(
+            "torque_speed_curve", joint.curve_text(joint.law, joint.speed_unit), clip, why, error
+        )
     names = joint.dialect.limits
     fields = [Field(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
@@ -271,7 +273,9 @@ def _one_line(joint: Joint, line: TorqueLaw, cls: str) -> None:
         cls: The class.
     """
     emitted: Torque = line.torque
-    text = f"{joint.curve_text(line)}, cut at {format_quantity(line.effort_limit, joint.unit)}"
+    text = (
+        f"{joint.curve_text(line, joint.speed_unit)}, cut at {format_quantity(line.effort_limit, joint.unit)}"
+    )
     reasons = []
     if joint.law.curve is not None:
         reasons.append(f"{cls} has one line for driving and braking")
@@ -285,4 +289,10 @@ def _one_line(joint: Joint, line: TorqueLaw, cls: str) -> None:
         reasons.append(f"{cls} of Isaac Lab {joint.dialect.text} ends its limits at 0")
     if reasons:
         error = static_error(joint.law, emitted)
-        joint.approximate("torque_speed_curve", joint.curve_text(joint.law), text, "; ".join(reasons), error)
+        joint.approximate(
+            "torque_speed_curve",
+            joint.curve_text(joint.law, joint.speed_unit),
+            text,
+            "; ".join(reasons),
+            error,
+        )

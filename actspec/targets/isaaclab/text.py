@@ -7,13 +7,12 @@ import textwrap
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import actspec
 from actspec.ir import ActuatorSet
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.fields import Field
 from actspec.targets.isaaclab.joint_cfg import CUSTOM, JointCfg
-from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
+from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import (
     WIDTH,
     comment_lines,
@@ -22,6 +21,7 @@ from actspec.targets.kit.python_text import (
     identifier,
     joint_patterns,
     py,
+    section_lines,
 )
 from actspec.units import format_quantity
 
@@ -291,9 +291,7 @@ def _header(
     actuators: ActuatorSet, approximations: Sequence[Approximation], dialect: IsaacLabDialect, model: str
 ) -> Iterator[str]:
     title = f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text} ({dialect.backend_text})"
-    yield from comment_lines(
-        f"Written by actspec {actspec.__version__} for {title}. Do not edit: change the spec and compile again."
-    )
+    yield from comment_lines(written_by(f" for {title}"))
     if not dialect.executed:
         yield from comment_lines("Text-checked, not run: no package of this version could be had.")
     yield from comment_lines(f"spec sha256 {actuators.spec_sha256}")
@@ -302,14 +300,6 @@ def _header(
     yield from comment_lines(
         f"physics_dt {format_quantity(actuators.physics_dt.value, actuators.physics_dt.unit)}"
     )
-    if approximations:
-        yield from comment_lines("")
-        yield from comment_lines("Approximations (what these classes cannot hold):")
-        for line in loss_lines(approximations, digits=4):
-            yield from comment_lines(f"  {line}", hang="    ")
-    cited = list(source_lines(actuators, known_quantities(actuators)))
-    if cited:
-        yield from comment_lines("")
-        yield from comment_lines("Sources:")
-        for line in cited:
-            yield from comment_lines(f"  {line}", hang="    ")
+    heading = "Approximations (what these classes cannot hold):"
+    said = sections(actuators, approximations, heading, digits=4)
+    yield from section_lines(said, bullet="  ", hang="    ")

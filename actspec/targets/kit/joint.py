@@ -55,6 +55,18 @@ class JointLosses:
         """The joint's speed limit [rad/s or m/s]; None: unknown."""
         return self.actuator.velocity_limit.value
 
+    def curve_text(self, law: TorqueLaw, unit: str = "") -> str:
+        """A line or curve in words; `unit`: that of a curve's speeds."""
+        if law.curve is not None:
+            drive, brake, knee, no_load = law.curve
+            tail = f" {unit}" if unit else ""
+            return (
+                f"curve: drive {self.torque(drive)}, brake {self.torque(brake)}, knee {knee:g}, "
+                f"no load {no_load:g}{tail}"
+            )
+        speed = format_quantity(law.no_load_speed, self.actuator.velocity_limit.unit)
+        return f"line from {format_quantity(law.stall_torque, self.unit)} to {speed}"
+
     def no_break_away(self, keeps: str | None, one_number: str, no_effect: str) -> None:
         """Report static friction above the dry one, and its Stribeck effect, as lost, where there are any.
 
@@ -182,13 +194,11 @@ class JointEmission(JointLosses):
 
     def drive_side(self, why: str) -> TorqueLaw:
         """The drive side of an asymmetric curve, as a line through knee and no-load speed, with what it loses."""
-        assert self.law.curve is not None
-        drive, brake, knee, no_load = self.law.curve
         line = lined(self.law)
         self.approximate(
             "torque_speed_curve",
-            f"curve: drive {self.torque(drive)}, brake {self.torque(brake)}, knee {knee:g}, no load {no_load:g}",
-            f"line from {line.stall_torque:g} to {no_load:g}, cut at {line.effort_limit:g}",
+            self.curve_text(self.law),
+            f"line from {line.stall_torque:g} to {line.no_load_speed:g}, cut at {line.effort_limit:g}",
             why,
             static_error(self.law, line.torque),
         )
@@ -202,6 +212,7 @@ class JointEmission(JointLosses):
         *,
         steps: str = "steps",
         off: bool = True,
+        none: str = "",
     ) -> tuple[int, float]:
         """The delay as one whole number of steps, with what that loses of it and of its range.
 
@@ -211,6 +222,7 @@ class JointEmission(JointLosses):
             size: How large the loss of being so late is [s to N*m or N].
             steps: What steps are called.
             off: Say how far the ends of the range are off.
+            none: Why there is no delay at all; "": there is one.
 
         Returns: the steps, and the delay that was asked for [s]; 0 and 0 without one, or where it is unknown.
         """
@@ -226,7 +238,10 @@ class JointEmission(JointLosses):
             )
             return 0, 0.0
         count, loss = delay_steps(nominal, self.step)
-        if abs(loss) > 1e-9:
+        if none and count:
+            self.approximate("delay", f"{nominal * 1e3:g} ms", said(0), none, size(count * self.step))
+            count = 0
+        elif abs(loss) > 1e-9:
             self.approximate(
                 "delay",
                 f"{nominal * 1e3:g} ms",

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 
+import actspec
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.targets.base import Approximation
+from actspec.targets.kit.python_text import grouped
 from actspec.units import format_quantity
 
 
@@ -17,14 +20,12 @@ def loss_lines(approximations: Iterable[Approximation], digits: int = 6) -> Iter
         approximations: Of one target.
         digits: Significant digits of the size.
     """
-    merged: dict[tuple[str, str, str, str, float | None, str], list[str]] = {}
-    for loss in approximations:
-        key = (loss.field, loss.asked, loss.emitted, loss.why, loss.max_torque_error, loss.unit)
-        merged.setdefault(key, []).append(loss.joint)
-    for (field, asked, emitted, why, error, unit), joints in merged.items():
-        size = "" if error is None else f"; at most {format_quantity(error, unit, digits)}"
-        named = [joint for joint in joints if joint]
-        yield f"{field}: {asked} -> {emitted}{size} ({why})" + (f": {', '.join(named)}" if named else "")
+    for loss, members in grouped(approximations, lambda one: replace(one, joint="")):
+        error = loss.max_torque_error
+        size = "" if error is None else f"; at most {format_quantity(error, loss.unit, digits)}"
+        named = [member.joint for member in members if member.joint]
+        tail = f": {', '.join(named)}" if named else ""
+        yield f"{loss.field}: {loss.asked} -> {loss.emitted}{size} ({loss.why}){tail}"
 
 
 def source_lines(actuators: ActuatorSet, shown: Iterable[Quantity]) -> Iterator[str]:
@@ -55,6 +56,43 @@ def with_origin(quantity: Quantity, *remarks: str) -> str:
     if quantity.std is not None:
         about.append(f"std {format_quantity(quantity.std, quantity.unit)}")
     return f"{text} ({'; '.join(about)})"
+
+
+def written_by(title: str = "") -> str:
+    """First line of every file; `title`: ` for MuJoCo 3.12`."""
+    return f"Written by actspec {actspec.__version__}{title}. Do not edit: change the spec and compile again."
+
+
+def sections(
+    actuators: ActuatorSet,
+    approximations: Iterable[Approximation],
+    heading: str,
+    shown: Iterable[Quantity] | None = None,
+    digits: int = 6,
+) -> Iterator[tuple[str, list[str]]]:
+    """What a head ends with: the losses under their heading, then the sources; what is empty is left out.
+
+    Args:
+        actuators: What was compiled.
+        approximations: What the target lost.
+        heading: Of the losses.
+        shown: Numbers of the file; None: all that are known.
+        digits: Significant digits of a loss's size.
+    """
+    lost = list(loss_lines(approximations, digits))
+    if lost:
+        yield heading, lost
+    cited = list(source_lines(actuators, known_quantities(actuators) if shown is None else shown))
+    if cited:
+        yield "Sources:", cited
+
+
+def xml_head(head: Iterable[str], below: Iterable[tuple[str, Iterable[str]]]) -> str:
+    """One XML comment: first lines, and headings with their lines."""
+    lines = list(head)
+    for heading, said in below:
+        lines += ["", heading, *(f"  {line}" for line in said)]
+    return xml_comment(lines)
 
 
 def xml_comment(lines: Iterable[str]) -> str:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -108,6 +108,24 @@ def comment_lines(text: str, *, indent: str = "", hang: str = "", width: int = W
         break_on_hyphens=False,
     )
     return [f"{head}{line}".rstrip() for line in wrapped or [""]]
+
+
+def section_lines(
+    sections: Iterable[tuple[str, Iterable[str]]], *, bullet: str, hang: str, width: int = WIDTH
+) -> Iterator[str]:
+    """Headings with their lines as `#` lines, an empty one before each heading.
+
+    Args:
+        sections: Heading and lines.
+        bullet: Before each line.
+        hang: Indent of the lines that continue it.
+        width: Columns.
+    """
+    for heading, lines in sections:
+        yield "#"
+        yield from comment_lines(heading, width=width)
+        for line in lines:
+            yield from comment_lines(f"{bullet}{line}", hang=hang, width=width)
 
 
 def joint_patterns(

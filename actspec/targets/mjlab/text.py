@@ -6,12 +6,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import actspec
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin
 from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
-from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py
+from actspec.targets.kit.provenance import sections, written_by
+from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py, section_lines
 from actspec.targets.mjlab.joint_cfg import Field, JointCfg
 
 WIDTH = 88
@@ -203,13 +202,11 @@ def _header(
     preparation: Preparation,
     model: str,
 ) -> Iterator[str]:
-    def said(text: str, hang: str = "") -> list[str]:
-        return comment_lines(text, hang=hang, width=WIDTH)
+    def said(text: str) -> list[str]:
+        return comment_lines(text, width=WIDTH)
 
     step = actuators.physics_dt.require()
-    yield from said(
-        f"Written by actspec {actspec.__version__}. Do not edit: change the spec and compile again."
-    )
+    yield from said(written_by())
     yield from said(f"spec sha256 {actuators.spec_sha256}")
     if model:
         yield from said(f"model {model}")
@@ -230,17 +227,8 @@ def _header(
     )
     yield from said(f"with {rates}{lags}.")
     yield from said("soft_joint_pos_limit_factor is left to the task.")
-    if approximations:
-        yield "#"
-        yield "# Approximations (what mjlab cannot hold):"
-        for line in loss_lines(approximations):
-            yield from said(f"- {line}", hang="  ")
-    sources = list(source_lines(actuators, known_quantities(actuators)))
-    if sources:
-        yield "#"
-        yield "# Sources:"
-        for line in sources:
-            yield from said(f"- {line}", hang="  ")
+    below = sections(actuators, approximations, "Approximations (what mjlab cannot hold):")
+    yield from section_lines(below, bullet="- ", hang="  ", width=WIDTH)
 
 
 def _action_scale(actuator: JointActuator) -> float | None:

@@ -6,26 +6,26 @@ By level and command, for a version:
 - dc_motor: `<dcmotor>`, which is the law itself from 3.12 on (all commands) and in 3.7 to 3.11
   (position only); before, and for the rest, a clip at the effort limit alone.
 - actuator_net: `<motor>`; the network runs outside and writes torque.
-Torque limits are kept first, then delay, then the filter. What a drive cannot hold is in `losses`.
+Torque limits are kept first, then delay, then the filter. What a drive cannot hold is recorded by `_lose`.
 """
 
 from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from itertools import chain
 
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
-from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.laws import TorqueLaw, delay_steps
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView
-from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
+from actspec.simulators import text_of
+from actspec.simulators.mujoco import NATIVE_DELAY, DcMotorDialect, MujocoDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.sizes import held_step_error, speed_scale, static_error
+from actspec.targets.kit.joint import JointEmission, JointLosses
+from actspec.targets.kit.sizes import boxed, held_step_error, lined, speed_scale, static_error
 from actspec.units import format_quantity
 
 VOLTAGE = 24.0
@@ -134,14 +134,15 @@ def drive_of(
     Returns: None when an error was reported.
     """
     if actuator.level is Level.ACTUATOR_NET:
-        return DriveResult(_network_drive(actuator, step), network_losses(actuator, target))
+        return DriveResult(_network_drive(actuator, step), _network_losses(actuator, target))
     known = _with_own_gains(actuator, own, own_limit, reports)
     if known is None:
         return None
     try:
-        law = law_of(known)
-        drive = _law_drive(known, law, joint, dialect, step)
-        return DriveResult(drive, law_losses(known, law, drive, dialect, target))
+        emission = JointEmission(known, step, target)
+        drive = _law_drive(known, emission.law, joint, dialect, step)
+        _lose(emission, drive, dialect)
+        return DriveResult(drive, tuple(emission.lost))
     except ValueError as err:
         # The law itself says which number it lacks.
         collector.error("MJC018", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
@@ -214,7 +215,7 @@ def _law_drive(
     if actuator.level is Level.DC_MOTOR and _has_dcmotor(dialect, law.command):
         form, line = Form.DCMOTOR, _line(law)
         if law.curve is not None:
-            limit = min(law.effort_limit, law.curve[0])
+            limit = lined(law).effort_limit
     offset = 0.0
     if law.encoder_bias != 0.0 and form is Form.POSITION:
         offset = -law.kp * law.encoder_bias
@@ -252,9 +253,7 @@ def _has_dcmotor(dialect: MujocoDialect, command: Command) -> bool:
 
 def _line(law: TorqueLaw) -> Line:
     """The torque-speed line; of a curve its drive side, the line through knee and no-load speed."""
-    if law.curve is not None:
-        drive, _, knee, no_load = law.curve
-        return Line(drive / (1.0 - knee / no_load), no_load)
+    law = lined(law)
     assert law.stall_torque is not None and law.no_load_speed is not None
     return Line(law.stall_torque, law.no_load_speed)
 
@@ -279,199 +278,63 @@ def _control_range(
     return (None if scale is None else (-scale, scale)), False
 
 
-Loss = tuple[str, str, str, str, float | None]
-"""Field, what is asked for, what is emitted, why, and the largest difference in torque."""
-
-
-def law_losses(
-    actuator: JointActuator, law: TorqueLaw, drive: Drive, dialect: MujocoDialect, target: str
-) -> tuple[Approximation, ...]:
-    """What a drive loses of a torque law.
-
-    Args:
-        actuator: What the spec asks for.
-        law: Its law.
-        drive: What it becomes.
-        dialect: MuJoCo version that is written.
-        target: Name of the target.
-    """
-    found = chain(
-        _line_losses(actuator, law, drive, dialect),
-        _bias_losses(actuator, law, drive),
-        _delay_losses(actuator, law, drive, dialect),
-        _filter_losses(law, drive),
-        _passive_losses(actuator),
+def _lose(joint: JointEmission, drive: Drive, dialect: MujocoDialect) -> None:
+    """Record what a drive cannot hold of what the spec asks for."""
+    _lose_line(joint, drive, dialect)
+    law, dcmotor = joint.law, drive.form is Form.DCMOTOR
+    if dcmotor:
+        joint.no_bias("dcmotor has no constant term")
+    since = text_of(NATIVE_DELAY)
+    joint.one_delay(
+        "a MuJoCo model has one fixed delay",
+        lambda steps: joint.ms(steps) if steps else "none",
+        lambda late: held_step_error(law, filtered=not dcmotor, late=late),
+        off=False,
+        none=""
+        if dialect.native_delay
+        else f"MuJoCo {dialect.text} has no actuator delay ({since} and later have)",
     )
-    return _approximations(found, actuator, target)
+    if dcmotor:
+        joint.no_filter("dcmotor takes no filter on its command; the torque-speed line is kept instead")
+    _lose_passive(joint)
 
 
-def network_losses(actuator: JointActuator, target: str) -> tuple[Approximation, ...]:
+def _lose_line(joint: JointEmission, drive: Drive, dialect: MujocoDialect) -> None:
+    """The torque-speed line without a dcmotor, and the asymmetric curve with one."""
+    law = joint.law
+    if joint.actuator.level is not Level.DC_MOTOR:
+        return
+    if drive.line is None:
+        version = f"MuJoCo {dialect.text}"
+        joint.approximate(
+            "torque_speed_curve",
+            joint.curve_text(law),
+            f"a clip at {format_quantity(joint.actuator.effort_limit.value, joint.unit)}",
+            f"{version} has no dcmotor"
+            if dialect.dcmotor is DcMotorDialect.NONE
+            else f"the dcmotor of {version} takes position commands only",
+            static_error(law, boxed(law).torque),
+        )
+    elif law.curve is not None:
+        joint.drive_side("dcmotor has one line for driving and braking")
+
+
+def _lose_passive(joint: JointLosses) -> None:
+    """Static friction and Stribeck (MuJoCo's frictionloss is one number), and the speed limit."""
+    one_number = "frictionloss is one number for sticking and sliding"
+    joint.no_break_away(joint.torque(0.0), one_number, "MuJoCo has no Stribeck effect")
+    joint.no_velocity_limit("MuJoCo has no speed limit of a joint")
+
+
+def _network_losses(actuator: JointActuator, target: str) -> tuple[Approximation, ...]:
     """What a plain motor loses of an actuator network."""
-    network: Loss = (
+    joint = JointLosses(actuator, target)
+    joint.approximate(
         "network",
         os.path.basename(actuator.network.file) if actuator.network is not None else "a network",
         "<motor>, its control is the torque",
         "MuJoCo runs no network: the runtime computes the torque and writes it",
         None,
     )
-    return _approximations(chain([network], _passive_losses(actuator)), actuator, target)
-
-
-def _approximations(
-    losses: Iterator[Loss], actuator: JointActuator, target: str
-) -> tuple[Approximation, ...]:
-    unit = actuator.effort_limit.unit
-    return tuple(Approximation(target, actuator.joint, *loss, unit) for loss in losses)
-
-
-def _line_losses(
-    actuator: JointActuator, law: TorqueLaw, drive: Drive, dialect: MujocoDialect
-) -> Iterator[Loss]:
-    """The torque-speed line without a dcmotor, and the asymmetric curve with one."""
-    if actuator.level is not Level.DC_MOTOR:
-        return
-    field, unit = "torque_speed_curve", actuator.effort_limit.unit
-    if drive.line is None:
-        clipped = replace(law, stall_torque=None, no_load_speed=None, curve=None)
-        version = f"MuJoCo {dialect.text}"
-        yield (
-            field,
-            _asked_line(actuator, law),
-            f"a clip at {format_quantity(actuator.effort_limit.value, unit)}",
-            f"{version} has no dcmotor"
-            if dialect.dcmotor is DcMotorDialect.NONE
-            else f"the dcmotor of {version} takes position commands only",
-            static_error(law, clipped.torque),
-        )
-    elif law.curve is not None:
-        # The drive has the drive side of the curve, cut at the smaller of L and the full torque.
-        stall, no_load = drive.line.stall_torque, drive.line.no_load_speed
-        limit = min(law.effort_limit, law.curve[0])
-        symmetric = replace(law, curve=None, stall_torque=stall, no_load_speed=no_load, effort_limit=limit)
-        yield (
-            field,
-            _asked_line(actuator, law),
-            f"line from {stall:g} to {no_load:g}, cut at {limit:g}",
-            "dcmotor has one line for driving and braking",
-            static_error(law, symmetric.torque),
-        )
-
-
-def _asked_line(actuator: JointActuator, law: TorqueLaw) -> str:
-    unit = actuator.effort_limit.unit
-    if law.curve is not None:
-        full, brake, knee, no_load = law.curve
-        return (
-            f"curve: drive {format_quantity(full, unit)}, brake {format_quantity(brake, unit)}, "
-            f"knee {knee:g}, no load {no_load:g}"
-        )
-    return (
-        f"line from {format_quantity(law.stall_torque, unit)} to "
-        f"{format_quantity(law.no_load_speed, actuator.velocity_limit.unit)}"
-    )
-
-
-def _bias_losses(actuator: JointActuator, law: TorqueLaw, drive: Drive) -> Iterator[Loss]:
-    if law.encoder_bias != 0.0 and law.command is Command.POSITION and drive.form is Form.DCMOTOR:
-        yield (
-            "encoder_bias",
-            format_quantity(law.encoder_bias, actuator.encoder_bias.unit),
-            "none",
-            "dcmotor has no constant term",
-            static_error(law, replace(law, encoder_bias=0.0).torque),
-        )
-
-
-def _delay_losses(
-    actuator: JointActuator, law: TorqueLaw, drive: Drive, dialect: MujocoDialect
-) -> Iterator[Loss]:
-    delay, filtered = actuator.delay, drive.form is not Form.DCMOTOR
-    if delay is None:
-        return
-    nominal = delay.nominal.value
-    if nominal is None:
-        if delay.high > 0.0:
-            yield (
-                "delay.range",
-                f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
-                "none",
-                "a MuJoCo model has one fixed delay, and the nominal is unknown",
-                held_step_error(law, filtered=filtered, late=delay.high),
-            )
-        return
-    steps, loss = delay_steps(nominal, drive.step)
-    asked = f"{nominal * 1e3:g} ms"
-    emitted = "none"
-    if drive.delay_steps:
-        plural = "" if drive.delay_steps == 1 else "s"
-        emitted = f"{drive.delay * 1e3:g} ms ({drive.delay_steps} step{plural} of {drive.step * 1e3:g} ms)"
-    if steps and not drive.delay_steps:
-        yield (
-            "delay",
-            asked,
-            emitted,
-            f"MuJoCo {dialect.text} has no actuator delay (3.5 and later have)",
-            held_step_error(law, filtered=filtered, late=steps * drive.step),
-        )
-    elif abs(loss) > 1e-9:
-        yield (
-            "delay",
-            asked,
-            emitted,
-            f"a delay is a whole number of steps; {abs(loss) * 1e3:g} ms "
-            f"{'more' if loss > 0 else 'less'} than asked",
-            held_step_error(law, filtered=filtered, late=abs(loss)),
-        )
-    if delay.low != delay.high:
-        reach = max(abs(drive.delay - end) for end in (delay.low, delay.high))
-        yield (
-            "delay.range",
-            f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}",
-            emitted,
-            "a MuJoCo model has one fixed delay",
-            held_step_error(law, filtered=filtered, late=reach),
-        )
-
-
-def _filter_losses(law: TorqueLaw, drive: Drive) -> Iterator[Loss]:
-    if law.filter_cutoff is not None and drive.form is Form.DCMOTOR:
-        yield (
-            "command_filter",
-            f"{law.filter_cutoff:g} Hz",
-            "none",
-            "dcmotor takes no filter on its command; the torque-speed line is kept instead",
-            held_step_error(law),
-        )
-
-
-def _passive_losses(actuator: JointActuator) -> Iterator[Loss]:
-    """Static friction and Stribeck (MuJoCo's frictionloss is one number), and the speed limit."""
-    unit = actuator.effort_limit.unit
-    coulomb = actuator.friction_coulomb.value or 0.0
-    static = actuator.friction_static.value if actuator.friction_static is not None else None
-    stribeck = actuator.stribeck_velocity
-    if static is not None and static > coulomb:
-        yield (
-            "friction.static",
-            format_quantity(static, unit),
-            format_quantity(coulomb, unit),
-            "frictionloss is one number for sticking and sliding",
-            static - coulomb,
-        )
-        if stribeck is not None and stribeck.known:
-            yield (
-                "friction.stribeck_velocity",
-                format_quantity(stribeck.value, stribeck.unit),
-                "none",
-                "MuJoCo has no Stribeck effect",
-                static - coulomb,
-            )
-    limit = actuator.velocity_limit
-    if limit.known:
-        yield (
-            "velocity_limit",
-            format_quantity(limit.value, limit.unit),
-            "none",
-            "MuJoCo has no speed limit of a joint",
-            None,
-        )
+    _lose_passive(joint)
+    return tuple(joint.lost)

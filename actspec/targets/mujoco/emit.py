@@ -6,13 +6,12 @@ import os
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import actspec
 from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
 from actspec.ir import ActuatorSet
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
-from actspec.simulators import UnknownVersion
 from actspec.simulators.mujoco import MujocoDialect, installed_dialect, mujoco_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.kit.joint import dialect_of
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
@@ -48,7 +47,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     from actspec.robot.xml import parse_document
 
     collector = Collector()
-    dialect = _dialect(options, collector)
+    dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
     if robot.format is ModelFormat.NONE:
         return _emit_fragment(actuators, robot, dialect, options, collector)
     source = os.path.basename(robot.path)
@@ -96,13 +95,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             "MJC090", f"the edit reaches fields outside of its plan: {listed(strayed, 4)}", help=REPORT
         )
     main_name = f"{os.path.splitext(os.path.basename(robot.path))[0]}.xml"
-    comment = header(
-        actuators,
-        planned.approximations,
-        f"MuJoCo {dialect.text}",
-        source,
-        f"actspec {actspec.__version__}",
-    )
+    comment = header(actuators, planned.approximations, dialect, source)
     files = _write(document, plan, anchors, dialect, options.folder, main_name, comment, collector)
     # Another dialect's words cannot be compiled here: the same plan in the installed one is checked.
     checked = (
@@ -139,12 +132,11 @@ def _emit_fragment(
         raise EmitError(collector.sorted())
     planned = plan_model(actuators, robot, dialect, options.name, collector)
     fragment = fragment_of(planned.plan, planned.approximations, actuators, collector)
-    tool = f"actspec {actspec.__version__}"
     installed = installed_dialect()
     try:
         bare = ModelFile(robot.path, "", bench_xml(robot, {}).encode("utf-8"))
         files, checked = (
-            fragment_files(fragment, robot, words, options.folder, tool) for words in (dialect, installed)
+            fragment_files(fragment, robot, words, options.folder) for words in (dialect, installed)
         )
     except ValueError as err:
         collector.error(
@@ -165,20 +157,6 @@ def _emit_fragment(
     )
     emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
     return Emission(emitted, planned.approximations, collector.sorted())
-
-
-def _dialect(options: TargetOptions, collector: Collector) -> MujocoDialect:
-    try:
-        return mujoco_dialect(options.version)
-    except UnknownVersion as err:
-        collector.error(
-            "MJC007",
-            err.message,
-            where=options.where("version"),
-            span=options.span("version"),
-            help=err.help,
-        )
-        raise EmitError(collector.sorted()) from None
 
 
 def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:

@@ -14,13 +14,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, EmitError, listed
-from actspec.ir import ActuatorSet, JointKind, Origin
+from actspec.ir import ActuatorSet, Origin
 from actspec.robot.view import JointView, ModelFile, RobotView
 from actspec.robot.xml_edit import escape_attribute, format_number
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.provenance import xml_comment
-from actspec.targets.kit.python_text import identifier
+from actspec.targets.kit.provenance import written_by, xml_comment
+from actspec.targets.kit.python_text import grouped, identifier
 from actspec.targets.mujoco.actuator_xml import actuator_xml
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.header import header
@@ -115,23 +115,23 @@ def _classes(plan: Plan, actuators: ActuatorSet) -> tuple[JointClass, ...]:
     24 N*m at a hinge and 24 N at a slide are two sets.
     """
     by_name = {actuator.joint: actuator for actuator in actuators.joints}
-    members: dict[tuple[JointEdit, JointKind], list[str]] = {}
-    for edit in plan.joints:
-        members.setdefault((replace(edit, joint=""), by_name[edit.joint].kind), []).append(edit.joint)
     found: dict[str, JointClass] = {}
-    for (edit, _), joints in members.items():
+    for (edit, _), members in grouped(
+        plan.joints, lambda edit: (replace(edit, joint=""), by_name[edit.joint].kind)
+    ):
+        joints = tuple(member.joint for member in members)
         group = identifier(by_name[joints[0]].group, fallback="group")
         stem = name = f"{PREFIX}{identifier(actuators.robot)}_{group}"
         count = 1
         while name in found:
             count += 1
             name = f"{stem}_{count}"
-        found[name] = JointClass(name, edit, tuple(joints))
+        found[name] = JointClass(name, edit, joints)
     return tuple(found.values())
 
 
 def fragment_files(
-    fragment: Fragment, robot: RobotView, dialect: MujocoDialect, folder: str, tool: str
+    fragment: Fragment, robot: RobotView, dialect: MujocoDialect, folder: str
 ) -> tuple[ModelFile, ...]:
     """The bench and the fragment that it includes, in the words of a version.
 
@@ -140,7 +140,6 @@ def fragment_files(
         robot: The listed joints.
         dialect: MuJoCo version.
         folder: Output folder.
-        tool: e.g. `actspec 0.1.0`.
 
     Raises: ValueError: XML cannot hold a joint's name.
     """
@@ -148,13 +147,13 @@ def fragment_files(
     classes = {joint: item.name for item in fragment.classes for joint in item.joints}
     remark = xml_comment(
         [
-            f"Written by {tool} for MuJoCo {dialect.text}. Do not edit: change the spec and compile again.",
+            written_by(f" for MuJoCo {dialect.text}"),
             f"Not the robot: each joint of {fragment.actuators.robot} on a sphere of its own, to try the drives of",
             f"{name}, and to show how it is included.",
         ]
     )
     bench = f"{remark}\n{bench_xml(robot, classes, include=name)}"
-    text = _fragment_xml(fragment, dialect, tool)
+    text = _fragment_xml(fragment, dialect)
     return (
         ModelFile(os.path.join(folder, name.replace("_actuators.xml", "_bench.xml")), "", bench.encode()),
         ModelFile(os.path.join(folder, name), name, text.encode()),
@@ -198,10 +197,10 @@ def _tag(name: str, attributes: Sequence[tuple[str, str]]) -> str:
     return f"<{name}" + "".join(f' {key}="{escape_attribute(value)}"' for key, value in attributes) + "/>"
 
 
-def _fragment_xml(fragment: Fragment, dialect: MujocoDialect, tool: str) -> str:
+def _fragment_xml(fragment: Fragment, dialect: MujocoDialect) -> str:
     source = "none (the spec lists the joints)"
     lines = [
-        header(fragment.actuators, fragment.approximations, f"MuJoCo {dialect.text}", source, tool),
+        header(fragment.actuators, fragment.approximations, dialect, source),
         xml_comment(_instructions(fragment)),
         "<mujoco>",
     ]
@@ -272,8 +271,6 @@ def _reset_recipe(fragment: Fragment) -> Iterator[str]:
     yield "     data.ctrl[i] = u"
     if filtered:
         yield f"     data.act[model.actuator_actadr[i]] = u    at {', '.join(d.joint for d in filtered)}"
-    counts: dict[int, list[str]] = {}
-    for drive in delayed:
-        counts.setdefault(drive.delay_steps, []).append(drive.joint)
-    for steps, joints in counts.items():
+    for steps, members in grouped(delayed, lambda drive: drive.delay_steps):
+        joints = [drive.joint for drive in members]
         yield f"     mujoco.mj_initCtrlHistory(model, data, i, None, numpy.full({steps}, u))    at {', '.join(joints)}"

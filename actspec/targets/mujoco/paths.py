@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from actspec.robot.view import ModelFile
 from actspec.robot.xml import Element, XmlDocument
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute
+from actspec.targets.base import relative_path
 
 MESH_TAGS = frozenset({"mesh", "hfield", "skin", "flexcomp"})
 TEXTURE_FILES = ("file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
@@ -57,7 +58,7 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
     for index, file in enumerate(files):
         if index not in written:
             names.append(None)
-            includes.append(_relative(os.path.abspath(file.path), folder))
+            includes.append(relative_path(os.path.abspath(file.path), folder))
             continue
         name = main_name if index == 0 else _free(os.path.basename(file.path), taken)
         taken.add(name)
@@ -73,7 +74,7 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
         file_name = element.get("file")
         if file_name and not os.path.isabs(file_name):
             path_edits.append(
-                SetAttribute(element, "file", _relative(os.path.join(source, file_name), folder))
+                SetAttribute(element, "file", relative_path(os.path.join(source, file_name), folder))
             )
     return Layout(tuple(names), tuple(includes), tuple(path_edits))
 
@@ -107,7 +108,7 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
         mesh_folder = element.get("meshdir", mesh_folder) or ""
         texture_folder = element.get("texturedir", texture_folder) or ""
     wanted = {
-        name: _relative(os.path.join(source, current), folder)
+        name: relative_path(os.path.join(source, current), folder)
         for name, current, used in (
             ("meshdir", mesh_folder, meshes),
             ("texturedir", texture_folder, textures),
@@ -124,11 +125,6 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
 
     attributes = "".join(f' {name}="{escape_attribute(value)}"' for name, value in wanted.items())
     return [AppendChild(document.root, f"<compiler{attributes}/>")]
-
-
-def _relative(path: str, folder: str) -> str:
-    """With forward slashes, so that the file is the same on every system."""
-    return os.path.relpath(path, os.path.abspath(folder)).replace(os.sep, "/")
 
 
 def _free(name: str, taken: set[str]) -> str:

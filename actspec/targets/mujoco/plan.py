@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, listed
+from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.resolution.model_values import actuators_of, effort_bound
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
+from actspec.targets.kit.joint import delta_action_loss, warn_unknown_armature
 from actspec.targets.mujoco.drive import Drive, Form, drive_of
 from actspec.units import format_quantity
 
@@ -151,16 +152,9 @@ def plan_model(
             added.append(drive)
         joint_edits.append(_joint_edit(actuator, joint, own, dialect, robot.inertia_reason, collector))
     reports.tell(collector)
-    unmeasured = [a for a in actuators.joints if a.armature.value is None]
-    if unmeasured:
-        collector.warning(
-            "MJC016",
-            f"the armature of {len(unmeasured)} joints is unknown, and MuJoCo takes what the file has, else "
-            f"0 {unmeasured[0].armature.unit}: {listed([a.joint for a in unmeasured])}",
-            where=f"actuators.{unmeasured[0].group}.armature",
-            span=unmeasured[0].armature.span or unmeasured[0].span,
-            help="state armature, or rotor_inertia and gear_ratio of the motor",
-        )
+    units = [a.armature.unit for a in actuators.joints if a.armature.value is None]
+    kept = f"MuJoCo takes what the file has, else 0 {units[0] if units else ''}"
+    warn_unknown_armature(actuators, "MJC016", kept, collector)
     timestep = None
     if robot.timestep is not None and step != robot.timestep:
         timestep = step
@@ -170,19 +164,9 @@ def plan_model(
             span=actuators.physics_dt.span,
             where="timing.physics_dt",
         )
-    if target and actuators.delta_action is not None:
-        delta = actuators.delta_action
-        lost.append(
-            Approximation(
-                target,
-                "",
-                "delta_action",
-                delta.network,
-                "none",
-                "MuJoCo runs no network: wrap the environment with the runtime",
-                None,
-            )
-        )
+    lost += delta_action_loss(
+        actuators, target, "MuJoCo runs no network: wrap the environment with the runtime"
+    )
     gone = {entry.index for entry in replaced} | set(removed)
     dcmotors = any(a.control == "dcmotor" and a.index not in gone for a in robot.actuators)
     plan = Plan(

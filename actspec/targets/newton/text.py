@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterator, Sequence
 
 import actspec
-from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet
 from actspec.robot.view import RobotView
 from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.provenance import known_quantities, loss_lines, source_lines
-from actspec.targets.kit.python_text import identifier
+from actspec.targets.kit.provenance import sections, written_by
+from actspec.targets.kit.python_text import comment_lines, identifier, section_lines
 from actspec.targets.newton.joint_prims import JointPrims
 from actspec.targets.newton.paths import Layout, converted_actuators
 from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
@@ -109,10 +107,7 @@ def _header(
     model: str,
 ) -> Iterator[str]:
     step = actuators.physics_dt.require()
-    yield from _said(
-        f"Written by actspec {actspec.__version__} for Newton {dialect.text}. Do not edit: change the spec and "
-        "compile again."
-    )
+    yield from _said(written_by(f" for Newton {dialect.text}"))
     yield from _said(f"spec sha256 {actuators.spec_sha256}")
     if model:
         yield from _said(f"model {model}")
@@ -141,26 +136,13 @@ def _header(
             "Paths are those of mujoco-usd-converter or urdf-usd-converter: `root` and `joint_paths` of the spec's "
             "target state others."
         )
-    if approximations:
-        yield "#"
-        yield from _said("Approximations (what the overlay cannot hold):")
-        for line in loss_lines(approximations):
-            yield from _said(f"- {line}", hang="  ")
-    sources = list(source_lines(actuators, known_quantities(actuators)))
-    if sources:
-        yield "#"
-        yield from _said("Sources:")
-        for line in sources:
-            yield from _said(f"- {line}", hang="  ")
+    below = sections(actuators, approximations, "Approximations (what the overlay cannot hold):")
+    yield from section_lines(below, bullet="- ", hang="  ", width=WIDTH)
 
 
 def _delayed(actuators: ActuatorSet) -> bool:
     return any(actuator.delay is not None for actuator in actuators.joints)
 
 
-def _said(text: str, hang: str = "") -> list[str]:
-    """Text of any origin as comment lines, wrapped; it cannot end its comment."""
-    wrapped = textwrap.wrap(
-        one_line(text), WIDTH - 2, subsequent_indent=hang, break_long_words=False, break_on_hyphens=False
-    )
-    return [f"# {line}".rstrip() for line in wrapped]
+def _said(text: str) -> list[str]:
+    return comment_lines(text, width=WIDTH)

@@ -8,7 +8,6 @@ from __future__ import annotations
 from contextlib import suppress
 from typing import Any
 
-import actspec
 from actspec.diagnostics import Collector, EmitError, nearest, one_line
 from actspec.ir import ActuatorSet, JointKind, Level
 from actspec.robot.view import RobotView
@@ -19,6 +18,7 @@ from actspec.simulators.mjlab import EVENTS, mjlab_dialect
 from actspec.simulators.mujoco import MujocoDialect, mujoco_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.isaaclab.randomization import GAINS, isaaclab_terms
+from actspec.targets.kit.provenance import written_by
 from actspec.targets.kit.python_text import WIDTH, comment_lines, environment, grouped, identifier
 from actspec.targets.mjlab.randomization import configs_of, mjlab_terms
 from actspec.targets.mjlab.text import WIDTH as MJLAB_WIDTH
@@ -253,7 +253,7 @@ class _Writer:
     ) -> EmittedFile:
         self.lost += losses.items
         lines = [
-            f"Written by actspec {actspec.__version__} for {title}. Do not edit: change the spec and compile again.",
+            written_by(f" for {title}"),
             f"spec sha256 {self.actuators.spec_sha256}",
             *(note for note in notes if note),
         ]

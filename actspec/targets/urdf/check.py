@@ -11,8 +11,7 @@ from actspec.diagnostics import RobotError, Span
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import JointView, ModelFile
 from actspec.robot.xml import XmlDocument, parse_document
-from actspec.targets.urdf.paths import relative_paths
-from actspec.targets.urdf.plan import PARTS, JointEdit, joint_elements, part_of
+from actspec.targets.urdf.plan import PARTS, JointEdit, joint_elements, part_of, relative_paths
 
 _TEXT_ALONE = "only the text is compared"
 

@@ -7,16 +7,22 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import actspec
 from actspec.diagnostics import Collector, EmitError, Span, listed, shortened
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
-from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.provenance import loss_lines, source_lines, with_origin, xml_comment
+from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions, relative_path
+from actspec.targets.kit.provenance import sections, with_origin, written_by, xml_head
 from actspec.targets.kit.python_text import grouped
 from actspec.targets.urdf.check import deviations
-from actspec.targets.urdf.paths import from_folder, relative_paths
-from actspec.targets.urdf.plan import JointEdit, format_losses, joint_elements, part_of, plan_joints, written
+from actspec.targets.urdf.plan import (
+    JointEdit,
+    format_losses,
+    joint_elements,
+    part_of,
+    plan_joints,
+    relative_paths,
+    written,
+)
 
 if TYPE_CHECKING:
     from actspec.robot.xml import Element, XmlDocument
@@ -53,7 +59,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     for edit in plan.edits:
         edits += _text_edits(elements[edit.joint], edit)
     edits += [
-        SetAttribute(element, name, from_folder(path, source, options.folder))
+        SetAttribute(element, name, relative_path(os.path.join(source, path), options.folder))
         for element, name, path in relative_paths(document)
     ]
     (edited,) = apply_edits(document, edits)
@@ -129,24 +135,17 @@ def header(actuators: ActuatorSet, driven: frozenset[str], lost: Iterable[Approx
         lost: What is not in the file.
         source: File name of the robot's model.
     """
-    lines = [
-        f"Written by actspec {actspec.__version__} as URDF. Do not edit: change the spec and compile again.",
-        f"spec sha256 {actuators.spec_sha256}",
-        f"model {source}",
-    ]
+    head = [written_by(" as URDF"), f"spec sha256 {actuators.spec_sha256}", f"model {source}"]
     if actuators.unmanaged:
-        lines.append(f"Not managed by the spec: {', '.join(actuators.unmanaged)}")
+        head.append(f"Not managed by the spec: {', '.join(actuators.unmanaged)}")
     joints = [a for a in actuators.joints if a.joint in driven]
-    entries = [((a.group, tuple(_entries(written(a)))), a.joint) for a in joints]
-    for (group, numbers), members in grouped(entries, lambda entry: entry[0]):
-        lines += ["", f"{group}: {', '.join(joint for _, joint in members)}", *(f"  {n}" for n in numbers)]
-    left = list(loss_lines(_by_group(actuators, lost)))
-    if left:
-        lines += ["", "Not in this format, or not as asked:", *(f"  {line}" for line in left)]
-    cited = list(source_lines(actuators, (q for a in joints for q in written(a).values() if q.known)))
-    if cited:
-        lines += ["", "Sources:", *(f"  {line}" for line in cited)]
-    return xml_comment(lines)
+    numbers = [
+        (f"{group}: {', '.join(member.joint for member in members)}", lines)
+        for (group, *lines), members in grouped(joints, lambda a: (a.group, *_entries(written(a))))
+    ]
+    shown = (q for a in joints for q in written(a).values() if q.known)
+    said = sections(actuators, _by_group(actuators, lost), "Not in this format, or not as asked:", shown)
+    return xml_head(head, [*numbers, *said])
 
 
 def _by_group(actuators: ActuatorSet, lost: Iterable[Approximation]) -> Iterator[Approximation]:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, JointActuator, Level, Origin, Quantity
@@ -12,7 +13,8 @@ from actspec.laws import law_of
 from actspec.robot.view import JointView, RobotView
 from actspec.robot.xml import Element, XmlDocument
 from actspec.targets.base import Approximation
-from actspec.targets.kit.sizes import static_error
+from actspec.targets.kit.joint import JointLosses, delta_action_loss
+from actspec.targets.kit.sizes import boxed, static_error
 from actspec.units import format_quantity
 
 PARTS = {"limit": ("effort", "velocity"), "dynamics": ("damping", "friction")}
@@ -47,7 +49,7 @@ class JointEdit:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class UrdfPlan:
     """All edits of limits and friction.
 
     Attributes:
@@ -76,7 +78,7 @@ def part_of(joint: Element, tag: str) -> Element | None:
 
 def plan_joints(
     actuators: ActuatorSet, robot: RobotView, document: XmlDocument, target: str, collector: Collector
-) -> Plan:
+) -> UrdfPlan:
     """Plan the edits; what is unknown keeps the file's own number.
 
     Args:
@@ -104,6 +106,7 @@ def plan_joints(
             continue
         driven.append(actuator)
         element = elements[joint.name]
+        losses = JointLosses(actuator, target)
         parts: dict[str, dict[str, float]] = {}
         for tag, attributes in PARTS.items():
             numbers = written(actuator)
@@ -114,24 +117,16 @@ def plan_joints(
             if asked and not why:
                 parts[tag] = asked
             elif asked:
-                lost += [
-                    Approximation(
-                        target,
-                        joint.name,
-                        _FIELDS[name][0],
-                        format_quantity(value, numbers[name].unit),
-                        "none",
-                        why,
-                        None,
-                        actuator.effort_limit.unit,
+                for name, value in asked.items():
+                    losses.approximate(
+                        _FIELDS[name][0], format_quantity(value, numbers[name].unit), "none", why, None
                     )
-                    for name, value in asked.items()
-                ]
+        lost += losses.lost
         if parts:
             added = frozenset(tag for tag in parts if part_of(element, tag) is None)
             edits.append(JointEdit(joint.name, parts, added))
     _tell_unknown(driven, robot, collector)
-    return Plan(tuple(edits), tuple(lost))
+    return UrdfPlan(tuple(edits), tuple(lost))
 
 
 def _new(attribute: str, quantity: Quantity, joint: JointView) -> float | None:
@@ -181,9 +176,6 @@ def _tell_unknown(driven: Iterable[JointActuator], robot: RobotView, collector: 
             )
 
 
-Loss = tuple[str, str, str, str, float | None]
-"""Field, what is asked for, what is emitted, why, and the largest difference in torque."""
-
 _NO_DRIVE = "a URDF describes joints, not their drives"
 
 
@@ -195,86 +187,95 @@ def format_losses(actuators: ActuatorSet, target: str) -> Iterator[Approximation
         target: Name of the target.
     """
     for actuator in actuators.joints:
-        for loss in (*_drive(actuator), *_passive(actuator)):
-            yield Approximation(target, actuator.joint, *loss, actuator.effort_limit.unit)
-    if actuators.delta_action is not None:
-        file = os.path.basename(actuators.delta_action.network)
-        yield Approximation(target, "", "delta_action", file, "none", _NO_DRIVE, None)
+        losses = JointLosses(actuator, target)
+        for field in ("kp", "kd"):
+            gain = getattr(actuator, field)
+            if gain is not None and gain.known:
+                losses.approximate(field, format_quantity(gain.value, gain.unit), "none", _NO_DRIVE, None)
+        if actuator.level is Level.DC_MOTOR:
+            _lose_curve(losses)
+        for field, asked in _command_path(actuator):
+            losses.approximate(field, asked, "none", _NO_DRIVE, None)
+        if actuator.armature.value:
+            asked = format_quantity(actuator.armature.value, actuator.armature.unit)
+            losses.approximate("armature", asked, "none", "a URDF has no armature of a joint", None)
+        losses.no_break_away(
+            None, "friction is one number for sticking and sliding", "a URDF has no Stribeck effect"
+        )
+        yield from losses.lost
+    yield from delta_action_loss(actuators, target, _NO_DRIVE)
 
 
-def _drive(actuator: JointActuator) -> Iterator[Loss]:
-    for field in ("kp", "kd"):
-        gain = getattr(actuator, field)
-        if gain is not None and gain.known:
-            yield field, format_quantity(gain.value, gain.unit), "none", _NO_DRIVE, None
-    if actuator.level is Level.DC_MOTOR:
-        yield _curve(actuator)
+def _command_path(actuator: JointActuator) -> Iterator[tuple[str, str]]:
+    """What of a drive's network and command is not written at all: field, and what is asked for."""
     if actuator.network is not None:
-        yield "network", os.path.basename(actuator.network.file), "none", _NO_DRIVE, None
+        yield "network", os.path.basename(actuator.network.file)
     if actuator.filter_cutoff is not None and actuator.filter_cutoff.known:
-        cutoff = format_quantity(actuator.filter_cutoff.value, actuator.filter_cutoff.unit)
-        yield "command_filter", cutoff, "none", _NO_DRIVE, None
+        yield "command_filter", format_quantity(actuator.filter_cutoff.value, actuator.filter_cutoff.unit)
     if actuator.command_range is not None:
         low, high = (format_quantity(end.value, end.unit) for end in actuator.command_range)
-        yield "command_range", f"{low} to {high}", "none", _NO_DRIVE, None
+        yield "command_range", f"{low} to {high}"
     delay = actuator.delay
     if delay is not None:
         nominal = delay.nominal.value
         said = "unknown" if nominal is None else f"{nominal * 1e3:g} ms"
         if delay.low != delay.high:
             said += f", range {delay.low * 1e3:g} to {delay.high * 1e3:g} ms"
-        yield "delay", said, "none", _NO_DRIVE, None
+        yield "delay", said
     if actuator.encoder_bias.value:
-        bias = format_quantity(actuator.encoder_bias.value, actuator.encoder_bias.unit)
-        yield "encoder_bias", bias, "none", _NO_DRIVE, None
+        yield "encoder_bias", format_quantity(actuator.encoder_bias.value, actuator.encoder_bias.unit)
 
 
-def _curve(actuator: JointActuator) -> Loss:
+def _lose_curve(losses: JointLosses) -> None:
     """The torque-speed line or curve, against a drive with the same gains and the effort limit alone."""
-    torque, speed = actuator.effort_limit.unit, actuator.velocity_limit.unit
+    actuator = losses.actuator
     stall, no_load, kind = actuator.stall_torque, actuator.no_load_speed, "line"
     if actuator.curve is not None:
         stall, no_load, kind = actuator.curve.drive_torque, actuator.curve.no_load_speed, "curve"
     ends = [
         "unknown" if end is None else format_quantity(end.value, unit)
-        for end, unit in ((stall, torque), (no_load, speed))
+        for end, unit in ((stall, losses.unit), (no_load, actuator.velocity_limit.unit))
     ]
     try:
         law = law_of(actuator)
-        size = static_error(law, replace(law, stall_torque=None, no_load_speed=None, curve=None).torque)
+        size = static_error(law, boxed(law).torque)
     except ValueError:
         # The law lacks a number.
         size = None
-    return (
+    losses.approximate(
         "torque_speed_curve",
         f"{kind} from {ends[0]} to {ends[1]}",
-        f"effort {format_quantity(actuator.effort_limit.value, torque)}",
+        f"effort {format_quantity(actuator.effort_limit.value, losses.unit)}",
         "a URDF has one effort limit for all speeds",
         size,
     )
 
 
-def _passive(actuator: JointActuator) -> Iterator[Loss]:
-    armature, static = actuator.armature, actuator.friction_static
-    if armature.value:
-        asked = format_quantity(armature.value, armature.unit)
-        yield "armature", asked, "none", "a URDF has no armature of a joint", None
-    coulomb = actuator.friction_coulomb.value
-    if static is None or static.value is None or coulomb is None or static.value <= coulomb:
-        return
-    yield (
-        "friction.static",
-        format_quantity(static.value, static.unit),
-        format_quantity(coulomb, static.unit),
-        "friction is one number for sticking and sliding",
-        static.value - coulomb,
-    )
-    stribeck = actuator.stribeck_velocity
-    if stribeck is not None and stribeck.known:
-        yield (
-            "friction.stribeck_velocity",
-            format_quantity(stribeck.value, stribeck.unit),
-            "none",
-            "a URDF has no Stribeck effect",
-            static.value - coulomb,
-        )
+_KEPT = re.compile(r"[A-Za-z][A-Za-z0-9+.-]*:|[/\\$]")
+"""A URL (`package://`, `file:`), a drive, an absolute path or a substitution."""
+
+_FOLDERS = ("meshdir", "texturedir", "assetdir")
+
+
+def relative_paths(document: XmlDocument) -> Iterator[tuple[Element, str, str]]:
+    """Every path that counts from the file's own folder: (element, attribute, path).
+
+    MuJoCo's own `<compiler>` inside a URDF names folders. Where it says `strippath="false"` it joins them with
+    the file names, which then count from there.
+    """
+    joined = False
+    own = (child for section in document.sections("mujoco") for child in section.children)
+    for compiler in (element for element in own if element.tag == "compiler"):
+        folders = [name for name in _FOLDERS if compiler.get(name)]
+        joined = joined or (bool(folders) and compiler.get("strippath") == "false")
+        yield from _relative(compiler, *folders)
+    if not joined:
+        for element in document.walk("mesh", "texture"):
+            yield from _relative(element, "filename")
+
+
+def _relative(element: Element, *names: str) -> Iterator[tuple[Element, str, str]]:
+    for name in names:
+        path = element.get(name)
+        if path and not _KEPT.match(path):
+            yield element, name, path
