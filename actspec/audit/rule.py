@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, Generic, TypeVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Safety, Skipped
 from actspec.diagnostics import Severity
+
+T = TypeVar("T")
 
 HEADINGS = ("What it does", "Why it matters", "Example", "Use instead", "Limits", "Source")
 """Sections of a rule's page, in this order; `Limits` may be left out."""
@@ -55,6 +57,45 @@ class Rule:
     def option(self, case: Case, name: str) -> float:
         """An option of this rule as configured."""
         return case.option(self.code, name, self.options[name])
+
+
+class RuleOver(Rule, Generic[T]):
+    """A rule that judges one thing after the other, and declares what those are.
+
+    Attributes:
+        needs: What the files lack where there is nothing to judge: `no MJCF with a delay among the files`.
+    """
+
+    needs: ClassVar[str]
+
+    def subjects(self, case: Case) -> Iterable[T]:
+        """What is judged, as far as the files have all that this takes."""
+        raise NotImplementedError
+
+    def judge(self, case: Case, subject: T) -> Iterator[Finding]:
+        """Find what is wrong with one of the subjects."""
+        raise NotImplementedError
+
+    def lacks(self, case: Case) -> str:
+        """Why there are no subjects."""
+        return self.needs
+
+    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+        """Judge every subject; where there is none, say what the files lack."""
+        looked = False
+        for subject in self.subjects(case):
+            looked = True
+            yield from self.judge(case, subject)
+        if not looked:
+            yield Skipped(self.code, self.lacks(case))
+
+
+class RuleInParts(RuleOver[Iterable[Finding]]):
+    """A rule that looks at things of several kinds: each subject is what it found at one of them, often nothing."""
+
+    def judge(self, case: Case, subject: Iterable[Finding]) -> Iterator[Finding]:
+        """What was found there."""
+        yield from subject
 
 
 def sections(rule: type[Rule]) -> dict[str, str]:

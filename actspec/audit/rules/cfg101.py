@@ -1,12 +1,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from os.path import basename
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.cfg_groups import Group, groups_of, names_model
 from actspec.diagnostics import Severity, shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
@@ -32,24 +32,23 @@ _ZERO = {
 _PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
 
 
-class DictMissesJoint(Rule):
+class DictMissesJoint(RuleInParts):
     code = "CFG101"
     name = "dict-misses-a-joint"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no Isaac Lab 2.x or legged_gym configuration with values by joint"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Find joints without a key."""
-        looked = False
         named = case.versions.isaaclab
         if named is None or release(named) < (3,):
             for group in groups_of(case, Framework.ISAACLAB):
                 for name in _ZERO:
                     keys = _keys(group.cfg.settings.get(name))
-                    looked = looked or keys is not None
                     if keys is not None:
-                        yield from self._missed(group, name, keys)
+                        yield self._missed(group, name, keys)
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework is not Framework.LEGGED_GYM:
@@ -60,10 +59,7 @@ class DictMissesJoint(Rule):
             for cfg in config.groups:
                 keys = _keys(cfg.settings.get("stiffness"))
                 if keys is not None and cfg.cls in ("P", "V"):
-                    looked = True
-                    yield from self._legged_gym(model, cfg, keys)
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab 2.x or legged_gym configuration with values by joint")
+                    yield self._legged_gym(model, cfg, keys)
 
     def _missed(self, group: Group, name: str, keys: Sequence[str]) -> Iterator[Finding]:
         setting = group.cfg.settings[name]

@@ -6,26 +6,27 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import names_model
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.robot.view import RobotView
 
+_Subject = tuple[RobotConfig, set[str], int, RobotView, bool]
 
-class JointNotCovered(Rule):
+
+class JointNotCovered(RuleOver[_Subject]):
     code = "CFG102"
     name = "joint-not-covered"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot"
     options: ClassVar[dict[str, float]] = {"share": 0.6}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find joints that are in no group."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework not in (Framework.MJLAB, Framework.ISAACLAB):
@@ -40,15 +41,15 @@ class JointNotCovered(Rule):
                 own = config.framework is Framework.MJLAB
                 if own and not names_model(config, model):
                     continue
-                looked = True
-                driven = {row.joint for row in case.rows_of(other) if row.joint and row.control != "none"}
-                loose = _loose(model.robot) - driven if own else driven
-                if len(loose & covered) >= self.option(case, "share") * len(loose):
-                    yield from self._uncovered(config, model.robot, loose - covered, own)
-        if not looked:
-            yield Skipped(
-                self.code, "no whole configuration of Isaac Lab or mjlab beside an MJCF of its robot"
-            )
+                yield config, covered, other, model.robot, own
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find joints that are in no group."""
+        config, covered, other, robot, own = subject
+        driven = {row.joint for row in case.rows_of(other) if row.joint and row.control != "none"}
+        loose = _loose(robot) - driven if own else driven
+        if len(loose & covered) >= self.option(case, "share") * len(loose):
+            yield from self._uncovered(config, robot, loose - covered, own)
 
     def _uncovered(
         self, config: RobotConfig, robot: RobotView, joints: set[str], own: bool

@@ -1,47 +1,48 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.cfg_groups import FRAMEWORKS
-from actspec.audit.rules.config_classes import CLASSES, NO_STOCK_CLASSES, stock_groups
+from actspec.audit.rules.config_classes import CLASSES, NO_STOCK_CLASSES, StockClass, stock_groups
 from actspec.diagnostics import Severity, listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.versions import release
 
 
-class UnknownField(Rule):
+class UnknownField(RuleInParts):
     code = "CFG103"
     name = "unknown-field-or-class"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = NO_STOCK_CLASSES
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Hold fields against the classes."""
-        looked = False
         for _, config, group, stock in stock_groups(case):
-            looked = True
-            for name, setting in group.settings.items():
-                if name not in stock.fields:
-                    yield Finding(
-                        self.code,
-                        f"{group.cls} has no field {shortened(name)!r}",
-                        setting.span,
-                        help=_nearest(name, stock.fields),
-                    )
-                elif _later(case, config, group, name):
-                    yield Finding(
-                        self.code,
-                        f"mjlab {case.versions.mjlab} has no {name} in {group.cls}: it came with 1.3",
-                        setting.span,
-                    )
+            yield self._unknown(case, config, group, stock)
         for found in self._misspelt(case):
-            looked = True
-            yield found
-        if not looked:
-            yield Skipped(self.code, NO_STOCK_CLASSES)
+            yield (found,)
+
+    def _unknown(
+        self, case: Case, config: RobotConfig, group: ActuatorGroup, stock: StockClass
+    ) -> Iterator[Finding]:
+        for name, setting in group.settings.items():
+            if name not in stock.fields:
+                yield Finding(
+                    self.code,
+                    f"{group.cls} has no field {shortened(name)!r}",
+                    setting.span,
+                    help=_nearest(name, stock.fields),
+                )
+            elif _later(case, config, group, name):
+                yield Finding(
+                    self.code,
+                    f"mjlab {case.versions.mjlab} has no {name} in {group.cls}: it came with 1.3",
+                    setting.span,
+                )
 
     def _misspelt(self, case: Case) -> Iterator[Finding]:
         """Names of one framework's class in the other's spelling."""

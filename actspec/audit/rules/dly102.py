@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.actuator_texts import (
     NO_DELAY,
     WrittenActuator,
@@ -21,56 +21,56 @@ _ALMOST = 1e-6
 """Steps by which a delay may miss a whole number of them. Chosen: far above rounding, far below any delay."""
 
 
-class SamplesDoNotFit(Rule):
+class SamplesDoNotFit(RuleOver[tuple[WrittenActuator, float]]):
     code = "DLY102"
     name = "nsample-does-not-fit-delay"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     fix = Safety.UNSAFE
+    needs = NO_DELAY
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[tuple[WrittenActuator, float]]:
+        yield from delayed(case)
+
+    def judge(self, case: Case, subject: tuple[WrittenActuator, float]) -> Iterator[Finding]:
         """Compare samples and steps."""
-        looked = False
-        for found, step in delayed(case):
-            looked = True
-            kept = stored_samples(found)
-            if kept is None or kept < 1:
-                continue
-            delay = found.view.delay
-            exact = delay / step
-            steps = math.ceil(exact - _ALMOST)
-            samples = f"{kept} sample{'s' * (kept != 1)}"
-            owner = found.owner("nsample") or found.element
-            if kept < steps:
-                yield Finding(
-                    self.code,
-                    f"{samples} cannot hold a delay of {milliseconds(delay)}, {steps} steps of "
-                    f"{milliseconds(step)}: the command comes {milliseconds(kept * step)} late",
-                    found.document.span(owner),
-                    found.joint,
-                    float(kept),
-                    "1",
-                    float(steps),
-                    f'nsample="{steps}"',
-                    fix=_samples_fix(found, steps),
-                )
-            elif kept > steps and abs(exact - steps) <= _ALMOST and not is_interpolated(found):
-                yield Finding(
-                    self.code,
-                    f"with {samples} for a delay of {steps} steps the command comes {steps} or {steps + 1} steps "
-                    f"late, by rounding: {milliseconds(delay)} or {milliseconds(delay + step)}",
-                    found.document.span(owner),
-                    found.joint,
-                    float(kept),
-                    "1",
-                    float(steps),
-                    f'nsample="{steps}" makes it exact',
-                    fix=_samples_fix(found, steps),
-                    severity=Severity.INFO,
-                    confidence=Confidence.MEDIUM,
-                )
-        if not looked:
-            yield Skipped(self.code, NO_DELAY)
+        found, step = subject
+        kept = stored_samples(found)
+        if kept is None or kept < 1:
+            return
+        delay = found.view.delay
+        exact = delay / step
+        steps = math.ceil(exact - _ALMOST)
+        samples = f"{kept} sample{'s' * (kept != 1)}"
+        owner = found.owner("nsample") or found.element
+        if kept < steps:
+            yield Finding(
+                self.code,
+                f"{samples} cannot hold a delay of {milliseconds(delay)}, {steps} steps of "
+                f"{milliseconds(step)}: the command comes {milliseconds(kept * step)} late",
+                found.document.span(owner),
+                found.joint,
+                float(kept),
+                "1",
+                float(steps),
+                f'nsample="{steps}"',
+                fix=_samples_fix(found, steps),
+            )
+        elif kept > steps and abs(exact - steps) <= _ALMOST and not is_interpolated(found):
+            yield Finding(
+                self.code,
+                f"with {samples} for a delay of {steps} steps the command comes {steps} or {steps + 1} steps "
+                f"late, by rounding: {milliseconds(delay)} or {milliseconds(delay + step)}",
+                found.document.span(owner),
+                found.joint,
+                float(kept),
+                "1",
+                float(steps),
+                f'nsample="{steps}" makes it exact',
+                fix=_samples_fix(found, steps),
+                severity=Severity.INFO,
+                confidence=Confidence.MEDIUM,
+            )
 
 
 def _samples_fix(found: WrittenActuator, steps: int) -> Fix | None:

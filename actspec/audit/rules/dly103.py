@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.versions import release
@@ -15,15 +15,17 @@ _ENDS = {
 }
 
 
-class DelayRangeLost(Rule):
+_Subject = tuple[RobotConfig, ActuatorGroup, Setting]
+
+
+class DelayRangeLost(RuleOver[_Subject]):
     code = "DLY103"
     name = "delay-range-lost"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no configuration with delays among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare the ends."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for _, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework not in _ENDS:
@@ -32,10 +34,12 @@ class DelayRangeLost(Rule):
                 most = group.settings.get(_ENDS[config.framework][1])
                 if most is None:
                     continue
-                looked = True
-                yield from self._group(case, config, group, most)
-        if not looked:
-            yield Skipped(self.code, "no configuration with delays among the files")
+                yield config, group, most
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare the ends."""
+        config, group, most = subject
+        yield from self._group(case, config, group, most)
 
     def _group(
         self, case: Case, config: RobotConfig, group: ActuatorGroup, most: Setting

@@ -6,9 +6,9 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
@@ -16,30 +16,31 @@ from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
 
-class DriveAndJointDamping(Rule):
+class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
     code = "DMP101"
     name = "kv-and-joint-damping"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    needs = "no MJCF with a drive that has a velocity gain among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.1, "large": 0.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find joints with both."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[tuple[Sequence[LedgerRow], Parts]]:
         everything = case.once(parts_by_joint)
         for key, rows in by_joint(case, FileKind.MJCF).items():
             parts = everything[key]
             if parts is None or parts.kd <= 0.0:
                 continue
-            looked = True
-            if parts.passive < self.option(case, "share") * parts.kd or parts.in_three_places:
-                continue
-            others = list(partner_rows(case, rows[0], *INTENT))
-            if any(_declares(row, parts) for row in others):
-                continue
-            yield self._finding(case, rows, parts, others)
-        if not looked:
-            yield Skipped(self.code, "no MJCF with a drive that has a velocity gain among the files")
+            yield rows, parts
+
+    def judge(self, case: Case, subject: tuple[Sequence[LedgerRow], Parts]) -> Iterator[Finding]:
+        """Find joints with both."""
+        rows, parts = subject
+        if parts.passive < self.option(case, "share") * parts.kd or parts.in_three_places:
+            return
+        others = list(partner_rows(case, rows[0], *INTENT))
+        if any(_declares(row, parts) for row in others):
+            return
+        yield self._finding(case, rows, parts, others)
 
     def _finding(
         self, case: Case, rows: Sequence[LedgerRow], parts: Parts, others: Sequence[LedgerRow]

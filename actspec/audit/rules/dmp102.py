@@ -6,26 +6,27 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
 
+_Subject = tuple[float, float, LedgerRow, Parts]
 
-class GainInJointDamping(Rule):
+
+class GainInJointDamping(RuleOver[_Subject]):
     code = "DMP102"
     name = "kd-in-joint-damping"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    needs = "no MJCF with limited position servos among the files"
     options: ClassVar[dict[str, float]] = {"ratio": 0.1, "time": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find servos without kv on damped joints."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         everything = case.once(parts_by_joint)
         for key, rows in by_joint(case, FileKind.MJCF).items():
             row, parts = rows[0], everything[key]
@@ -35,15 +36,17 @@ class GainInJointDamping(Rule):
             limit = row.effort_limit
             if kp <= 0.0 or limit is None or limit <= 0.0:
                 continue
-            looked = True
-            if parts.kd != 0.0 or limit == math.inf or not self._plain(case, row, parts, kp):
-                continue
-            others = list(partner_rows(case, row, *INTENT, FileKind.DEPLOY))
-            # DMP105 has the sum with a gain that acts on this very joint.
-            if not any(_is_mjlab(case, other) and other.kd for other in others):
-                yield self._finding(row, parts, limit, others)
-        if not looked:
-            yield Skipped(self.code, "no MJCF with limited position servos among the files")
+            yield kp, limit, row, parts
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find servos without kv on damped joints."""
+        kp, limit, row, parts = subject
+        if parts.kd != 0.0 or limit == math.inf or not self._plain(case, row, parts, kp):
+            return
+        others = list(partner_rows(case, row, *INTENT, FileKind.DEPLOY))
+        # DMP105 has the sum with a gain that acts on this very joint.
+        if not any(_is_mjlab(case, other) and other.kd for other in others):
+            yield self._finding(row, parts, limit, others)
 
     def _plain(self, case: Case, row: LedgerRow, parts: Parts, kp: float) -> bool:
         if row.damping_ratio is not None:

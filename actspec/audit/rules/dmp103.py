@@ -1,29 +1,29 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import finite, top_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
 
-class DampingOutsideClamp(Rule):
+class DampingOutsideClamp(RuleInParts):
     code = "DMP103"
     name = "damping-outside-the-clamp"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no joint with damping and an effort limit among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.5, "speed": 2.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare damping times speed with the limit."""
-        looked = False
         everything = case.joints
         speeds: dict[tuple[int, str], float | None] = {}
         for (artifact, joint), rows in everything.items():
@@ -36,7 +36,8 @@ class DampingOutsideClamp(Rule):
                 continue
             own = finite(row.effort_limit)
             if damping <= 0.0:
-                looked = looked or own is not None
+                if own is not None:
+                    yield ()
                 continue
             files = case.robot_of(artifact).artifacts
             limit = own or min(
@@ -53,7 +54,6 @@ class DampingOutsideClamp(Rule):
             )
             if limit is None:
                 continue
-            looked = True
             # One for all files of the robot.
             key = files[0], joint
             if key not in speeds:
@@ -61,15 +61,15 @@ class DampingOutsideClamp(Rule):
                 speeds[key] = min(filter(None, every), default=None)
             speed = speeds[key]
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
-                yield self._known(row, damping, limit, speed)
+                yield (self._known(row, damping, limit, speed),)
             elif (
                 speed is None
                 and unit(row, "velocity_limit") == "rad/s"
                 and limit <= damping * self.option(case, "speed")
             ):
-                yield self._slow(row, damping, limit)
-        if not looked:
-            yield Skipped(self.code, "no joint with damping and an effort limit among the files")
+                yield (self._slow(row, damping, limit),)
+            else:
+                yield ()
 
     def _known(self, row: LedgerRow, damping: float, limit: float, speed: float) -> Finding:
         left = limit - damping * speed

@@ -5,26 +5,27 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import Parts, parts_by_joint
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[float | None, bool, LedgerRow, Parts | None, float]
 
-class DampingInThreePlaces(Rule):
+
+class DampingInThreePlaces(RuleOver[_Subject]):
     code = "DMP104"
     name = "damping-counted-thrice"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no drive with a velocity gain, and no torque-speed line, among the files"
     options: ClassVar[dict[str, float]] = {"near": 0.25}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find three places, and slopes that are there twice."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         everything = case.once(parts_by_joint)
         for key, rows in case.joints.items():
             row, parts = rows[0], everything[key]
@@ -32,15 +33,15 @@ class DampingInThreePlaces(Rule):
             mjcf = case.artifacts[row.artifact].kind is FileKind.MJCF
             if row.joint_damping is None or not (slope or (mjcf and parts is not None and parts.kd > 0.0)):
                 continue
-            looked = True
-            if slope is not None and abs(row.joint_damping - slope) <= self.option(case, "near") * slope:
-                yield self._twice(row, row.joint_damping, slope)
-            elif mjcf and parts is not None and parts.in_three_places:
-                yield self._thrice(row, parts)
-        if not looked:
-            yield Skipped(
-                self.code, "no drive with a velocity gain, and no torque-speed line, among the files"
-            )
+            yield slope, mjcf, row, parts, row.joint_damping
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find three places, and slopes that are there twice."""
+        slope, mjcf, row, parts, damping = subject
+        if slope is not None and abs(damping - slope) <= self.option(case, "near") * slope:
+            yield self._twice(row, damping, slope)
+        elif mjcf and parts is not None and parts.in_three_places:
+            yield self._thrice(row, parts)
 
     def _thrice(self, row: LedgerRow, parts: Parts) -> Finding:
         return Finding(

@@ -5,27 +5,28 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import first_rows
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
 
+_Subject = tuple[LedgerRow, LedgerRow, float, float]
 
-class GainBesideModelDamping(Rule):
+
+class GainBesideModelDamping(RuleOver[_Subject]):
     code = "DMP105"
     name = "cfg-kd-and-model-damping"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no configuration with a kd beside an MJCF of the same robot"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare kd with the model's damping."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for rows in by_joint(case, FileKind.CFG, FileKind.DEPLOY).values():
             row = rows[0]
             if row.kd is None:
@@ -33,14 +34,16 @@ class GainBesideModelDamping(Rule):
             for model in first_rows(case, row, FileKind.MJCF):
                 if model.joint_damping is None:
                     continue
-                looked = True
-                if row.kd <= 0.0 or model.joint_damping <= 0.0 or "joint_damping" in row.stated:
-                    continue
-                found = self._compare(case, row, model, row.kd, model.joint_damping)
-                if found is not None:
-                    yield found
-        if not looked:
-            yield Skipped(self.code, "no configuration with a kd beside an MJCF of the same robot")
+                yield row, model, row.kd, model.joint_damping
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare kd with the model's damping."""
+        row, model, kd, damping = subject
+        if kd <= 0.0 or damping <= 0.0 or "joint_damping" in row.stated:
+            return
+        found = self._compare(case, row, model, kd, damping)
+        if found is not None:
+            yield found
 
     def _compare(
         self, case: Case, row: LedgerRow, model: LedgerRow, kd: float, damping: float

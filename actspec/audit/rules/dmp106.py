@@ -5,49 +5,52 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import first_rows, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[LedgerRow, float, LedgerRow]
 
-class UrdfDamping(Rule):
+
+class UrdfDamping(RuleOver[_Subject]):
     code = "DMP106"
     name = "urdf-damping-has-four-meanings"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no URDF with damping beside another file of the same robot"
     options: ClassVar[dict[str, float]] = {"share": 0.1}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare the URDF's damping with the other files'."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for rows in by_joint(case, FileKind.URDF).values():
             row = rows[0]
             damping = row.joint_damping
             if damping is None or damping <= 0.0:
                 continue
             for other in first_rows(case, row, FileKind.MJCF, FileKind.SPEC, FileKind.CFG):
-                looked = True
-                told = self._other(case, other, damping)
-                if told is not None:
-                    yield Finding(
-                        self.code,
-                        f"the URDF's damping of {shown(row, 'kd', damping)} meets {told} in {basename(other.file)}: "
-                        "it is joint damping in MuJoCo, the drive's kd in Newton and nothing in Isaac Sim 6.1",
-                        row.place("joint_damping"),
-                        row.joint,
-                        damping,
-                        unit(row, "kd"),
-                        help="give the URDF the friction that the other files have, or 0 where they hold it all",
-                        related=(other.place("joint_damping"),),
-                    )
-        if not looked:
-            yield Skipped(self.code, "no URDF with damping beside another file of the same robot")
+                yield row, damping, other
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare the URDF's damping with the other files'."""
+        row, damping, other = subject
+        told = self._other(case, other, damping)
+        if told is not None:
+            yield Finding(
+                self.code,
+                f"the URDF's damping of {shown(row, 'kd', damping)} meets {told} in {basename(other.file)}: "
+                "it is joint damping in MuJoCo, the drive's kd in Newton and nothing in Isaac Sim 6.1",
+                row.place("joint_damping"),
+                row.joint,
+                damping,
+                unit(row, "kd"),
+                help="give the URDF the friction that the other files have, or 0 where they hold it all",
+                related=(other.place("joint_damping"),),
+            )
 
     def _other(self, case: Case, other: LedgerRow, damping: float) -> str | None:
         """What the other file has instead; None where they agree or nobody can tell."""

@@ -5,45 +5,44 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.dynamics import figure
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.source_rule import shown
-from actspec.audit.rules.spec_pairs import NO_SPEC, counted_twice, spec_joints
+from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints
 from actspec.diagnostics import Severity
 
 
-class DampingCountedTwice(Rule):
+class DampingCountedTwice(RuleOver[SpecJoint]):
     code = "DMP201"
     name = "damping-counted-twice-against-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = NO_SPEC
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[SpecJoint]:
+        yield from spec_joints(case)
+
+    def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
         """Compare total damping with the spec's."""
-        looked = False
-        for joint in spec_joints(case):
-            looked = True
-            extra = counted_twice(joint, self.option(case, "tolerance"))
-            if extra is None or joint.spec.total_damping is None:
-                continue
-            first, unit = joint.rows[0], figure(joint.rows, "kd").unit
-            total = joint.spec.total_damping + extra
-            passive = total - (figure(joint.rows, "kd").value or 0.0)
-            yield Finding(
-                self.code,
-                f"damping is counted twice: the drive's kd is {shown(figure(joint.rows, 'kd').value, unit)} and the "
-                f"joint's own damping {shown(passive, unit)}, together {shown(total, unit)}, and the spec says kd "
-                f"{shown(joint.spec.kd, unit)} and viscous friction {shown(joint.spec.joint_damping, unit)} "
-                f"(x{total / joint.spec.total_damping:.3g})",
-                first.place("joint_damping"),
-                first.joint,
-                total,
-                unit,
-                expected=joint.spec.total_damping,
-                help=f"leave {shown(joint.spec.joint_damping, unit)} in the joint's damping",
-                related=(joint.spec.place("kd"), joint.spec.place("joint_damping")),
-            )
-        if not looked:
-            yield Skipped(self.code, NO_SPEC)
+        extra = counted_twice(joint, self.option(case, "tolerance"))
+        if extra is None or joint.spec.total_damping is None:
+            return
+        first, unit = joint.rows[0], figure(joint.rows, "kd").unit
+        total = joint.spec.total_damping + extra
+        passive = total - (figure(joint.rows, "kd").value or 0.0)
+        yield Finding(
+            self.code,
+            f"damping is counted twice: the drive's kd is {shown(figure(joint.rows, 'kd').value, unit)} and the "
+            f"joint's own damping {shown(passive, unit)}, together {shown(total, unit)}, and the spec says kd "
+            f"{shown(joint.spec.kd, unit)} and viscous friction {shown(joint.spec.joint_damping, unit)} "
+            f"(x{total / joint.spec.total_damping:.3g})",
+            first.place("joint_damping"),
+            first.joint,
+            total,
+            unit,
+            expected=joint.spec.total_damping,
+            help=f"leave {shown(joint.spec.joint_damping, unit)} in the joint's damping",
+            related=(joint.spec.place("kd"), joint.spec.place("joint_damping")),
+        )

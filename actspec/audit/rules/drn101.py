@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, whose, written
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import RandomizedRange, RobotConfig
@@ -18,39 +18,42 @@ _PASSIVE = ("friction", "joint_damping", "armature")
 """Fields that are often 0 in a model, and supplied by an add range alone."""
 
 
-class RangeExcludesNominal(Rule):
+_Subject = tuple[int, RobotConfig, RandomizedRange]
+
+
+class RangeExcludesNominal(RuleOver[_Subject]):
     code = "DRN101"
     name = "range-excludes-nominal"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    needs = "no configuration randomises actuators"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
+        yield from ranges(case)
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Hold each range against what it surrounds."""
-        looked = False
-        for index, config, one in ranges(case):
-            looked = True
-            low, high = ends(one)
-            if one.operation in ("scale", "add"):
-                neutral = 1.0 if one.operation == "scale" else 0.0
-                supplied = one.operation == "add" and one.field in _PASSIVE and low > 0.0
-                if not low <= neutral <= high and not supplied:
-                    yield Finding(
-                        self.code,
-                        f"{one.field} is randomised by {one.operation} {written(low, high)}, which leaves out "
-                        f"{neutral:g}: no environment has the nominal value",
-                        one.span,
-                    )
-            elif one.operation == "abs" and one.field in _AROUND_ZERO and not low <= 0.0 <= high:
+        index, config, one = subject
+        low, high = ends(one)
+        if one.operation in ("scale", "add"):
+            neutral = 1.0 if one.operation == "scale" else 0.0
+            supplied = one.operation == "add" and one.field in _PASSIVE and low > 0.0
+            if not low <= neutral <= high and not supplied:
                 yield Finding(
                     self.code,
-                    f"{one.field} is randomised from {written(low, high)}, which leaves out 0: no environment has the "
-                    "nominal value",
+                    f"{one.field} is randomised by {one.operation} {written(low, high)}, which leaves out "
+                    f"{neutral:g}: no environment has the nominal value",
                     one.span,
                 )
-            elif one.operation == "abs":
-                yield from self._absolute(case, index, config, one)
-        if not looked:
-            yield Skipped(self.code, "no configuration randomises actuators")
+        elif one.operation == "abs" and one.field in _AROUND_ZERO and not low <= 0.0 <= high:
+            yield Finding(
+                self.code,
+                f"{one.field} is randomised from {written(low, high)}, which leaves out 0: no environment has the "
+                "nominal value",
+                one.span,
+            )
+        elif one.operation == "abs":
+            yield from self._absolute(case, index, config, one)
 
     def _absolute(
         self, case: Case, index: int, config: RobotConfig, one: RandomizedRange

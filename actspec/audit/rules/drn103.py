@@ -4,27 +4,28 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import DEVIATIONS, ends, nominal, ranges, rows_in, written
 from actspec.diagnostics import Severity
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import RandomizedRange
 from actspec.units import format_quantity
 
+_Subject = tuple[RandomizedRange, LedgerRow, Quantity, float | None]
 
-class RangeWiderThanIdentified(Rule):
+
+class RangeWiderThanIdentified(RuleOver[_Subject]):
     code = "DRN103"
     name = "range-wider-than-identified"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no range of a figure for which a spec states a standard deviation"
     options: ClassVar[dict[str, float]] = {"ratio": 5.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare ranges with deviations."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, config, one in ranges(case):
             for row in rows_in(case, index, one):
                 measured = _identified(case, row, one)
@@ -33,12 +34,14 @@ class RangeWiderThanIdentified(Rule):
                     continue
                 if value is None and one.operation != "abs":
                     continue
-                looked = True
-                found = self._judge(case, row, one, value or 0.0, measured)
-                if found is not None:
-                    yield found
-        if not looked:
-            yield Skipped(self.code, "no range of a figure for which a spec states a standard deviation")
+                yield one, row, measured, value
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare ranges with deviations."""
+        one, row, measured, value = subject
+        found = self._judge(case, row, one, value or 0.0, measured)
+        if found is not None:
+            yield found
 
     def _judge(
         self, case: Case, row: LedgerRow, one: RandomizedRange, value: float, measured: Quantity

@@ -3,45 +3,47 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import ends, ranges, written
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import Framework
+from actspec.readings.artifact import Framework, RandomizedRange
 from actspec.readings.versions import friction_unit_of
+from actspec.simulators.isaaclab import FrictionUnit
 
 SPEED = 10.0
 """Joint speed at which a consequence is told [rad/s]. Chosen: a leg's joint in a trot."""
 
 
-class FrictionRangeSetsViscous(Rule):
+class FrictionRangeSetsViscous(RuleOver[tuple[RandomizedRange, FrictionUnit | None]]):
     code = "DRN104"
     name = "friction-range-sets-viscous"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no Isaac Lab configuration randomises joint friction"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find ranges of friction that are not scales."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[tuple[RandomizedRange, FrictionUnit | None]]:
         for index, config, one in ranges(case):
             unit = friction_unit_of(case.versions_of(index))
             if one.field != "friction" or config.framework is not Framework.ISAACLAB:
                 continue
-            looked = True
-            if one.operation == "scale" or (unit is not None and not unit.torque):
-                continue
-            low, high = ends(one)
-            low = max(low, 0.0)
-            told = f"{written(low, high, 'N*m*s/rad')}, {written(SPEED * low, SPEED * high, 'N*m')} at {SPEED:g} rad/s"
-            if one.operation == "add":
-                told = f"{written(low, high, 'N*m*s/rad')} more"
-            yield Finding(
-                self.code,
-                f"{'on Isaac Sim 5 and later ' if unit is None else ''}this friction range is drawn for viscous "
-                f"friction as well: {told}",
-                one.span,
-                help='use operation "scale", with friction, dynamic_friction and viscous_friction in the actuator cfg',
-                severity=Severity.INFO if unit is None else None,
-            )
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab configuration randomises joint friction")
+            yield one, unit
+
+    def judge(self, case: Case, subject: tuple[RandomizedRange, FrictionUnit | None]) -> Iterator[Finding]:
+        """Find ranges of friction that are not scales."""
+        one, unit = subject
+        if one.operation == "scale" or (unit is not None and not unit.torque):
+            return
+        low, high = ends(one)
+        low = max(low, 0.0)
+        told = f"{written(low, high, 'N*m*s/rad')}, {written(SPEED * low, SPEED * high, 'N*m')} at {SPEED:g} rad/s"
+        if one.operation == "add":
+            told = f"{written(low, high, 'N*m*s/rad')} more"
+        yield Finding(
+            self.code,
+            f"{'on Isaac Sim 5 and later ' if unit is None else ''}this friction range is drawn for viscous "
+            f"friction as well: {told}",
+            one.span,
+            help='use operation "scale", with friction, dynamic_friction and viscous_friction in the actuator cfg',
+            severity=Severity.INFO if unit is None else None,
+        )

@@ -4,23 +4,25 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.randomized import ends, ranges, rows_in
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import Framework
+from actspec.readings.artifact import Framework, RandomizedRange
+
+_Subject = tuple[RandomizedRange, LedgerRow, float]
 
 
-class EffortRangeCapped(Rule):
+class EffortRangeCapped(RuleOver[_Subject]):
     code = "DRN105"
     name = "effort-range-above-one-is-capped"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no mjlab configuration randomises an effort limit that it states"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find ranges that raise a compiled limit."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, config, one in ranges(case):
             if one.field != "effort_limit" or config.framework is not Framework.MJLAB:
                 continue
@@ -28,17 +30,19 @@ class EffortRangeCapped(Rule):
                 limit = row.effort_limit
                 if limit is None or math.isinf(limit):
                     continue
-                looked = True
-                high = ends(one)[1] * limit if one.operation == "scale" else ends(one)[1]
-                if row.control in ("ideal_pd", "dc_motor", "network") and high > limit:
-                    yield Finding(
-                        self.code,
-                        f"the effort limit is drawn up to {shown(row, 'effort_limit', high)}, and the compiled model "
-                        f"caps it at {shown(row, 'effort_limit', limit)}",
-                        one.span,
-                        row.joint,
-                        help="set effort_limit to the highest value, and scale down from there",
-                        related=(row.place("effort_limit"),),
-                    )
-        if not looked:
-            yield Skipped(self.code, "no mjlab configuration randomises an effort limit that it states")
+                yield one, row, limit
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find ranges that raise a compiled limit."""
+        one, row, limit = subject
+        high = ends(one)[1] * limit if one.operation == "scale" else ends(one)[1]
+        if row.control in ("ideal_pd", "dc_motor", "network") and high > limit:
+            yield Finding(
+                self.code,
+                f"the effort limit is drawn up to {shown(row, 'effort_limit', high)}, and the compiled model "
+                f"caps it at {shown(row, 'effort_limit', limit)}",
+                one.span,
+                row.joint,
+                help="set effort_limit to the highest value, and scale down from there",
+                related=(row.place("effort_limit"),),
+            )

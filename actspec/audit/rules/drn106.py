@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, written
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
@@ -14,45 +14,48 @@ _POSITIVE = ("kp", "kd", "armature", "friction", "joint_damping", "effort_limit"
 """Fields that are never negative."""
 
 
-class RangeInvertedOrNegative(Rule):
+_Subject = tuple[int, RobotConfig, RandomizedRange]
+
+
+class RangeInvertedOrNegative(RuleOver[_Subject]):
     code = "DRN106"
     name = "range-inverted-or-negative"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no configuration randomises actuators"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
+        yield from ranges(case)
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Look at the ends."""
-        looked = False
-        for index, config, one in ranges(case):
-            looked = True
-            if one.distribution == "gaussian":
-                if one.high < 0.0:
-                    yield Finding(
-                        self.code,
-                        f"{one.field} has a deviation of {one.high:g}: for `gaussian` the range is mean and deviation",
-                        one.span,
-                    )
-                continue
-            if one.low > one.high:
+        index, config, one = subject
+        if one.distribution == "gaussian":
+            if one.high < 0.0:
                 yield Finding(
                     self.code,
-                    f"{one.field} is randomised from {one.low:g} to {one.high:g}: the lower end is above the upper one",
-                    one.span,
-                    help=f"({one.high:g}, {one.low:g})",
-                    severity=Severity.WARNING,
-                )
-            low, high = ends(one)
-            if one.distribution == "log_uniform" and low <= 0.0:
-                yield Finding(
-                    self.code,
-                    f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of {low:g} is not a "
-                    "number",
+                    f"{one.field} has a deviation of {one.high:g}: for `gaussian` the range is mean and deviation",
                     one.span,
                 )
-            elif one.field in _POSITIVE and not _clamped(config, one):
-                yield from self._negative(case, index, config, one)
-        if not looked:
-            yield Skipped(self.code, "no configuration randomises actuators")
+            return
+        if one.low > one.high:
+            yield Finding(
+                self.code,
+                f"{one.field} is randomised from {one.low:g} to {one.high:g}: the lower end is above the upper one",
+                one.span,
+                help=f"({one.high:g}, {one.low:g})",
+                severity=Severity.WARNING,
+            )
+        low, high = ends(one)
+        if one.distribution == "log_uniform" and low <= 0.0:
+            yield Finding(
+                self.code,
+                f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of {low:g} is not a "
+                "number",
+                one.span,
+            )
+        elif one.field in _POSITIVE and not _clamped(config, one):
+            yield from self._negative(case, index, config, one)
 
     def _negative(
         self, case: Case, index: int, config: RobotConfig, one: RandomizedRange

@@ -3,45 +3,48 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import ranges
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import Framework, RobotConfig
+from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.readings.pair import matching
 
+_Subject = tuple[int, RobotConfig, RandomizedRange]
 
-class WrongGroupIndex(Rule):
+
+class WrongGroupIndex(RuleOver[_Subject]):
     code = "DRN107"
     name = "actuator-names-index-groups"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no mjlab configuration randomises gains or limits"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find selections that mjlab reads otherwise."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, config, one in ranges(case):
             if config.framework is not Framework.MJLAB or one.field not in ("kp", "kd", "effort_limit"):
                 continue
-            looked = True
-            function = "dr.effort_limits" if one.field == "effort_limit" else "dr.pd_gains"
-            if one.actuators is not None and not _selects_all(case, index, config, one.actuators):
-                yield Finding(
-                    self.code,
-                    f"{function} takes the numbers of the joints that actuator_names selects for numbers of actuator "
-                    "cfgs: another group is randomised, or none",
-                    one.span,
-                    help="leave actuator_names out, or give actuator_ids=[number of the cfg]",
-                )
-            elif one.joints is not None and one.actuators is None and set(one.joints) != {".*"}:
-                yield Finding(
-                    self.code,
-                    f"{function} does not look at joint_names: all actuators are randomised",
-                    one.span,
-                    help="give actuator_ids=[number of the cfg]",
-                )
-        if not looked:
-            yield Skipped(self.code, "no mjlab configuration randomises gains or limits")
+            yield index, config, one
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find selections that mjlab reads otherwise."""
+        index, config, one = subject
+        function = "dr.effort_limits" if one.field == "effort_limit" else "dr.pd_gains"
+        if one.actuators is not None and not _selects_all(case, index, config, one.actuators):
+            yield Finding(
+                self.code,
+                f"{function} takes the numbers of the joints that actuator_names selects for numbers of actuator "
+                "cfgs: another group is randomised, or none",
+                one.span,
+                help="leave actuator_names out, or give actuator_ids=[number of the cfg]",
+            )
+        elif one.joints is not None and one.actuators is None and set(one.joints) != {".*"}:
+            yield Finding(
+                self.code,
+                f"{function} does not look at joint_names: all actuators are randomised",
+                one.span,
+                help="give actuator_ids=[number of the cfg]",
+            )
 
 
 def _selects_all(case: Case, index: int, config: RobotConfig, patterns: tuple[str, ...]) -> bool:

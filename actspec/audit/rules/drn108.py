@@ -3,33 +3,33 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import ranges
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import Framework
+from actspec.readings.artifact import Framework, RandomizedRange
 
 
-class OneDrawForAll(Rule):
+class OneDrawForAll(RuleOver[RandomizedRange]):
     code = "DRN108"
     name = "one-gaussian-draw-for-all"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no mjlab configuration randomises actuators"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find normal distributions."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[RandomizedRange]:
         for _, config, one in ranges(case):
             if config.framework is not Framework.MJLAB:
                 continue
-            looked = True
-            if one.distribution == "gaussian":
-                yield Finding(
-                    self.code,
-                    f"{one.field} is drawn from a normal distribution: mjlab draws one number for all joints and "
-                    "environments of a call",
-                    one.span,
-                    help="use uniform or log_uniform",
-                )
-        if not looked:
-            yield Skipped(self.code, "no mjlab configuration randomises actuators")
+            yield one
+
+    def judge(self, case: Case, one: RandomizedRange) -> Iterator[Finding]:
+        """Find normal distributions."""
+        if one.distribution == "gaussian":
+            yield Finding(
+                self.code,
+                f"{one.field} is drawn from a normal distribution: mjlab draws one number for all joints and "
+                "environments of a call",
+                one.span,
+                help="use uniform or log_uniform",
+            )

@@ -6,14 +6,14 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
-from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.versions import Versions, friction_unit_of, isaaclab_row
 from actspec.simulators.isaaclab import FrictionUnit as SolverUnit
 
@@ -30,26 +30,30 @@ def _place(versions: Versions) -> str:
     return " on ".join(filter(None, (lab, under)))
 
 
-class FrictionUnit(Rule):
+_Subject = tuple[Setting, LedgerRow, float]
+
+
+class FrictionUnit(RuleOver[_Subject]):
     code = "FRC102"
     name = "friction-unit-by-backend"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no Isaac Lab configuration with friction among the files"
     options: ClassVar[dict[str, float]] = {"ratio": 10.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Hold friction against what the named versions make of it."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for group in groups_of(case, Framework.ISAACLAB):
             setting = group.written("friction")
             for row in group.rows:
                 friction = group.number(setting, row.joint)
                 if setting is not None and friction is not None and friction > 0.0:
-                    looked = True
-                    yield from self._judge(case, row, friction, setting.span)
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab configuration with friction among the files")
+                    yield setting, row, friction
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Hold friction against what the named versions make of it."""
+        setting, row, friction = subject
+        yield from self._judge(case, row, friction, setting.span)
 
     def _judge(self, case: Case, row: LedgerRow, friction: float, span: Span) -> Iterator[Finding]:
         versions = case.versions_of(row.artifact)

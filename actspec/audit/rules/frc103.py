@@ -3,24 +3,26 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import friction_unit
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import Framework
-from actspec.readings.versions import friction_unit_of, has_dynamic
+from actspec.readings.artifact import Framework, Setting
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
+
+_Subject = tuple[Versions, LedgerRow, Setting, Setting, float, float]
 
 
-class DynamicAboveStatic(Rule):
+class DynamicAboveStatic(RuleOver[_Subject]):
     code = "FRC103"
     name = "dynamic-above-static-friction"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no Isaac Lab configuration with friction and dynamic_friction in force"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare the two."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for group in groups_of(case, Framework.ISAACLAB):
             versions = case.versions_of(group.artifact)
             silent = friction_unit_of(versions) is not None and not has_dynamic(versions)
@@ -31,20 +33,22 @@ class DynamicAboveStatic(Rule):
                 still, moving = group.number(static, row.joint), group.number(dynamic, row.joint)
                 if still is None or moving is None:
                     continue
-                looked = True
-                if moving > still:
-                    yield Finding(
-                        self.code,
-                        f"dynamic_friction {moving:.3g} is above friction {still:.3g}, the static part: PhysX asks "
-                        "for the opposite",
-                        dynamic.span,
-                        row.joint,
-                        moving,
-                        friction_unit(row, versions),
-                        still,
-                        help=f"friction={moving:.3g} and dynamic_friction={still:.3g}, or both alike for plain "
-                        "Coulomb friction",
-                        related=(static.span,),
-                    )
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab configuration with friction and dynamic_friction in force")
+                yield versions, row, static, dynamic, still, moving
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare the two."""
+        versions, row, static, dynamic, still, moving = subject
+        if moving > still:
+            yield Finding(
+                self.code,
+                f"dynamic_friction {moving:.3g} is above friction {still:.3g}, the static part: PhysX asks "
+                "for the opposite",
+                dynamic.span,
+                row.joint,
+                moving,
+                friction_unit(row, versions),
+                still,
+                help=f"friction={moving:.3g} and dynamic_friction={still:.3g}, or both alike for plain "
+                "Coulomb friction",
+                related=(static.span,),
+            )

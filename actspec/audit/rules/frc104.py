@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import Group, groups_of
 from actspec.audit.rules.joint_units import friction_unit
 from actspec.diagnostics import Severity
@@ -12,26 +12,24 @@ from actspec.readings.artifact import Framework
 from actspec.readings.versions import has_dynamic
 
 
-class StaticFrictionAlone(Rule):
+class StaticFrictionAlone(RuleOver[Group]):
     code = "FRC104"
     name = "static-friction-alone"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    needs = "no Isaac Lab configuration with friction for a named Isaac Sim 5 or later"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find groups with a static part alone."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[Group]:
         for group in groups_of(case, Framework.ISAACLAB):
             static = group.written("friction")
             if static is None or not has_dynamic(case.versions_of(group.artifact)):
                 continue
-            looked = True
-            if group.complete and group.written("dynamic_friction") is None:
-                yield from self._alone(case, group)
-        if not looked:
-            yield Skipped(
-                self.code, "no Isaac Lab configuration with friction for a named Isaac Sim 5 or later"
-            )
+            yield group
+
+    def judge(self, case: Case, group: Group) -> Iterator[Finding]:
+        """Find groups with a static part alone."""
+        if group.complete and group.written("dynamic_friction") is None:
+            yield from self._alone(case, group)
 
     def _alone(self, case: Case, group: Group) -> Iterator[Finding]:
         static = group.written("friction")

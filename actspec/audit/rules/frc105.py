@@ -3,23 +3,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.pair import Robot
 
+_Subject = tuple[Robot, list[LedgerRow], list[LedgerRow], set[str], LedgerRow]
 
-class NoFrictionAnywhere(Rule):
+
+class NoFrictionAnywhere(RuleOver[_Subject]):
     code = "FRC105"
     name = "no-friction-anywhere"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    needs = "no MJCF or URDF with driven joints among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Look for friction of driven joints in all files of each robot."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for robot in case.robots:
             rows = [row for index in robot.artifacts for row in case.rows_of(index) if row.joint]
             models = [
@@ -29,30 +30,30 @@ class NoFrictionAnywhere(Rule):
             first = next((row for row in models if row.joint in driven), None)
             if first is None:
                 continue
-            looked = True
-            if all(_frictionless(case, row) for row in rows if row.joint in driven) and not _elsewhere(
-                case, robot
-            ):
-                others = {row.artifact: row.span for row in reversed(models) if row.joint in driven}
-                who = (
-                    f"none of the {len(driven)} driven joints"
-                    if len(driven) > 1
-                    else "not even the one driven joint"
-                )
-                yield Finding(
-                    self.code,
-                    f"{who} has dry or viscous friction in any file of the robot: "
-                    "what is trained on it meets friction first on the real one",
-                    first.span,
-                    help="measure the torque at several constant speeds: its offset is the dry, its slope the "
-                    "viscous friction",
-                    related=tuple(span for index, span in sorted(others.items()) if index != first.artifact),
-                    confidence=self.confidence
-                    if any(row.control != "none" for row in rows)
-                    else Confidence.LOW,
-                )
-        if not looked:
-            yield Skipped(self.code, "no MJCF or URDF with driven joints among the files")
+            yield robot, rows, models, driven, first
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Look for friction of driven joints in all files of each robot."""
+        robot, rows, models, driven, first = subject
+        if all(_frictionless(case, row) for row in rows if row.joint in driven) and not _elsewhere(
+            case, robot
+        ):
+            others = {row.artifact: row.span for row in reversed(models) if row.joint in driven}
+            who = (
+                f"none of the {len(driven)} driven joints"
+                if len(driven) > 1
+                else "not even the one driven joint"
+            )
+            yield Finding(
+                self.code,
+                f"{who} has dry or viscous friction in any file of the robot: "
+                "what is trained on it meets friction first on the real one",
+                first.span,
+                help="measure the torque at several constant speeds: its offset is the dry, its slope the "
+                "viscous friction",
+                related=tuple(span for index, span in sorted(others.items()) if index != first.artifact),
+                confidence=self.confidence if any(row.control != "none" for row in rows) else Confidence.LOW,
+            )
 
 
 def _driven(case: Case, rows: Sequence[LedgerRow]) -> set[str]:

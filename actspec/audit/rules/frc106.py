@@ -4,26 +4,28 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, limiting_row, partner_rows, top_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[LedgerRow, float, LedgerRow, float, float]
 
-class ViscousTakesTheLimit(Rule):
+
+class ViscousTakesTheLimit(RuleOver[_Subject]):
     code = "FRC106"
     name = "viscous-takes-the-limit"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no configuration or spec with viscous friction, effort limit and speed limit"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare viscous friction at the joint's speed with the limit."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for rows in by_joint(case, FileKind.CFG, FileKind.DEPLOY, FileKind.SPEC).values():
             row = rows[0]
             viscous = row.joint_damping
@@ -33,23 +35,23 @@ class ViscousTakesTheLimit(Rule):
                 continue
             limit = limiting.effort_limit
             assert limit is not None
-            looked = True
-            if viscous * speed < self.option(case, "share") * limit:
-                continue
-            yield Finding(
-                self.code,
-                f"the viscous friction of {shown(row, 'kd', viscous)} takes "
-                f"{shown(row, 'effort_limit', viscous * speed)} at the joint's "
-                f"{shown(row, 'velocity_limit', speed)}, of an effort limit of {shown(row, 'effort_limit', limit)}",
-                row.place("joint_damping"),
-                row.joint,
-                viscous,
-                unit(row, "joint_damping"),
-                help=f"is it in m{unit(row, 'kd')} ({shown(row, 'kd', viscous / MILLI)})? The slope of the "
-                "torque-speed line belongs to the motor, not to friction",
-                related=(limiting.place("effort_limit"),),
-            )
-        if not looked:
-            yield Skipped(
-                self.code, "no configuration or spec with viscous friction, effort limit and speed limit"
-            )
+            yield row, viscous, limiting, speed, limit
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare viscous friction at the joint's speed with the limit."""
+        row, viscous, limiting, speed, limit = subject
+        if viscous * speed < self.option(case, "share") * limit:
+            return
+        yield Finding(
+            self.code,
+            f"the viscous friction of {shown(row, 'kd', viscous)} takes "
+            f"{shown(row, 'effort_limit', viscous * speed)} at the joint's "
+            f"{shown(row, 'velocity_limit', speed)}, of an effort limit of {shown(row, 'effort_limit', limit)}",
+            row.place("joint_damping"),
+            row.joint,
+            viscous,
+            unit(row, "joint_damping"),
+            help=f"is it in m{unit(row, 'kd')} ({shown(row, 'kd', viscous / MILLI)})? The slope of the "
+            "torque-speed line belongs to the motor, not to friction",
+            related=(limiting.place("effort_limit"),),
+        )

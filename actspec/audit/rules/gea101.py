@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.reductions import (
     SAME,
@@ -24,16 +24,16 @@ from actspec.units import format_quantity
 _MODELS = (FileKind.MJCF, FileKind.URDF, FileKind.SPEC)
 
 
-class HiddenGear(Rule):
+class HiddenGear(RuleInParts):
     code = "GEA101"
     name = "hidden-gear"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no file with effort and speed limits beside another file of the same robot"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the files of each robot with the reductions that one of them has."""
-        looked = False
         known = case.once(figures)
         for robot in case.robots:
             if not states_speed(known, robot):
@@ -47,17 +47,14 @@ class HiddenGear(Rule):
                 for other in robot.artifacts:
                     if other == reference or other not in known:
                         continue
-                    looked = looked or has_speed
+                    if has_speed:
+                        yield ()
                     for reduction in found:
                         finding = self._compare(case, known, reduction, other)
                         key = (other, reduction.joint.row.joint, round(reduction.ratio, 1))
                         if finding is not None and key not in seen:
                             seen.add(key)
-                            yield finding
-        if not looked:
-            yield Skipped(
-                self.code, "no file with effort and speed limits beside another file of the same robot"
-            )
+                            yield (finding,)
 
     def _compare(
         self, case: Case, known: Mapping[int, Mapping[str, Figures]], reduction: Reduction, other: int

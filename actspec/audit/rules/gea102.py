@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.audit.rules.reductions import figures, joints_above, reductions, same, states_speed
@@ -14,29 +14,24 @@ from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
 
-class NotGearSquared(Rule):
+class NotGearSquared(RuleInParts):
     code = "GEA102"
     name = "armature-is-not-gear-squared"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no armature beside a rotor's inertia, or limits that show a reduction"
     options: ClassVar[dict[str, float]] = {"ratio": 1.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare armatures with the spec's rotors and with the joints' reductions."""
-        looked = False
-        for found in (*self._against_spec(case), *self._against_limits(case)):
-            looked = True
-            if found is not None:
-                yield found
-        if not looked:
-            yield Skipped(self.code, "no armature beside a rotor's inertia, or limits that show a reduction")
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        yield from self._against_spec(case)
+        yield from self._against_limits(case)
 
     def _off(self, case: Case, armature: float, expected: float) -> bool:
         ratio = self.option(case, "ratio")
         return armature >= ratio * expected or armature * ratio <= expected
 
-    def _against_spec(self, case: Case) -> Iterator[Finding | None]:
+    def _against_spec(self, case: Case) -> Iterator[Iterable[Finding]]:
         for index, artifact in case.of_kind(FileKind.SPEC):
             assert artifact.spec is not None
             actuators = {actuator.joint: actuator for actuator in artifact.spec.joints}
@@ -49,9 +44,9 @@ class NotGearSquared(Rule):
                     if armature is None or armature <= 0.0 or "armature" not in row.stated:
                         continue
                     if not self._off(case, armature, reflected.value):
-                        yield None
+                        yield ()
                         continue
-                    yield Finding(
+                    finding = Finding(
                         self.code,
                         f"an armature of {shown(row, 'armature', armature)} is {armature / reflected.value:.3g} times "
                         f"the {shown(row, 'armature', reflected.value)} that the spec's rotor inertia has behind its "
@@ -65,8 +60,9 @@ class NotGearSquared(Rule):
                         (reflected.span or spec.span,) if row is not spec else (),
                         confidence=Confidence.HIGH,
                     )
+                    yield (finding,)
 
-    def _against_limits(self, case: Case) -> Iterator[Finding | None]:
+    def _against_limits(self, case: Case) -> Iterator[Iterable[Finding]]:
         known = case.once(figures)
         rows = {key: found[0] for key, found in by_joint(case).items()}
         for robot in case.robots:
@@ -92,14 +88,14 @@ class NotGearSquared(Rule):
                         pairs = ((there.get(name), one.joint), (there.get(base), one.base))
                         # A file with other limits is GEA101's.
                         if not all(mine is None or same(mine.effort, its.effort) for mine, its in pairs):
-                            yield None
+                            yield ()
                             continue
                         seen.add(name)
                         expected = less.armature * one.ratio**2
                         if not self._off(case, row.armature, expected):
-                            yield None
+                            yield ()
                             continue
-                        yield Finding(
+                        finding = Finding(
                             self.code,
                             f"an armature of {shown(row, 'armature', row.armature)} does not fit the gear: a joint "
                             f"of the same power (effort times speed) and {one.ratio:.4g} times less reduction has "
@@ -113,3 +109,4 @@ class NotGearSquared(Rule):
                             "rotor inertia times the square of the whole reduction, for each joint",
                             (one.joint.row.place("effort_limit"), one.base.row.place("effort_limit")),
                         )
+                        yield (finding,)

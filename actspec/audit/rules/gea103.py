@@ -4,25 +4,27 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 
+_Subject = tuple[float, list[LedgerRow]]
 
-class OneForAll(Rule):
+
+class OneForAll(RuleOver[_Subject]):
     code = "GEA103"
     name = "one-armature-for-unequal-motors"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    needs = "no file states armature and effort limit of a hinge"
     options: ClassVar[dict[str, float]] = {"ratio": 5.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         """Group joints by armature and compare their limits."""
-        looked = False
         groups: dict[tuple[int, float], list[LedgerRow]] = {}
         for (index, _), rows in by_joint(case).items():
             row = rows[0]
@@ -35,12 +37,14 @@ class OneForAll(Rule):
                 and 0.0 < limit < _PLACEHOLDER
                 and "effort_limit" in row.stated
             ):
-                looked = True
                 groups.setdefault((index, row.armature), []).append(row)
         for (_, armature), joints in groups.items():
-            least, most = (choose(joints, key=_effort) for choose in (min, max))
-            if _effort(most) < self.option(case, "ratio") * _effort(least):
-                continue
+            yield armature, joints
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        armature, joints = subject
+        least, most = (choose(joints, key=_effort) for choose in (min, max))
+        if _effort(most) >= self.option(case, "ratio") * _effort(least):
             yield Finding(
                 self.code,
                 f"{shown(most, 'armature', armature)} is the armature of {len(joints)} joints whose effort limits run "
@@ -56,8 +60,6 @@ class OneForAll(Rule):
                 if least.place("armature") != most.place("armature")
                 else (),
             )
-        if not looked:
-            yield Skipped(self.code, "no file states armature and effort limit of a hinge")
 
 
 _PLACEHOLDER = 1e5

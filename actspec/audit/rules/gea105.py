@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity, Span
@@ -14,53 +14,58 @@ from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.robot.view import ActuatorView
 
+_Subject = tuple[Artifact, LedgerRow]
 
-class JointSideBehindGear(Rule):
+
+class JointSideBehindGear(RuleOver[_Subject]):
     code = "GEA105"
     name = "gear-with-joint-side-figures"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no MJCF with an actuator on a joint among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         """Compare figures before the gear with figures of the joint."""
-        looked = False
-        for (index, name), rows in by_joint(case, FileKind.MJCF).items():
+        for (index, _), rows in by_joint(case, FileKind.MJCF).items():
             artifact = case.artifacts[index]
             for row in rows:
-                looked = looked or row.control != "none"
-                actuator = _geared(artifact, row, name)
-                if actuator is None:
-                    continue
-                limit = _before_gear(actuator)
-                stated = _stated_limit(case, artifact, row, limit)
-                gear = abs(actuator.gear)
-                if limit is not None and stated is not None:
-                    yield Finding(
-                        self.code,
-                        f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's own limit, and the gear "
-                        f"of {gear:.4g} makes them {shown(row, 'effort_limit', gear * limit)}",
-                        _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
-                        name,
-                        gear * limit,
-                        unit(row, "effort_limit"),
-                        limit,
-                        "figures of the joint's side want gear 1; figures of the motor's side are smaller by the gear",
-                        (stated,),
-                    )
-                elif _targets_are_joint_side(actuator, row):
-                    low, high = (shown(row, "default_position", end) for end in row.command_range or ())
-                    yield Finding(
-                        self.code,
-                        f"the control range is the joint's range, and the gear of {gear:.4g} divides the targets: "
-                        f"the joint is asked for {low} ... {high} only",
-                        _place(actuator, "ctrlrange"),
-                        name,
-                        help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "
-                        "side",
-                    )
-        if not looked:
-            yield Skipped(self.code, "no MJCF with an actuator on a joint among the files")
+                if row.control != "none":
+                    yield artifact, row
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        artifact, row = subject
+        name = row.joint
+        actuator = _geared(artifact, row, name)
+        if actuator is None:
+            return
+        limit = _before_gear(actuator)
+        stated = _stated_limit(case, artifact, row, limit)
+        gear = abs(actuator.gear)
+        if limit is not None and stated is not None:
+            yield Finding(
+                self.code,
+                f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's own limit, and the gear "
+                f"of {gear:.4g} makes them {shown(row, 'effort_limit', gear * limit)}",
+                _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
+                name,
+                gear * limit,
+                unit(row, "effort_limit"),
+                limit,
+                "figures of the joint's side want gear 1; figures of the motor's side are smaller by the gear",
+                (stated,),
+            )
+        elif _targets_are_joint_side(actuator, row):
+            low, high = (shown(row, "default_position", end) for end in row.command_range or ())
+            yield Finding(
+                self.code,
+                f"the control range is the joint's range, and the gear of {gear:.4g} divides the targets: "
+                f"the joint is asked for {low} ... {high} only",
+                _place(actuator, "ctrlrange"),
+                name,
+                help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "
+                "side",
+            )
 
 
 def _geared(artifact: Artifact, row: LedgerRow, joint: str) -> ActuatorView | None:

@@ -4,40 +4,41 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
 
-class NoLimit(Rule):
+class NoLimit(RuleOver[tuple[set[str], LedgerRow]]):
     code = "LIM101"
     name = "no-limit-of-any-kind"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no MJCF with actuators on joints among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find actuators of MJCF files without any clamp."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[tuple[set[str], LedgerRow]]:
         for index, _ in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             for row in case.rows_of(index):
                 if row.control == "none" or not row.joint:
                     continue
-                looked = True
-                if row.effort_limit == math.inf and row.joint not in limited and not _is_bounded(row):
-                    yield Finding(
-                        self.code,
-                        "no force range, joint limit or control range limits this actuator: it gives every "
-                        f"{unit(row, 'effort_limit')} that it is asked for",
-                        row.span,
-                        row.joint,
-                        help="add actuatorfrcrange to the joint, or forcerange to the actuator",
-                    )
-        if not looked:
-            yield Skipped(self.code, "no MJCF with actuators on joints among the files")
+                yield limited, row
+
+    def judge(self, case: Case, subject: tuple[set[str], LedgerRow]) -> Iterator[Finding]:
+        """Find actuators of MJCF files without any clamp."""
+        limited, row = subject
+        if row.effort_limit == math.inf and row.joint not in limited and not _is_bounded(row):
+            yield Finding(
+                self.code,
+                "no force range, joint limit or control range limits this actuator: it gives every "
+                f"{unit(row, 'effort_limit')} that it is asked for",
+                row.span,
+                row.joint,
+                help="add actuatorfrcrange to the joint, or forcerange to the actuator",
+            )
 
 
 def _is_bounded(row: LedgerRow) -> bool:

@@ -5,73 +5,71 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView, JointView
 
+_Subject = tuple[LedgerRow, JointView, ActuatorView]
 
-class TwoClamps(Rule):
+
+class TwoClamps(RuleOver[_Subject]):
     code = "LIM104"
     name = "forcerange-against-joint-limit"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no MJCF with an actuatorfrcrange and one actuator on its joint among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.02}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
+        yield from _single_drives(case)
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare the clamps of each joint."""
+        row, joint, actuator = subject
+        assert joint.effort_range is not None
         relative = self.option(case, "relative")
-        looked = False
-        for row, joint, actuator in _single_drives(case):
-            assert joint.effort_range is not None
-            looked = True
-            clamp, gear = _largest(joint.effort_range), abs(actuator.gear)
-            place = joint.places.get("effort", joint.span)
-            if actuator.force_range is not None:
-                force = gear * _largest(actuator.force_range)
-                if math.isclose(force, clamp, rel_tol=relative):
-                    continue
-                lower, upper = sorted((force, clamp))
-                names = (
-                    ("forcerange", "actuatorfrcrange")
-                    if force < clamp
-                    else ("actuatorfrcrange", "forcerange")
-                )
+        clamp, gear = _largest(joint.effort_range), abs(actuator.gear)
+        place = joint.places.get("effort", joint.span)
+        if actuator.force_range is not None:
+            force = gear * _largest(actuator.force_range)
+            if math.isclose(force, clamp, rel_tol=relative):
+                return
+            lower, upper = sorted((force, clamp))
+            names = (
+                ("forcerange", "actuatorfrcrange") if force < clamp else ("actuatorfrcrange", "forcerange")
+            )
+            yield Finding(
+                self.code,
+                f"{names[0]} limits this joint to {shown(row, 'effort_limit', lower)}, and the {names[1]} of "
+                f"{shown(row, 'effort_limit', upper)} is never reached",
+                actuator.places.get("forcerange", actuator.span),
+                joint.name,
+                upper,
+                unit(row, "effort_limit"),
+                lower,
+                "make the two equal, or leave one out",
+                (place,),
+            )
+        elif actuator.control == "motor" and row.command_range is not None:
+            asked = _largest(row.command_range)
+            if asked > clamp * (1.0 + relative):
                 yield Finding(
                     self.code,
-                    f"{names[0]} limits this joint to {shown(row, 'effort_limit', lower)}, and the {names[1]} of "
-                    f"{shown(row, 'effort_limit', upper)} is never reached",
-                    actuator.places.get("forcerange", actuator.span),
+                    f"the control range asks for {shown(row, 'effort_limit', asked)}, and actuatorfrcrange limits "
+                    f"this joint to {shown(row, 'effort_limit', clamp)}: what is above has no effect",
+                    actuator.places.get("ctrlrange", actuator.span),
                     joint.name,
-                    upper,
+                    asked,
                     unit(row, "effort_limit"),
-                    lower,
-                    "make the two equal, or leave one out",
+                    clamp,
+                    "end the control range at the joint's limit",
                     (place,),
+                    severity=Severity.INFO,
                 )
-            elif actuator.control == "motor" and row.command_range is not None:
-                asked = _largest(row.command_range)
-                if asked > clamp * (1.0 + relative):
-                    yield Finding(
-                        self.code,
-                        f"the control range asks for {shown(row, 'effort_limit', asked)}, and actuatorfrcrange limits "
-                        f"this joint to {shown(row, 'effort_limit', clamp)}: what is above has no effect",
-                        actuator.places.get("ctrlrange", actuator.span),
-                        joint.name,
-                        asked,
-                        unit(row, "effort_limit"),
-                        clamp,
-                        "end the control range at the joint's limit",
-                        (place,),
-                        severity=Severity.INFO,
-                    )
-        if not looked:
-            yield Skipped(
-                self.code, "no MJCF with an actuatorfrcrange and one actuator on its joint among the files"
-            )
 
 
 def _single_drives(case: Case) -> Iterator[tuple[LedgerRow, JointView, ActuatorView]]:

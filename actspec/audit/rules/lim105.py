@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import (
     EXPLICIT,
     MJLAB_WITH_LINE,
@@ -20,43 +20,40 @@ from actspec.readings.artifact import FileKind, Framework
 _MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}
 
 
-class ExplicitWithoutLimit(Rule):
+class ExplicitWithoutLimit(RuleOver[Group]):
     code = "LIM105"
     name = "explicit-drive-without-effort-limit"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no Isaac Lab or mjlab cfg with an explicit drive among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find explicit groups without a limit."""
-        looked = False
-        for group in (
+    def subjects(self, case: Case) -> Iterator[Group]:
+        yield from (
             *groups_of(case, Framework.ISAACLAB, EXPLICIT),
             *groups_of(case, Framework.MJLAB, _MJLAB_EXPLICIT),
-        ):
-            looked = True
-            if not group.complete or group.written("effort_limit", "actuator_effort_limit") is not None:
-                continue
-            isaac = group.framework is Framework.ISAACLAB
-            told = _isaac_default(case.versions.isaaclab, group) if isaac else "mjlab then takes none"
-            if told is None:
-                continue
-            limited = set() if isaac else _limited_in_mjcf(case, group)
-            for joint in group.joints:
-                if joint not in limited:
-                    name = (
-                        "actuator_effort_limit"
-                        if major_version(case.versions.isaaclab) >= 3
-                        else "effort_limit"
-                    )
-                    yield Finding(
-                        self.code,
-                        f"this {group.cfg.cls} sets no effort limit: {told}",
-                        group.cfg.span,
-                        joint,
-                        help=f"set {name if isaac else 'effort_limit'} to what the motor and its drive can give",
-                    )
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab or mjlab cfg with an explicit drive among the files")
+        )
+
+    def judge(self, case: Case, group: Group) -> Iterator[Finding]:
+        """Find explicit groups without a limit."""
+        if not group.complete or group.written("effort_limit", "actuator_effort_limit") is not None:
+            return
+        isaac = group.framework is Framework.ISAACLAB
+        told = _isaac_default(case.versions.isaaclab, group) if isaac else "mjlab then takes none"
+        if told is None:
+            return
+        limited = set() if isaac else _limited_in_mjcf(case, group)
+        for joint in group.joints:
+            if joint not in limited:
+                name = (
+                    "actuator_effort_limit" if major_version(case.versions.isaaclab) >= 3 else "effort_limit"
+                )
+                yield Finding(
+                    self.code,
+                    f"this {group.cfg.cls} sets no effort limit: {told}",
+                    group.cfg.span,
+                    joint,
+                    help=f"set {name if isaac else 'effort_limit'} to what the motor and its drive can give",
+                )
 
 
 def _isaac_default(version: str | None, group: Group) -> str | None:

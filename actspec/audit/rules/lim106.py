@@ -1,10 +1,11 @@
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.cfg_groups import (
     EXPLICIT,
     IMPLICIT,
@@ -17,26 +18,24 @@ from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 
 
-class TwoLimits(Rule):
+class TwoLimits(RuleInParts):
     code = "LIM106"
     name = "model-and-solver-limit-disagree"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no Isaac Lab cfg with a stock actuator class among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the two limits of each group."""
-        looked = False
         for group in groups_of(case, Framework.ISAACLAB, IMPLICIT):
-            looked = True
             # In 3.0 both names are aliases of one field.
-            for quantity in ("effort", "velocity") if major_version(case.versions.isaaclab) < 3 else ():
-                yield from self._implicit(group, f"{quantity}_limit", f"{quantity}_limit_sim")
+            quantities = ("effort", "velocity") if major_version(case.versions.isaaclab) < 3 else ()
+            yield chain.from_iterable(
+                self._implicit(group, f"{quantity}_limit", f"{quantity}_limit_sim") for quantity in quantities
+            )
         for group in groups_of(case, Framework.ISAACLAB, EXPLICIT):
-            looked = True
-            yield from self._explicit(group, "effort_limit", "effort_limit_sim")
-            yield from self._explicit(group, "actuator_effort_limit", "joint_effort_limit")
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab cfg with a stock actuator class among the files")
+            yield self._explicit(group, "effort_limit", "effort_limit_sim")
+            yield self._explicit(group, "actuator_effort_limit", "joint_effort_limit")
 
     def _implicit(self, group: Group, first: str, second: str) -> Iterator[Finding]:
         one, two = group.written(first), group.written(second)

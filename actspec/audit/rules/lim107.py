@@ -4,40 +4,42 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[LedgerRow, float, float]
 
-class LineBelowLimit(Rule):
+
+class LineBelowLimit(RuleOver[_Subject]):
     code = "LIM107"
     name = "saturation-below-limit"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no drive with both a torque-speed line and an effort limit among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare stall torque and limit."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for row in case.rows:
             stall, limit = row.stall_torque, row.effort_limit
             if stall is None or limit is None or case.artifacts[row.artifact].kind is FileKind.SPEC:
                 continue
-            looked = True
-            if stall < limit < math.inf and not math.isclose(stall, limit, rel_tol=1e-3):
-                yield Finding(
-                    self.code,
-                    f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached: the torque-speed line "
-                    f"begins at {shown(row, 'effort_limit', stall)}, at standstill",
-                    row.place("stall_torque"),
-                    row.joint,
-                    stall,
-                    unit(row, "effort_limit"),
-                    help="the stall torque is the larger figure, the continuous limit the smaller one",
-                    related=(row.place("effort_limit"),),
-                )
-        if not looked:
-            yield Skipped(
-                self.code, "no drive with both a torque-speed line and an effort limit among the files"
+            yield row, stall, limit
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare stall torque and limit."""
+        row, stall, limit = subject
+        if stall < limit < math.inf and not math.isclose(stall, limit, rel_tol=1e-3):
+            yield Finding(
+                self.code,
+                f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached: the torque-speed line "
+                f"begins at {shown(row, 'effort_limit', stall)}, at standstill",
+                row.place("stall_torque"),
+                row.joint,
+                stall,
+                unit(row, "effort_limit"),
+                help="the stall torque is the larger figure, the continuous limit the smaller one",
+                related=(row.place("effort_limit"),),
             )

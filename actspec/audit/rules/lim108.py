@@ -4,27 +4,28 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[LedgerRow, LedgerRow, str, Quantity, str, float, float]
 
-class AboveDatasheet(Rule):
+
+class AboveDatasheet(RuleOver[_Subject]):
     code = "LIM108"
     name = "limit-above-datasheet"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no spec with a motor's figures beside another file that limits the joint"
     options: ClassVar[dict[str, float]] = {"ratio": 1.1}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare with the specs' motors."""
-        ratio, looked = self.option(case, "ratio"), False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in case.of_kind(FileKind.SPEC):
             assert artifact.spec is not None
             actuators = {actuator.joint: actuator for actuator in artifact.spec.joints}
@@ -38,13 +39,13 @@ class AboveDatasheet(Rule):
                         limit: float | None = getattr(row, field)
                         if motor is None or motor.value is None or limit is None or field not in row.stated:
                             continue
-                        looked = True
-                        if ratio * motor.value <= limit < _PLACEHOLDER:
-                            yield self._finding(row, field, limit, motor, motor.value, noun, spec.span)
-        if not looked:
-            yield Skipped(
-                self.code, "no spec with a motor's figures beside another file that limits the joint"
-            )
+                        yield spec, row, field, motor, noun, limit, motor.value
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare with the specs' motors."""
+        spec, row, field, motor, noun, limit, most = subject
+        if self.option(case, "ratio") * most <= limit < _PLACEHOLDER:
+            yield self._finding(row, field, limit, motor, most, noun, spec.span)
 
     def _finding(
         self, row: LedgerRow, field: str, limit: float, motor: Quantity, most: float, noun: str, span: Span

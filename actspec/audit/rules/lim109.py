@@ -1,30 +1,29 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
 
 
-class SetpointsClipped(Rule):
+class SetpointsClipped(RuleOver[list["_Clipped"]]):
     code = "LIM109"
     name = "command-range-clips-torque"
     severity = Severity.INFO
     confidence = Confidence.MEDIUM
+    needs = "no MJCF with a limited position servo and a control range among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find soft servos with narrow ranges; one finding a file, at the softest."""
-        looked = False
+    def subjects(self, case: Case) -> Iterable[list[_Clipped]]:
         found: dict[int, list[_Clipped]] = {}
         for (index, _), rows in by_joint(case, FileKind.MJCF).items():
             row = rows[0]
@@ -33,13 +32,17 @@ class SetpointsClipped(Rule):
                 continue
             if limit is None or kp is None or not 0.0 < limit < math.inf or kp <= 0.0:
                 continue
-            looked = True
+            clipped = found.setdefault(index, [])
             span = joint[1] - joint[0]
             inside = command[0] >= joint[0] - _FITS * span and command[1] <= joint[1] + _FITS * span
             one = _Clipped(row, command, limit, limit / kp, span)
             if inside and one.reach >= self.option(case, "share") * span and not _driven_elsewhere(case, row):
-                found.setdefault(index, []).append(one)
-        for clipped in found.values():
+                clipped.append(one)
+        return found.values()
+
+    def judge(self, case: Case, clipped: list[_Clipped]) -> Iterator[Finding]:
+        """One finding a file, at the softest servo."""
+        if clipped:
             worst = max(clipped, key=lambda one: one.reach / one.span)
             row = worst.row
             low, high = (shown(row, "default_position", end) for end in worst.command)
@@ -52,10 +55,6 @@ class SetpointsClipped(Rule):
                 "nothing",
                 row.place("command_range"),
                 help="let targets go beyond the range by effort limit / kp on each side, or leave the clip out",
-            )
-        if not looked:
-            yield Skipped(
-                self.code, "no MJCF with a limited position servo and a control range among the files"
             )
 
 

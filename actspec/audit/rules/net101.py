@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.networks_found import (
     SAME,
     conventions,
@@ -24,29 +24,44 @@ from actspec.readings.artifact import (
 from actspec.units import format_quantity
 
 
-class HistoryPeriod(Rule):
+class HistoryPeriod(RuleInParts):
     code = "NET101"
     name = "network-history-period"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = "no network with a manifest, a tap period and a physics step"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare how far back the taps reach."""
-        looked = False
         for index, config, group in networks(case):
             manifest = conventions(case, index, group)
             step = _step(case, index, config)
             if manifest is None or manifest.tap_period is None or step is None:
                 continue
-            looked = True
-            period, (dt, place) = manifest.tap_period, step
-            reach = _stride(config, group, manifest)
-            if reach is None:
+            yield self._otherwise(config, group, manifest, manifest.tap_period, *step)
+        for artifact, network in of_specs(case):
+            own = artifact.spec.physics_dt if artifact.spec is not None else None
+            manifest = network.manifest
+            if own is None or not own.value or manifest is None or manifest.tap_period is None:
                 continue
-            stride, last = reach
-            if math.isclose(stride * dt, period, rel_tol=SAME):
-                continue
+            yield self._between_steps(network.span, manifest, manifest.tap_period, own.value, own.span)
+
+    def _otherwise(
+        self,
+        config: RobotConfig,
+        group: ActuatorGroup,
+        manifest: NetworkConventions,
+        period: float,
+        dt: float,
+        place: Span,
+    ) -> Iterator[Finding]:
+        """A network of a configuration whose samples are not those that it learned from."""
+        reach = _stride(config, group, manifest)
+        if reach is None:
+            return
+        stride, last = reach
+        if not math.isclose(stride * dt, period, rel_tol=SAME):
             yield Finding(
                 self.code,
                 f"the network learned from samples {_ms(period)} apart and gets samples {_ms(stride * dt)} apart: what "
@@ -59,15 +74,6 @@ class HistoryPeriod(Rule):
                 _help(config, manifest, period / dt),
                 (Span(manifest.path), place),
             )
-        for artifact, network in of_specs(case):
-            own = artifact.spec.physics_dt if artifact.spec is not None else None
-            manifest = network.manifest
-            if own is None or not own.value or manifest is None or manifest.tap_period is None:
-                continue
-            looked = True
-            yield from self._between_steps(network.span, manifest, manifest.tap_period, own.value, own.span)
-        if not looked:
-            yield Skipped(self.code, "no network with a manifest, a tap period and a physics step")
 
     def _between_steps(
         self, span: Span, manifest: NetworkConventions, period: float, dt: float, place: Span | None

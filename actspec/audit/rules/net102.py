@@ -6,31 +6,33 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.networks_found import SAME, conventions, networks
 from actspec.diagnostics import Severity, Span
-from actspec.readings.artifact import NetworkConventions
+from actspec.readings.artifact import NetworkConventions, Setting
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
 """Field of the class to the manifest's."""
 
 
-class NetworkScale(Rule):
+_Subject = tuple[NetworkConventions | None, str, str, Setting, float]
+
+
+class NetworkScale(RuleOver[_Subject]):
     code = "NET102"
     name = "network-scale-or-sign"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no configuration of a network with scales among the files"
     _NOTHING: ClassVar[dict[str, str]] = {
         "pos_scale": "the network does not see how far the joint is from its target",
         "vel_scale": "the network does not see the joint's speed",
         "torque_scale": "the network gives no torque",
     }
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare scales."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, _, group in networks(case):
             manifest = conventions(case, index, group)
             for name, theirs in SCALES.items():
@@ -38,15 +40,17 @@ class NetworkScale(Rule):
                 value = setting.number if setting is not None else None
                 if setting is None or value is None:
                     continue
-                looked = True
-                if manifest is not None:
-                    yield from self._against(name, value, setting.span, manifest, getattr(manifest, theirs))
-                elif value == 0.0:
-                    yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
-                elif value < 0.0 and name != "torque_scale":
-                    yield self._negative(name, value, setting.span)
-        if not looked:
-            yield Skipped(self.code, "no configuration of a network with scales among the files")
+                yield manifest, name, theirs, setting, value
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare scales."""
+        manifest, name, theirs, setting, value = subject
+        if manifest is not None:
+            yield from self._against(name, value, setting.span, manifest, getattr(manifest, theirs))
+        elif value == 0.0:
+            yield Finding(self.code, f"{name} is 0: {self._NOTHING[name]}", setting.span)
+        elif value < 0.0 and name != "torque_scale":
+            yield self._negative(name, value, setting.span)
 
     def _negative(self, name: str, value: float, span: Span) -> Finding:
         fed = "measured - target" if name == "pos_scale" else "minus the measured velocity"

@@ -1,11 +1,11 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from os.path import basename
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.networks_found import (
     conventions,
     networks,
@@ -23,38 +23,41 @@ from actspec.readings.artifact import (
 )
 
 
-class NetworkInputs(Rule):
+class NetworkInputs(RuleInParts):
     code = "NET104"
     name = "network-inputs-against-manifest"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = "no network with a manifest beside it"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare inputs."""
-        looked = False
         for _, named in of_specs(case):
-            looked = looked or named.manifest is not None or named.problem is not None
             if named.problem is not None:
-                yield self._unreadable(named)
+                yield (self._unreadable(named),)
+            elif named.manifest is not None:
+                yield ()
         for index, config, group in networks(case):
             network, manifest = group.network, conventions(case, index, group)
             if network is None or (manifest is None and network.problem is None):
                 continue
-            looked = True
             if manifest is None:
-                yield self._unreadable(network)
-                continue
-            for told, name in _differences(config, group, manifest):
-                setting = group.settings.get(name)
-                yield Finding(
-                    self.code,
-                    f"{told} ({basename(manifest.path)})",
-                    setting.span if setting is not None else network.span,
-                    related=(Span(manifest.path),),
-                )
-        if not looked:
-            yield Skipped(self.code, "no network with a manifest beside it")
+                yield (self._unreadable(network),)
+            else:
+                yield self._departures(config, group, network, manifest)
+
+    def _departures(
+        self, config: RobotConfig, group: ActuatorGroup, network: NetworkReading, manifest: NetworkConventions
+    ) -> Iterator[Finding]:
+        for text, name in _differences(config, group, manifest):
+            setting = group.settings.get(name)
+            yield Finding(
+                self.code,
+                f"{text} ({basename(manifest.path)})",
+                setting.span if setting is not None else network.span,
+                related=(Span(manifest.path),),
+            )
 
     def _unreadable(self, network: NetworkReading) -> Finding:
         return Finding(

@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.networks_found import is_network
 from actspec.audit.rules.randomized import rows_in
 from actspec.diagnostics import Severity
@@ -12,18 +12,20 @@ from actspec.readings.artifact import (
     ActuatorGroup,
     FileKind,
     RandomizedRange,
+    RobotConfig,
 )
 
+_Subject = tuple[int, RobotConfig, list[RandomizedRange]]
 
-class GainsRandomisedOnNetwork(Rule):
+
+class GainsRandomisedOnNetwork(RuleOver[_Subject]):
     code = "NET105"
     name = "gains-randomised-on-a-network"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no configuration with actuator groups randomises gains"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Hold the ranges of gains against the groups."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             ranges = (
@@ -31,21 +33,23 @@ class GainsRandomisedOnNetwork(Rule):
             )
             if config is None or not config.groups or not ranges:
                 continue
-            looked = True
-            for group in config.groups:
-                for one in ranges if is_network(config, group) else ():
-                    for joint in _joints(case, index, group, one):
-                        yield Finding(
-                            self.code,
-                            f"this range of {one.field} does nothing: a network gives the joint's torque, and has no "
-                            "gains",
-                            one.span,
-                            joint,
-                            help="randomise the torque instead, or train the network on several gains",
-                            related=(group.span,),
-                        )
-        if not looked:
-            yield Skipped(self.code, "no configuration with actuator groups randomises gains")
+            yield index, config, ranges
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Hold the ranges of gains against the groups."""
+        index, config, ranges = subject
+        for group in config.groups:
+            for one in ranges if is_network(config, group) else ():
+                for joint in _joints(case, index, group, one):
+                    yield Finding(
+                        self.code,
+                        f"this range of {one.field} does nothing: a network gives the joint's torque, and has no "
+                        "gains",
+                        one.span,
+                        joint,
+                        help="randomise the torque instead, or train the network on several gains",
+                        related=(group.span,),
+                    )
 
 
 def _joints(case: Case, index: int, group: ActuatorGroup, one: RandomizedRange) -> list[str]:

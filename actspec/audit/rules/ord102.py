@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from os.path import basename
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_order import (
     differing_places,
     first_drives,
@@ -14,23 +14,25 @@ from actspec.audit.rules.joint_order import (
     stated_order,
 )
 from actspec.diagnostics import Severity, Span
-from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.artifact import Artifact, FileKind, Setting
 from actspec.robot.view import isaac_order
 
 _SHARED = 0.8
 """Share of an order's names that a model must have to be compared. Chosen: as for pairing files."""
 
 
-class DeployOrder(Rule):
+_Subject = tuple[Artifact, list[tuple[str, tuple[str, ...]]], tuple[str, ...], Setting]
+
+
+class DeployOrder(RuleOver[_Subject]):
     code = "ORD102"
     name = "deploy-order-against-model"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no joint order and model of one robot among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find out which order each is."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in enumerate(case.artifacts):
             order = stated_order(artifact)
             if order is None:
@@ -44,18 +46,18 @@ class DeployOrder(Rule):
             known = [item for model in models for item in _known_orders(model, names)]
             if not known:
                 continue
-            looked = True
-            commands = [item for item in known if item[0].startswith("the actuators")]
-            silent = commands or [item for item in known if item[0].startswith("the joints")]
-            if not any(
-                differing_places(kept_names(names, own), kept_names(own, names)) for _, own in silent[:1]
-            ):
-                continue
-            finding = self._finding(artifact, names, setting.span, known, silent[0])
-            if finding is not None:
-                yield finding
-        if not looked:
-            yield Skipped(self.code, "no joint order and model of one robot among the files")
+            yield artifact, known, names, setting
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find out which order each is."""
+        artifact, known, names, setting = subject
+        commands = [item for item in known if item[0].startswith("the actuators")]
+        silent = commands or [item for item in known if item[0].startswith("the joints")]
+        if not any(differing_places(kept_names(names, own), kept_names(own, names)) for _, own in silent[:1]):
+            return
+        finding = self._finding(artifact, names, setting.span, known, silent[0])
+        if finding is not None:
+            yield finding
 
     def _finding(
         self,

@@ -3,56 +3,57 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import FRAMEWORKS
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.versions import release
 
 
-class JointInTwoGroups(Rule):
+class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
     code = "ORD103"
     name = "joint-in-two-groups"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = "no configuration with several actuator groups among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Count the groups of each joint."""
-        looked = False
-        named = case.versions.isaaclab
+    def subjects(self, case: Case) -> Iterator[tuple[int, RobotConfig]]:
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework not in FRAMEWORKS or len(config.groups) < 2:
                 continue
-            looked = True
-            seen: dict[str, LedgerRow] = {}
-            # The ledger is in the joints' order; what counts is the order of the groups.
-            order = {group.span: place for place, group in enumerate(config.groups)}
-            rows = sorted(case.rows_of(index), key=lambda row: order.get(row.span, len(order)))
-            for row in rows:
-                first = seen.setdefault(row.joint, row)
-                if first.span == row.span:
-                    continue
-                raises = config.framework is Framework.MJLAB or (named is not None and release(named) >= (3,))
-                then = (
-                    "the cfg raises an error"
-                    if raises
-                    else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
-                )
-                yield Finding(
-                    self.code,
-                    f"group {row.actuator} selects a joint that group {first.actuator} has already: {then}",
-                    row.span,
-                    row.joint,
-                    help="let the patterns of the groups exclude each other",
-                    related=(first.span,),
-                    severity=Severity.WARNING if not raises and _alike(first, row) else self.severity,
-                )
-        if not looked:
-            yield Skipped(self.code, "no configuration with several actuator groups among the files")
+            yield index, config
+
+    def judge(self, case: Case, subject: tuple[int, RobotConfig]) -> Iterator[Finding]:
+        """Count the groups of each joint."""
+        index, config = subject
+        named = case.versions.isaaclab
+        seen: dict[str, LedgerRow] = {}
+        # The ledger is in the joints' order; what counts is the order of the groups.
+        order = {group.span: place for place, group in enumerate(config.groups)}
+        rows = sorted(case.rows_of(index), key=lambda row: order.get(row.span, len(order)))
+        for row in rows:
+            first = seen.setdefault(row.joint, row)
+            if first.span == row.span:
+                continue
+            raises = config.framework is Framework.MJLAB or (named is not None and release(named) >= (3,))
+            then = (
+                "the cfg raises an error"
+                if raises
+                else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
+            )
+            yield Finding(
+                self.code,
+                f"group {row.actuator} selects a joint that group {first.actuator} has already: {then}",
+                row.span,
+                row.joint,
+                help="let the patterns of the groups exclude each other",
+                related=(first.span,),
+                severity=Severity.WARNING if not raises and _alike(first, row) else self.severity,
+            )
 
 
 def _alike(one: LedgerRow, other: LedgerRow) -> bool:

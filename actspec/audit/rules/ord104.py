@@ -6,12 +6,12 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import FRAMEWORKS
 from actspec.diagnostics import Severity, shortened
 from actspec.patterns import PatternError, compile_pattern, suggest_pattern
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.pair import joint_names, matching
 
 _SURE = (Severity.ERROR, Confidence.HIGH)
@@ -25,29 +25,33 @@ _ALIKE = 0.9
 Chosen: `wrist_pitch_joint` and `wrist_roll_joint` are 0.77, one letter more or less is above 0.9."""
 
 
-class PatternMatchesNothing(Rule):
+_Subject = tuple[int, RobotConfig, Artifact]
+
+
+class PatternMatchesNothing(RuleOver[_Subject]):
     code = "ORD104"
     name = "pattern-matches-nothing"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = "no configuration with a model of its robot among the files"
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Match every pattern that has joints to be held against."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework not in FRAMEWORKS:
                 continue
             model = _model(case, index)
             if model is not None:
-                looked = True
-                for group in config.groups:
-                    yield from self._keys(case, index, config.framework, group, model)
-                yield from self._patterns(case, index, config.framework, model)
-        if not looked:
-            yield Skipped(self.code, "no configuration with a model of its robot among the files")
+                yield index, config, model
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Match every pattern that has joints to be held against."""
+        index, config, model = subject
+        for group in config.groups:
+            yield from self._keys(case, index, config.framework, group, model)
+        yield from self._patterns(case, index, config.framework, model)
 
     def _keys(
         self, case: Case, index: int, framework: Framework, group: ActuatorGroup, model: Artifact

@@ -3,10 +3,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity
-from actspec.ir import Origin
+from actspec.ir import ActuatorSet, Origin
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
@@ -17,34 +17,33 @@ _MEASURED = (
 """Figures of the hardware. Gains, delays, filters and scales are the author's choice and need no source."""
 
 
-class FigureWithoutSource(Rule):
+class FigureWithoutSource(RuleOver[ActuatorSet]):
     code = "PRV101"
     name = "figure-without-source"
     severity = Severity.INFO
     confidence = Confidence.HIGH
+    needs = "no spec among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Look at every authored figure of the hardware."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[ActuatorSet]:
         for _, artifact in case.of_kind(FileKind.SPEC):
-            if artifact.spec is None:
-                continue
-            looked = True
-            for actuator in artifact.spec.joints:
-                for field, quantity in actuator.quantities():
-                    if field not in _MEASURED or quantity.origin is not Origin.AUTHORED:
-                        continue
-                    if quantity.source or quantity.note or quantity.span is None or quantity.value is None:
-                        continue
-                    figure = format_quantity(quantity.value, quantity.unit, 3)
-                    yield Finding(
-                        self.code,
-                        f"{field.replace('_', ' ')} {figure} has no source: nobody can tell a datasheet from a guess",
-                        quantity.span,
-                        actuator.joint,
-                        quantity.value,
-                        quantity.unit,
-                        help="write {value: ..., source: KEY}, with KEY in `sources`, or a note that says whence it is",
-                    )
-        if not looked:
-            yield Skipped(self.code, "no spec among the files")
+            if artifact.spec is not None:
+                yield artifact.spec
+
+    def judge(self, case: Case, spec: ActuatorSet) -> Iterator[Finding]:
+        """Look at every authored figure of the hardware."""
+        for actuator in spec.joints:
+            for field, quantity in actuator.quantities():
+                if field not in _MEASURED or quantity.origin is not Origin.AUTHORED:
+                    continue
+                if quantity.source or quantity.note or quantity.span is None or quantity.value is None:
+                    continue
+                figure = format_quantity(quantity.value, quantity.unit, 3)
+                yield Finding(
+                    self.code,
+                    f"{field.replace('_', ' ')} {figure} has no source: nobody can tell a datasheet from a guess",
+                    quantity.span,
+                    actuator.joint,
+                    quantity.value,
+                    quantity.unit,
+                    help="write {value: ..., source: KEY}, with KEY in `sources`, or a note that says whence it is",
+                )

@@ -3,43 +3,47 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
+_Subject = tuple[LedgerRow, str, str, float]
 
-class NegativePassiveValue(Rule):
+
+class NegativePassiveValue(RuleOver[_Subject]):
     code = "SGN105"
     name = "negative-passive-value"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no file states damping, friction or armature of a joint"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find passive values below 0."""
-        looked = False
-        polynomial = _with_polynomial(case)
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for row in case.rows:
             for field, effect in _EFFECTS.items():
                 value: float | None = getattr(row, field)
                 if value is None or field not in row.stated:
                     continue
-                looked = True
-                if value >= 0.0 or ("damping" in field and (row.artifact, row.joint) in polynomial):
-                    continue
-                yield Finding(
-                    self.code,
-                    f"the {field.replace('_', ' ')} of {shown(row, field, value)} is negative: {effect}",
-                    row.place(field),
-                    row.joint,
-                    value,
-                    unit(row, field),
-                    -value,
-                    "write it without the minus, or leave it out",
-                )
-        if not looked:
-            yield Skipped(self.code, "no file states damping, friction or armature of a joint")
+                yield row, field, effect, value
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find passive values below 0."""
+        row, field, effect, value = subject
+        polynomial = _with_polynomial(case)
+        if value >= 0.0 or ("damping" in field and (row.artifact, row.joint) in polynomial):
+            return
+        yield Finding(
+            self.code,
+            f"the {field.replace('_', ' ')} of {shown(row, field, value)} is negative: {effect}",
+            row.place(field),
+            row.joint,
+            value,
+            unit(row, field),
+            -value,
+            "write it without the minus, or leave it out",
+        )
 
 
 _EFFECTS = {

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.source_pairs import (
     Disagreement,
     compared,
@@ -24,7 +24,7 @@ def shown(value: float | None, unit: str) -> str:
     return format_quantity(value, unit, 3)
 
 
-class SourceRule(Rule):
+class SourceRule(RuleInParts):
     """What the rules of this family have in common."""
 
     severity = Severity.WARNING
@@ -33,10 +33,12 @@ class SourceRule(Rule):
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
     groups: ClassVar[tuple[tuple[str, ...], ...]]
     """Fields that are compared; of those in one tuple the first that a file states."""
-    lacks: ClassVar[str]
-    """Why there was nothing to compare."""
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def lacks(self, case: Case) -> str:
+        """What no two files state."""
+        return f"no two files of one robot state {self.needs}"
+
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
         findings = [
@@ -45,9 +47,8 @@ class SourceRule(Rule):
             for found in disagreements(case, fields, tolerance)
             if not self.is_explained(case, found, tolerance)
         ]
-        yield from self.without_told(case, findings) if findings else ()
-        if not findings and not any(compared(case, fields) for fields in self.groups):
-            yield Skipped(self.code, f"no two files of one robot state {self.lacks}")
+        if findings or any(compared(case, fields) for fields in self.groups):
+            yield self.without_told(case, findings) if findings else ()
 
     def without_told(self, case: Case, findings: list[Finding]) -> list[Finding]:
         """Findings without those that another rule has at the same place and joint, and says more about."""

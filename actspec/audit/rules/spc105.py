@@ -4,42 +4,41 @@ from collections.abc import Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.dynamics import figure
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints
 from actspec.diagnostics import Severity
 from actspec.ir import Command, Level
 from actspec.readings.artifact import FileKind
 
 
-class SpecControl(Rule):
+class SpecControl(RuleOver[SpecJoint]):
     code = "SPC105"
     name = "control-departs-from-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = NO_SPEC
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[SpecJoint]:
+        yield from spec_joints(case)
+
+    def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
         """Compare the kinds of drive."""
-        looked = False
-        for joint in spec_joints(case):
-            looked = True
-            told = _departs(joint)
-            if told is None:
-                continue
-            message, severity = told
-            first = joint.rows[0]
-            yield Finding(
-                self.code,
-                message,
-                first.span,
-                first.joint,
-                help="compile the file from the spec, or correct the spec",
-                related=(joint.spec.span,),
-                severity=severity,
-            )
-        if not looked:
-            yield Skipped(self.code, NO_SPEC)
+        told = _departs(joint)
+        if told is None:
+            return
+        message, severity = told
+        first = joint.rows[0]
+        yield Finding(
+            self.code,
+            message,
+            first.span,
+            first.joint,
+            help="compile the file from the spec, or correct the spec",
+            related=(joint.spec.span,),
+            severity=severity,
+        )
 
 
 _POSITION = frozenset({"position", "implicit", "ideal_pd", "dc_motor", "pid"})

@@ -6,8 +6,8 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.dynamics import settings_of
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
@@ -18,17 +18,19 @@ _NAMES = {"control_dt": "control period", "physics_dt": "physics step"}
 _TIMESTEP = re.compile(rb"<option\b[^>]*?\b(timestep)\s*=")
 
 
-class SpecTiming(Rule):
+_Subject = tuple[dict[str, tuple[float, Span]], int, dict[str, tuple[float, Span]], list[str]]
+
+
+class SpecTiming(RuleOver[_Subject]):
     code = "SPC106"
     name = "timing-departs-from-spec"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = "no spec with timing beside a file of its robot that has one"
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare the periods of every file with those of its robot's spec."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for robot in case.robots:
             spec = next((i for i in robot.artifacts if case.artifacts[i].spec is not None), None)
             wanted = {} if spec is None else _periods(case, spec)
@@ -37,16 +39,16 @@ class SpecTiming(Rule):
                 shared = [name for name in _NAMES if name in found and name in wanted]
                 if index == spec or not shared:
                     continue
-                looked = True
-                tolerance = self.option(case, "tolerance")
-                departing = (
-                    name for name in shared if abs(found[name][0] / wanted[name][0] - 1.0) > tolerance
-                )
-                name = next(departing, None)
-                if name is not None:
-                    yield self._finding(case, index, name, found[name], wanted[name])
-        if not looked:
-            yield Skipped(self.code, "no spec with timing beside a file of its robot that has one")
+                yield wanted, index, found, shared
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Compare the periods of every file with those of its robot's spec."""
+        wanted, index, found, shared = subject
+        tolerance = self.option(case, "tolerance")
+        departing = (name for name in shared if abs(found[name][0] / wanted[name][0] - 1.0) > tolerance)
+        name = next(departing, None)
+        if name is not None:
+            yield self._finding(case, index, name, found[name], wanted[name])
 
     def _finding(
         self, case: Case, index: int, name: str, mine: tuple[float, Span], wanted: tuple[float, Span]

@@ -9,9 +9,9 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.dynamics import figure, friction_setting
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
 from actspec.diagnostics import Severity
@@ -154,33 +154,33 @@ def _coefficient(case: Case) -> str | None:
     return f"Isaac Lab {versions.isaaclab} on Isaac Sim {versions.isaac_sim}"
 
 
-class SpecRule(Rule):
+class SpecRule(RuleOver[SpecJoint]):
     """What the rules about figures that depart from the spec have in common."""
 
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     paired = True
+    needs = NO_SPEC
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
     fields: ClassVar[tuple[str, ...]]
     absolute: ClassVar[float] = 0.0
     """Largest absolute difference of equal figures."""
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare every file with the spec of its robot."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[SpecJoint]:
+        """The joints of the files that a spec describes."""
+        yield from spec_joints(case)
+
+    def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
+        """Compare the joint with the spec."""
         tolerance = self.option(case, "tolerance")
-        for joint in spec_joints(case):
-            looked = True
-            for field in self.fields:
-                mine, wanted = joint.mine(field), joint.wanted(field)
-                if mine is None or wanted is None or mine.value is None or wanted.value is None:
-                    continue
-                if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=self.absolute):
-                    continue
-                if not self.is_told_elsewhere(case, joint, field, tolerance):
-                    yield self._finding(joint, field, mine, wanted)
-        if not looked:
-            yield Skipped(self.code, NO_SPEC)
+        for field in self.fields:
+            mine, wanted = joint.mine(field), joint.wanted(field)
+            if mine is None or wanted is None or mine.value is None or wanted.value is None:
+                continue
+            if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=self.absolute):
+                continue
+            if not self.is_told_elsewhere(case, joint, field, tolerance):
+                yield self._finding(joint, field, mine, wanted)
 
     def is_told_elsewhere(self, case: Case, joint: SpecJoint, field: str, tolerance: float) -> bool:
         """Whether another rule says more about it."""

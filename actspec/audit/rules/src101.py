@@ -17,7 +17,7 @@ class EffortLimit(SourceRule):
     code = "SRC101"
     name = "effort-limit-disagrees"
     groups = (("effort_limit",),)
-    lacks = "an effort limit of one joint"
+    needs = "an effort limit of one joint"
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """A placeholder, or the other half of a gear."""

@@ -16,7 +16,7 @@ class VelocityLimit(SourceRule):
     code = "SRC102"
     name = "velocity-limit-disagrees"
     groups = (("velocity_limit", "no_load_speed"),)
-    lacks = "a speed limit of one joint"
+    needs = "a speed limit of one joint"
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """A placeholder, a gear, or degrees."""

@@ -14,7 +14,7 @@ class Gain(SourceRule):
     code = "SRC103"
     name = "gain-disagrees"
     groups = (("kp",), ("kd",))
-    lacks = "a gain of one joint"
+    needs = "a gain of one joint"
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """What the joint does then."""

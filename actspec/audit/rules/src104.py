@@ -12,7 +12,7 @@ class Armature(SourceRule):
     name = "armature-disagrees"
     options: ClassVar[dict[str, float]] = {"tolerance": 0.05}
     groups = (("armature",),)
-    lacks = "an armature of one joint"
+    needs = "an armature of one joint"
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much inertia."""

@@ -10,7 +10,7 @@ class Friction(SourceRule):
     code = "SRC105"
     name = "friction-disagrees"
     groups = (("frictionloss",), ("joint_damping",))
-    lacks = "a friction of one joint"
+    needs = "a friction of one joint"
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """What DMP106 reports, what an exporter writes, and degrees."""

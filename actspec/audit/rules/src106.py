@@ -1,9 +1,9 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.readings.artifact import FileKind
@@ -17,18 +17,24 @@ class ActionOrPose(SourceRule):
     name = "action-or-pose-disagrees"
     confidence = Confidence.HIGH
     groups = (("action_scale",), ("default_position",))
-    lacks = "an action scale or default position of one joint"
+    needs = "an action scale or default position of one joint"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def lacks(self, case: Case) -> str:
+        """What a deploy file and a configuration do not state both."""
+        return f"no deploy file and configuration of one robot state {self.needs}"
+
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare deploy files with the training configuration."""
+        if any(compared(case, fields, FileKind.DEPLOY) for fields in self.groups):
+            yield self._departing(case)
+
+    def _departing(self, case: Case) -> Iterator[Finding]:
         tolerance = self.option(case, "tolerance")
         for fields, absolute in zip(self.groups, (0.0, POSE), strict=True):
             for found in disagreements(case, fields, tolerance, absolute):
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
                 if kinds == {FileKind.DEPLOY, FileKind.CFG}:
                     yield self.finding(case, found)
-        if not any(compared(case, fields, FileKind.DEPLOY) for fields in self.groups):
-            yield Skipped(self.code, f"no deploy file and configuration of one robot state {self.lacks}")
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How far the joint goes."""

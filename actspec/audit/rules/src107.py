@@ -1,25 +1,27 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.dynamics import settings_of
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rules.source_rule import SourceRule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
 
 
-class Timing(SourceRule):
+class Timing(RuleInParts):
     code = "SRC107"
     name = "timing-disagrees"
+    severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
+    needs = "no deploy file and configuration of one robot state a control period"
     options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the periods of each robot's deploy files."""
-        looked = False
         tolerance = self.option(case, "tolerance")
         for robot in case.robots:
             trained = [i for i in robot.artifacts if case.artifacts[i].kind is FileKind.CFG]
@@ -33,13 +35,11 @@ class Timing(SourceRule):
                     ]
                     if mine is None or not theirs:
                         continue
-                    looked = True
+                    yield ()
                     if any(abs(mine / other - 1.0) <= tolerance for _, other in theirs):
                         continue
-                    yield self._told(case, index, name, mine, *theirs[0])
+                    yield (self._told(case, index, name, mine, *theirs[0]),)
                     break
-        if not looked:
-            yield Skipped(self.code, "no deploy file and configuration of one robot state a control period")
 
     def _period(self, case: Case, index: int, name: str) -> float | None:
         value = settings_of(case.artifacts[index]).get(name)

@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.audit.rules.stability import LIMIT, RINGING, StepDrive
@@ -21,35 +21,39 @@ Source: MuJoCo 4.0 agrees: 2.7 decays, 2.9 grows.
 """
 
 
-class ExplicitVelocityGain(Rule):
+_Subject = tuple[Sequence[LedgerRow], RobotView, float, str]
+
+
+class ExplicitVelocityGain(RuleOver[_Subject]):
     code = "STB101"
     name = "kv-under-euler"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no MJCF with drives on joints of known inertia among the files"
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find drives that the step is too long for."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for (index, joint), rows in by_joint(case, FileKind.MJCF).items():
             artifact = case.artifacts[index]
             robot = artifact.robot
             least = rows[0].inertia_free_min
             if robot is None or rows[0].control == "none" or least is None or least <= 0.0:
                 continue
-            looked = True
-            drive = _drive_of(robot, rows)
-            if drive is None:
-                continue
-            if robot.integrator == "RK4":
-                drive = StepDrive(drive.step, 0.0, drive.explicit, 0.0)
-            figure = drive.figure(least)
-            limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
-            threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
-            if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
-                yield self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
-        if not looked:
-            yield Skipped(self.code, "no MJCF with drives on joints of known inertia among the files")
+            yield rows, robot, least, joint
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find drives that the step is too long for."""
+        rows, robot, least, joint = subject
+        drive = _drive_of(robot, rows)
+        if drive is None:
+            return
+        if robot.integrator == "RK4":
+            drive = StepDrive(drive.step, 0.0, drive.explicit, 0.0)
+        figure = drive.figure(least)
+        limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
+        threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
+        if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
+            yield self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
 
     def _finding(
         self,

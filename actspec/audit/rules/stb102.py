@@ -4,8 +4,9 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.ledger import LedgerRow
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.stability import LIMIT, RINGING, StepDrive
@@ -15,17 +16,19 @@ from actspec.readings.artifact import FileKind
 _EXPLICIT_CLASSES = ("ideal_pd", "dc_motor", "network")
 
 
-class ExplicitDrive(Rule):
+_Subject = tuple[LedgerRow, float, float, float]
+
+
+class ExplicitDrive(RuleOver[_Subject]):
     code = "STB102"
     name = "explicit-cfg-drive-unstable"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no configuration with explicit drives, its physics step and a model that gives inertia"
     options: ClassVar[dict[str, float]] = {"near": 1.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find explicit drives that the step is too long for."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for rows in by_joint(case, FileKind.CFG).values():
             row = rows[0]
             config = case.artifacts[row.artifact].config
@@ -34,29 +37,26 @@ class ExplicitDrive(Rule):
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
             if not explicit or step is None or row.kd is None or inertia is None or inertia <= 0.0:
                 continue
-            looked = True
-            drive = StepDrive(step, row.kp or 0.0, row.kd, max(row.joint_damping or 0.0, 0.0))
-            figure = drive.figure(inertia)
-            if row.kd <= 0.0 or figure < self.option(case, "near"):
-                continue
-            beyond = figure >= LIMIT
-            what = (
-                "makes the speed grow with every step" if beyond else "turns the speed round with every step"
-            )
-            yield Finding(
-                self.code,
-                f"the drive ({row.control}) takes kd {shown(row, 'kd', row.kd)} explicitly: with a step of "
-                f"{step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g})",
-                row.place("kd"),
-                row.joint,
-                figure,
-                "1",
-                help="state the true armature, shorten the step, lower kd, or use an implicit class",
-                severity=self.severity if figure >= RINGING else Severity.INFO,
-                confidence=Confidence.HIGH if beyond else self.confidence,
-            )
-        if not looked:
-            yield Skipped(
-                self.code,
-                "no configuration with explicit drives, its physics step and a model that gives inertia",
-            )
+            yield row, step, inertia, row.kd
+
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find explicit drives that the step is too long for."""
+        row, step, inertia, kd = subject
+        drive = StepDrive(step, row.kp or 0.0, kd, max(row.joint_damping or 0.0, 0.0))
+        figure = drive.figure(inertia)
+        if kd <= 0.0 or figure < self.option(case, "near"):
+            return
+        beyond = figure >= LIMIT
+        what = "makes the speed grow with every step" if beyond else "turns the speed round with every step"
+        yield Finding(
+            self.code,
+            f"the drive ({row.control}) takes kd {shown(row, 'kd', kd)} explicitly: with a step of "
+            f"{step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g})",
+            row.place("kd"),
+            row.joint,
+            figure,
+            "1",
+            help="state the true armature, shorten the step, lower kd, or use an implicit class",
+            severity=self.severity if figure >= RINGING else Severity.INFO,
+            confidence=Confidence.HIGH if beyond else self.confidence,
+        )

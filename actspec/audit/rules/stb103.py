@@ -1,11 +1,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
@@ -13,19 +13,20 @@ from actspec.robot.view import ActuatorView, RobotView
 from actspec.units import format_quantity
 
 
-class FilterFasterThanStep(Rule):
+class FilterFasterThanStep(RuleInParts):
     code = "STB103"
     name = "filter-faster-than-step"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no MJCF with a filtered actuator among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare time constants with the step."""
-        looked = False
-        for _, artifact in case.of_kind(FileKind.MJCF):
-            robot = artifact.robot
-            filtered = robot is not None and any(actuator.time_constant > 0.0 for actuator in robot.actuators)
-            looked = looked or filtered
+        robots = (artifact.robot for _, artifact in case.of_kind(FileKind.MJCF))
+        if any(actuator.time_constant > 0.0 for robot in robots if robot for actuator in robot.actuators):
+            yield self._fast(case)
+
+    def _fast(self, case: Case) -> Iterator[Finding]:
         for found in written_actuators(case, which=_is_fast):
             view, tau = found.view, found.view.time_constant
             assert found.artifact.robot is not None and found.artifact.robot.timestep is not None
@@ -51,8 +52,6 @@ class FilterFasterThanStep(Rule):
                 else 'write dyntype="filterexact", or shorten the timestep',
                 severity=Severity.INFO if exact else Severity.ERROR if swings else self.severity,
             )
-        if not looked:
-            yield Skipped(self.code, "no MJCF with a filtered actuator among the files")
 
 
 def _is_fast(robot: RobotView, view: ActuatorView) -> bool:

@@ -8,9 +8,9 @@ from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
@@ -51,29 +51,31 @@ _SHARED = 0.8
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
 
-class LeftRightDiffer(Rule):
+class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]):
     code = "SYM101"
     name = "left-right-asymmetry"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
+    needs = "no joints whose names mirror each other among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
+        yield from _pairs(case)
+
+    def judge(
+        self, case: Case, subject: tuple[Sequence[LedgerRow], Sequence[LedgerRow]]
+    ) -> Iterator[Finding]:
         """Compare every pair."""
-        looked = False
-        for left, right in _pairs(case):
-            looked = True
-            if (left[0].control == "none") != (right[0].control == "none"):
-                continue
-            finding = self._figures(case, left, right)
-            if finding is not None:
-                yield finding
-            finding = self._range(case, left[0], right[0])
-            if finding is not None:
-                yield finding
-        if not looked:
-            yield Skipped(self.code, "no joints whose names mirror each other among the files")
+        left, right = subject
+        if (left[0].control == "none") != (right[0].control == "none"):
+            return
+        finding = self._figures(case, left, right)
+        if finding is not None:
+            yield finding
+        finding = self._range(case, left[0], right[0])
+        if finding is not None:
+            yield finding
 
     def _figures(self, case: Case, left: Sequence[LedgerRow], right: Sequence[LedgerRow]) -> Finding | None:
         if len(left) == len(right) and all(map(eq, map(_COMPARED, left), map(_COMPARED, right))):

@@ -1,13 +1,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
+from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint
@@ -20,17 +20,17 @@ from actspec.robot.xml_edit import format_number
 _DEGREES = 180.0 / math.pi
 
 
-class RangeInDegrees(Rule):
+class RangeInDegrees(RuleInParts):
     code = "UNT101"
     name = "position-range-in-degrees"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     fix = Safety.UNSAFE
+    needs = "no MJCF or URDF with a limited hinge among the files"
     options: ClassVar[dict[str, float]] = {"least": 12.6, "most": 720.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare ranges with each other and with what joints do."""
-        looked = False
         found: list[LedgerRow] = []
         for rows in by_joint(case, FileKind.MJCF).values():
             for row in rows:
@@ -39,28 +39,23 @@ class RangeInDegrees(Rule):
                     continue
                 if command is None or joint is None:
                     continue
-                looked = True
+                yield ()
                 if _is_degrees_of(command, joint):
                     found.append(row)
         fixes = _range_fixes(case) if found else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
-            yield self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
+            yield (self._of_control(row, row.command_range, row.position_range, fixes.get(row.span)),)
         for _, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             robot = artifact.robot
             hinges = [] if robot is None else [joint for joint in robot.joints if _is_limited_hinge(joint)]
-            looked = looked or bool(hinges)
             locked = [joint for joint in hinges if _largest(joint.range or (0.0, 0.0)) <= _LOCKED]
             degrees = robot is not None and not any(b"radian" in file.data for file in robot.files)
             if artifact.kind is FileKind.MJCF and degrees and len(locked) == len(hinges) >= _SEVERAL:
-                yield self._of_file(locked)
+                yield (self._of_file(locked),)
                 continue
             for hinge in hinges:
-                finding = self._of_joint(case, hinge)
-                if finding is not None:
-                    yield finding
-        if not looked:
-            yield Skipped(self.code, "no MJCF or URDF with a limited hinge among the files")
+                yield self._of_joint(case, hinge)
 
     def _of_control(
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], fix: Fix | None
@@ -79,14 +74,14 @@ class RangeInDegrees(Rule):
             fix=fix,
         )
 
-    def _of_joint(self, case: Case, joint: JointView) -> Finding | None:
+    def _of_joint(self, case: Case, joint: JointView) -> Iterator[Finding]:
         ends = joint.range or (0.0, 0.0)
         most = _largest(ends)
         if not self.option(case, "least") <= most <= self.option(case, "most"):
-            return None
+            return
         if not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
-            return None
-        return Finding(
+            return
+        yield Finding(
             self.code,
             f"this hinge may turn from {ends[0]:.4g} to {ends[1]:.4g} rad, {most / (2.0 * math.pi):.2g} full turns: it "
             "looks like degrees where the file is read in radians",

@@ -5,9 +5,9 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity, Span
@@ -15,43 +15,44 @@ from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 
 
-class TorqueAsTarget(Rule):
+class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):
     code = "UNT102"
     name = "torque-left-in-command-range"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no MJCF with a position servo and a control range among the files"
     options: ClassVar[dict[str, float]] = {"least": 3.2}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare control ranges of servos with torque limits."""
-        looked = False
+    def subjects(self, case: Case) -> Iterator[tuple[LedgerRow, tuple[float, float]]]:
         for rows in by_joint(case, FileKind.MJCF).values():
             for row in rows:
                 command = row.command_range
                 if row.control != "position" or command is None or row.kind is not JointKind.HINGE:
                     continue
-                looked = True
-                high = command[1]
-                if not math.isclose(-command[0], high, rel_tol=1e-6) or high < self.option(case, "least"):
-                    continue
-                if row.position_range is not None and math.isclose(row.position_range[1], high, rel_tol=0.02):
-                    continue
-                limit = self._place(case, row, high)
-                if limit is not None:
-                    yield Finding(
-                        self.code,
-                        f"the control range of this position servo, +-{high:.4g} rad, is its torque limit of "
-                        f"{shown(row, 'effort_limit', high)}: a position was meant",
-                        row.place("command_range"),
-                        row.joint,
-                        high,
-                        "rad",
-                        help="leave ctrlrange out, or set it to the joint's range and effort limit / kp beyond",
-                        related=() if limit == row.place("command_range") else (limit,),
-                    )
-        if not looked:
-            yield Skipped(self.code, "no MJCF with a position servo and a control range among the files")
+                yield row, command
+
+    def judge(self, case: Case, subject: tuple[LedgerRow, tuple[float, float]]) -> Iterator[Finding]:
+        """Compare control ranges of servos with torque limits."""
+        row, command = subject
+        high = command[1]
+        if not math.isclose(-command[0], high, rel_tol=1e-6) or high < self.option(case, "least"):
+            return
+        if row.position_range is not None and math.isclose(row.position_range[1], high, rel_tol=0.02):
+            return
+        limit = self._place(case, row, high)
+        if limit is not None:
+            yield Finding(
+                self.code,
+                f"the control range of this position servo, +-{high:.4g} rad, is its torque limit of "
+                f"{shown(row, 'effort_limit', high)}: a position was meant",
+                row.place("command_range"),
+                row.joint,
+                high,
+                "rad",
+                help="leave ctrlrange out, or set it to the joint's range and effort limit / kp beyond",
+                related=() if limit == row.place("command_range") else (limit,),
+            )
 
     def _place(self, case: Case, row: LedgerRow, limit: float) -> Span | None:
         """Where the same number stands as a torque limit."""

@@ -1,14 +1,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity
@@ -19,16 +19,20 @@ _DEGREES = 180.0 / math.pi
 _ONE_FILE = "no two files of one robot with the same joint"
 
 
-class Factor57(Rule):
+class Factor57(RuleInParts):
     code = "UNT103"
     name = "off-by-degrees-per-radian"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = _ONE_FILE
     options: ClassVar[dict[str, float]] = {"relative": 0.005}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare figures of the same joint."""
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        if next(shared_joints(case), None) is not None:
+            yield self._compared(case)
+
+    def _compared(self, case: Case) -> Iterator[Finding]:
         relative = self.option(case, "relative")
 
         def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
@@ -41,8 +45,6 @@ class Factor57(Rule):
             severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
             for pair in off:
                 yield self._finding(one, other, pair, severity)
-        if next(shared_joints(case), None) is None:
-            yield Skipped(self.code, _ONE_FILE)
 
     def _finding(self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity) -> Finding:
         first, second = pair.values

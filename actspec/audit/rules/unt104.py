@@ -1,13 +1,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs
 from actspec.diagnostics import Severity, Span
@@ -16,17 +16,17 @@ from actspec.ir import JointKind
 _RPM = 30.0 / math.pi
 
 
-class SpeedInRpm(Rule):
+class SpeedInRpm(RuleInParts):
     code = "UNT104"
     name = "speed-in-rpm"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no file states the speed of a hinge"
     options: ClassVar[dict[str, float]] = {"relative": 0.005, "least": 150.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare speeds with other files', and with what joints do."""
-        looked = False
         told: set[tuple[Span, str]] = set()
         relative = self.option(case, "relative")
 
@@ -43,7 +43,7 @@ class SpeedInRpm(Rule):
         for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
             for mine, field, limit, right, place in in_rpm(one, other):
                 told.add((mine.place(field), mine.joint))
-                yield Finding(
+                found = Finding(
                     self.code,
                     f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
                     f"{place.path}: a figure in rpm",
@@ -55,29 +55,29 @@ class SpeedInRpm(Rule):
                     f"{limit:.4g} rpm is {limit / _RPM:.3g} rad/s",
                     (place,),
                 )
+                yield (found,)
         for row in case.rows:
             for field in SPEEDS:
                 speed: float | None = getattr(row, field)
                 if speed is None or field not in row.stated or row.kind is JointKind.SLIDE:
                     continue
-                looked = True
-                if (row.place(field), row.joint) in told or speed % 10.0 != 0.0:
-                    continue
-                if self.option(case, "least") <= speed < _PLACEHOLDER:
-                    yield Finding(
-                        self.code,
-                        f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; {speed:.4g} rpm "
-                        f"would be {speed / _RPM:.3g} rad/s",
-                        row.place(field),
-                        row.joint,
-                        speed,
-                        unit(row, field),
-                        help="speeds are in rad/s",
-                        severity=Severity.INFO,
-                        confidence=Confidence.LOW,
-                    )
-        if not looked:
-            yield Skipped(self.code, "no file states the speed of a hinge")
+                known = (row.place(field), row.joint) in told or speed % 10.0 != 0.0
+                yield () if known else self._alone(case, row, field, speed)
+
+    def _alone(self, case: Case, row: LedgerRow, field: str, speed: float) -> Iterator[Finding]:
+        if self.option(case, "least") <= speed < _PLACEHOLDER:
+            yield Finding(
+                self.code,
+                f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; {speed:.4g} rpm "
+                f"would be {speed / _RPM:.3g} rad/s",
+                row.place(field),
+                row.joint,
+                speed,
+                unit(row, field),
+                help="speeds are in rad/s",
+                severity=Severity.INFO,
+                confidence=Confidence.LOW,
+            )
 
 
 _PLACEHOLDER = 1e5

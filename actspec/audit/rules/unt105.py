@@ -1,34 +1,46 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.finding import Confidence, Finding
 from actspec.audit.ledger import LedgerRow
-from actspec.audit.rule import Rule
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 
 
-class MilliOrGram(Rule):
+class MilliOrGram(RuleInParts):
     code = "UNT105"
     name = "milli-or-gram-taken-for-one"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
+    needs = "no file states friction, damping or armature to compare"
     options: ClassVar[dict[str, float]] = {"least": 5.0}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Compare figures with other files', and armatures with the joint's torque."""
-        looked = any(
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        comparable = (
             sum(bool(figure) for figure in figures) > 1
             for rows in shared_joints(case)
             for figures in zip(*map(_figures, rows), strict=True)
         )
+        if any(comparable):
+            yield self._between_files(case)
+        for row in case.rows:
+            armature, effort = row.armature, row.effort_limit
+            if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
+                continue
+            slow = effort > 0.0 and effort / armature < self.option(case, "least")
+            yield (
+                self._beside_effort(row, armature, effort) if slow and row.kind is not JointKind.SLIDE else ()
+            )
+
+    def _between_files(self, case: Case) -> Iterator[Finding]:
         for pair in joint_pairs(case, _figures, lambda *rows: next(_off(*rows), None) is not None):
             for field, factor, large, small in _off(*pair):
                 most = getattr(large, field)
@@ -45,30 +57,19 @@ class MilliOrGram(Rule):
                     f"write it in {unit(large, field)}",
                     (small.place(field),),
                 )
-        for row in case.rows:
-            armature, effort = row.armature, row.effort_limit
-            if armature is None or armature <= 0.0 or effort is None or "armature" not in row.stated:
-                continue
-            looked = True
-            if (
-                row.kind is JointKind.SLIDE
-                or effort <= 0.0
-                or effort / armature >= self.option(case, "least")
-            ):
-                continue
-            yield Finding(
-                self.code,
-                f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
-                f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
-                "like another unit",
-                row.place("armature"),
-                row.joint,
-                armature,
-                unit(row, "armature"),
-                help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
-            )
-        if not looked:
-            yield Skipped(self.code, "no file states friction, damping or armature to compare")
+
+    def _beside_effort(self, row: LedgerRow, armature: float, effort: float) -> Iterator[Finding]:
+        yield Finding(
+            self.code,
+            f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
+            f"{shown(row, 'effort_limit', effort)} an acceleration of {effort / armature:.2g} rad/s^2: it looks "
+            "like another unit",
+            row.place("armature"),
+            row.joint,
+            armature,
+            unit(row, "armature"),
+            help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
+        )
 
 
 _THOUSANDS: dict[str, dict[float, str]] = {

@@ -1,13 +1,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
-from actspec.audit.rule import Rule
-from actspec.audit.rules.actuator_texts import WrittenActuator, drives_in_mjcf, drives_kind, written_actuators
+from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
+from actspec.audit.rule import RuleInParts
+from actspec.audit.rules.actuator_texts import (
+    NO_ACTUATORS,
+    WrittenActuator,
+    drives_in_mjcf,
+    drives_kind,
+    written_actuators,
+)
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
@@ -19,15 +25,20 @@ _CHANGED = (3, 15)
 """Release since which a damping ratio is resolved with the inertia of a joint whose neighbours are free."""
 
 
-class RatioChangedMeaning(Rule):
+class RatioChangedMeaning(RuleInParts):
     code = "VER101"
     name = "dampratio-changed-meaning"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     fix = Safety.UNSAFE
+    needs = NO_ACTUATORS
     options: ClassVar[dict[str, float]] = {"change": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        if drives_in_mjcf(case):
+            yield self._changed(case)
+
+    def _changed(self, case: Case) -> Iterator[Finding]:
         """Compare both meanings."""
         meant = mujoco_of(case.versions)
         for found in written_actuators(case, b"dampratio"):
@@ -60,8 +71,6 @@ class RatioChangedMeaning(Rule):
                 fix=_kv_fix(found, owner, chosen, safe=meant is not None and newer),
                 severity=self.severity if meant is None else Severity.INFO,
             )
-        if not drives_in_mjcf(case):
-            yield Skipped(self.code, "no MJCF with actuators among the files")
 
     def _unknown(self, found: WrittenActuator, meant: Meant | None) -> Finding:
         owner = found.owner("dampratio") or found.element

@@ -1,10 +1,10 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.diagnostics import Severity, Span
 from actspec.readings.versions import Meant, mujoco_of
@@ -16,34 +16,37 @@ _VOLTAGE_INPUTS = frozenset({"position", "velocity"})
 _TORQUE_INPUTS = frozenset({"pos", "vel", "ff", "none"})
 
 
-class DcmotorDialect(Rule):
+_Subject = list[tuple[WrittenActuator, str]]
+"""The motors of one file, each with its dialect."""
+
+
+class DcmotorDialect(RuleOver[_Subject]):
     code = "VER102"
     name = "dcmotor-dialect"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no dcmotor among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterable[_Subject]:
         """Tell the dialects apart."""
-        meant = mujoco_of(case.versions)
-        looked = False
-        motors: dict[str, list[tuple[WrittenActuator, str]]] = {}
+        motors: dict[str, _Subject] = {}
         for found in written_actuators(case, b"<dcmotor"):
             if found.element.tag == "dcmotor":
-                looked = True
                 motors.setdefault(found.artifact.path, []).append((found, _dialect(found)))
-        for members in motors.values():
-            voltage = [found for found, dialect in members if dialect == "voltage"]
-            torque = [found for found, dialect in members if dialect == "torque"]
-            for found, dialect in members:
-                finding = self._open_loop(found) if dialect == "" else None
-                if dialect == "voltage":
-                    finding = self._voltage(found, meant, torque)
-                elif dialect == "torque":
-                    finding = self._torque(found, meant, voltage)
-                if finding is not None:
-                    yield finding
-        if not looked:
-            yield Skipped(self.code, "no dcmotor among the files")
+        return motors.values()
+
+    def judge(self, case: Case, members: _Subject) -> Iterator[Finding]:
+        meant = mujoco_of(case.versions)
+        voltage = [found for found, dialect in members if dialect == "voltage"]
+        torque = [found for found, dialect in members if dialect == "torque"]
+        for found, dialect in members:
+            finding = self._open_loop(found) if dialect == "" else None
+            if dialect == "voltage":
+                finding = self._voltage(found, meant, torque)
+            elif dialect == "torque":
+                finding = self._torque(found, meant, voltage)
+            if finding is not None:
+                yield finding
 
     def _open_loop(self, found: WrittenActuator) -> Finding | None:
         if not any(found.text.gain[slot] for slot in (4, 5, 6)):

@@ -3,8 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Safety, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding, Safety
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.keywords import renaming
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
@@ -22,27 +22,27 @@ _NEW = {
 _OLD = {new: old for old, new in _NEW.items()}
 
 
-class NamesByVersion(Rule):
+class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
     code = "VER103"
     name = "isaaclab-names-by-version"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     fix = Safety.SAFE
+    needs = "no Isaac Lab cfg with actuators among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[tuple[str, list[ActuatorGroup]]]:
+        yield from _groups(case).items()
+
+    def judge(self, case: Case, subject: tuple[str, list[ActuatorGroup]]) -> Iterator[Finding]:
         """Compare names with the version, or with each other."""
+        path, groups = subject
         named = case.versions.isaaclab
-        looked = False
-        for path, groups in _groups(case).items():
-            looked = True
-            old = [(group, name) for group in groups for name in _NEW if name in group.settings]
-            new = [(group, name) for group in groups for name in _OLD if name in group.settings]
-            if named is not None:
-                yield from self._against(case, old, new, release(named), named)
-            elif old and new:
-                yield self._mixed(path, old, new)
-        if not looked:
-            yield Skipped(self.code, "no Isaac Lab cfg with actuators among the files")
+        old = [(group, name) for group in groups for name in _NEW if name in group.settings]
+        new = [(group, name) for group in groups for name in _OLD if name in group.settings]
+        if named is not None:
+            yield from self._against(case, old, new, release(named), named)
+        elif old and new:
+            yield self._mixed(path, old, new)
 
     def _against(
         self,

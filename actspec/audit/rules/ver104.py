@@ -4,8 +4,8 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joint_units import shown
 from actspec.diagnostics import Severity
@@ -13,37 +13,37 @@ from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import release
 
 
-class ImplicitVelocityLimit(Rule):
+class ImplicitVelocityLimit(RuleOver[Group]):
     code = "VER104"
     name = "implicit-velocity-limit-ignored"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = "no implicit drives of Isaac Lab among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Group]:
+        if not _renamed(case):
+            yield from groups_of(case, Framework.ISAACLAB, IMPLICIT)
+
+    def lacks(self, case: Case) -> str:
+        """A version, or drives."""
+        return "Isaac Lab 3.0 reads the limit under another name" if _renamed(case) else self.needs
+
+    def judge(self, case: Case, group: Group) -> Iterator[Finding]:
         """Find limits without effect."""
-        named = case.versions.isaaclab
-        if named is not None and release(named) >= (3,):
-            yield Skipped(self.code, "Isaac Lab 3.0 reads the limit under another name")
+        setting = group.written("velocity_limit")
+        if setting is None or group.written("velocity_limit_sim", "joint_velocity_limit") is not None:
             return
-        looked = False
-        for group in groups_of(case, Framework.ISAACLAB, IMPLICIT):
-            looked = True
-            setting = group.written("velocity_limit")
-            if setting is None or group.written("velocity_limit_sim", "joint_velocity_limit") is not None:
+        for joint in group.joints:
+            if group.number(setting, joint) == math.inf:
                 continue
-            for joint in group.joints:
-                if group.number(setting, joint) == math.inf:
-                    continue
-                yield Finding(
-                    self.code,
-                    f"{self._limit(group, setting, joint)} is ignored for an implicit drive: the joint keeps the USD's "
-                    "speed limit",
-                    setting.span,
-                    joint,
-                    help="write velocity_limit_sim if the solver is to enforce it, or leave it out",
-                )
-        if not looked:
-            yield Skipped(self.code, "no implicit drives of Isaac Lab among the files")
+            yield Finding(
+                self.code,
+                f"{self._limit(group, setting, joint)} is ignored for an implicit drive: the joint keeps the USD's "
+                "speed limit",
+                setting.span,
+                joint,
+                help="write velocity_limit_sim if the solver is to enforce it, or leave it out",
+            )
 
     def _limit(self, group: Group, setting: Setting, joint: str) -> str:
         number = group.number(setting, joint)
@@ -55,3 +55,9 @@ class ImplicitVelocityLimit(Rule):
             )
         row = next((row for row in group.rows if row.joint == joint), None)
         return f"velocity_limit {shown(row, 'velocity_limit', number) if row else f'{number:.3g}'}"
+
+
+def _renamed(case: Case) -> bool:
+    """Whether the files are meant for a version in which the field is another one."""
+    named = case.versions.isaaclab
+    return named is not None and release(named) >= (3,)

@@ -3,40 +3,40 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
 from actspec.audit.rules.mujoco_features import WORDS, Feature, used_features
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.versions import Meant, Release, mujoco_of
+from actspec.robot.view import RobotView
 from actspec.robot.xml import parse_document
 
 
-class NeedsAnotherMujoco(Rule):
+class NeedsAnotherMujoco(RuleOver[RobotView]):
     code = "VER105"
     name = "needs-another-mujoco"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    needs = "no MJCF among the files"
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[RobotView]:
+        for _, artifact in case.of_kind(FileKind.MJCF):
+            if artifact.robot is not None:
+                yield artifact.robot
+
+    def judge(self, case: Case, robot: RobotView) -> Iterator[Finding]:
         """Compare each file with the release."""
         meant = mujoco_of(case.versions)
-        looked = False
         words = {word for feature, word in WORDS if _may_be_told(feature, meant)}
-        for _, artifact in case.of_kind(FileKind.MJCF):
-            if artifact.robot is None:
-                continue
-            looked = True
-            if not any(word in file.data for file in artifact.robot.files for word in words):
-                continue
-            document = parse_document(artifact.robot.files)
-            used = used_features(document)
-            if meant is not None:
-                yield from self._against(used, meant)
-            else:
-                yield from self._together(used)
-        if not looked:
-            yield Skipped(self.code, "no MJCF among the files")
+        if not any(word in file.data for file in robot.files for word in words):
+            return
+        document = parse_document(robot.files)
+        used = used_features(document)
+        if meant is not None:
+            yield from self._against(used, meant)
+        else:
+            yield from self._together(used)
 
     def _against(self, used: dict[Feature, list[Span]], meant: Meant) -> Iterator[Finding]:
         for feature, places in used.items():

@@ -1,12 +1,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.rule import Rule
-from actspec.audit.rules.actuator_texts import WrittenActuator, drives_in_mjcf, drives_kind, written_actuators
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
+from actspec.audit.rules.actuator_texts import (
+    NO_ACTUATORS,
+    WrittenActuator,
+    drives_in_mjcf,
+    drives_kind,
+    written_actuators,
+)
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
@@ -15,13 +21,18 @@ from actspec.robot.xml_tree import Element
 from actspec.units import format_quantity
 
 
-class GainsOfAnotherTag(Rule):
+class GainsOfAnotherTag(RuleInParts):
     code = "VER106"
     name = "gains-of-another-tag"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    needs = NO_ACTUATORS
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        if drives_in_mjcf(case):
+            yield self._changed(case)
+
+    def _changed(self, case: Case) -> Iterator[Finding]:
         """Resolve the classes by both rules."""
         meant = mujoco_of(case.versions)
         # Classes of the servo's own tag alone are the same in every release, and lose nothing.
@@ -40,8 +51,6 @@ class GainsOfAnotherTag(Rule):
             if old == new and lost is None:
                 continue
             yield self._finding(found, old, new, lost, meant)
-        if not drives_in_mjcf(case):
-            yield Skipped(self.code, "no MJCF with actuators among the files")
 
     def _finding(
         self,
