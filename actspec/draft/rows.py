@@ -11,7 +11,7 @@ from actspec.draft.sources import stated
 from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
 from actspec.readings.artifact import FileKind
-from actspec.resolution.quantities import unit_of
+from actspec.readings.quantities import unit_of
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind
 

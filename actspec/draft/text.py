@@ -7,7 +7,7 @@ from typing import Any
 
 from actspec.diagnostics import one_line
 from actspec.ir import Quantity
-from actspec.resolution.quantities import tidy
+from actspec.readings.quantities import tidy
 from actspec.robot.xml_edit import format_number
 from actspec.units import Kind, UnitError, parse_quantity
 

@@ -17,11 +17,11 @@ from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.config_randomized import randomizations
 from actspec.lift.config_unsaid import unsaid
 from actspec.lift.lifted import LeftAlone, Lifted
-from actspec.lift.quantities import stated, unknown
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
 from actspec.readings.config_figures import selected
 from actspec.readings.pair import joint_names, matching
+from actspec.readings.quantities import stated, unknown
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
 from actspec.robot.view import JointView
 

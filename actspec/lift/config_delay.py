@@ -8,10 +8,9 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.ir import Delay, Quantity
-from actspec.lift.quantities import stated, unknown
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.quantities import stated, tidy, unknown
 from actspec.readings.versions import Versions, isaaclab_row
-from actspec.resolution.quantities import tidy
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""

@@ -18,9 +18,9 @@ from actspec.ir import (
 )
 from actspec.lift.config_delay import delay_of
 from actspec.lift.config_unsaid import control_of
-from actspec.lift.quantities import Units, assumed, stated, unknown
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config_figures import Found, figures_of, value_of
+from actspec.readings.quantities import Units, assumed, stated, unknown
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import FrictionUnit

@@ -14,8 +14,7 @@ from actspec.ir import ActuatorSet, JointActuator, Quantity
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.newton_joint import NewtonDrive, unsaid
 from actspec.lift.newton_prims import newton_joints
-from actspec.lift.quantities import stated, unknown
-from actspec.resolution.quantities import tidy
+from actspec.readings.quantities import stated, tidy, unknown
 from actspec.robot.usda import UsdaLayer
 from actspec.robot.view import JointView
 

@@ -15,8 +15,7 @@ from actspec.diagnostics import one_line
 from actspec.ir import Command, Delay, JointActuator, JointKind, Level, Network, Quantity
 from actspec.lift.config_joint import NONE_FROM
 from actspec.lift.newton_prims import NewtonJoint
-from actspec.lift.quantities import Units, assumed, stated, unknown
-from actspec.resolution.quantities import tidy
+from actspec.readings.quantities import Units, assumed, stated, tidy, unknown
 from actspec.robot.usda import Asset, UsdaAttribute, UsdaPrim
 from actspec.robot.usda_values import NUMERIC
 

@@ -9,32 +9,26 @@ from __future__ import annotations
 import math
 import os
 import re
+from collections.abc import Iterator
+from dataclasses import replace
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, listed
 from actspec.ir import (
     ActuatorSet,
     Command,
     Delay,
     InertiaRange,
     JointActuator,
-    JointKind,
     Level,
     Quantity,
 )
 from actspec.lift.lifted import LeftAlone, Lifted
-from actspec.lift.quantities import Units, assumed, stated, unknown
-from actspec.lift.robot_limits import command_range, effort_limit
-from actspec.lift.robot_notes import notes_of
-from actspec.lift.robot_unsaid import held_joints, unsaid
-from actspec.resolution.model_values import actuators_of
-from actspec.resolution.quantities import tidy
-from actspec.robot.view import JointView, ModelFormat, RobotView
+from actspec.lift.unsupported import held_joints, unsupported
+from actspec.readings.compare import EXACT
+from actspec.readings.joint import NOT_TOLD, DriveReading, JointReading, largest, read_joints
+from actspec.readings.quantities import assumed, stated, tidy, unknown
+from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml_tree import XmlDocument
-
-_KD_STATED = frozenset({"kv", "dampratio", "biasprm", "controller"})
-"""Attributes of an actuator that state a velocity gain."""
-
-_TEXT = "the text alone does not tell"
 
 
 def lift_robot(view: RobotView) -> Lifted:
@@ -52,18 +46,16 @@ def lift_robot(view: RobotView) -> Lifted:
     alone: list[LeftAlone] = []
     notes: dict[str, tuple[str, ...]] = {}
     pose = _first_key(document)
-    for joint in view.joints:
-        if joint.kind not in (JointKind.HINGE, JointKind.SLIDE):
-            continue
-        left = unsaid(view, joint, held)
+    for reading in read_joints(view).values():
+        left = unsupported(view, reading, held)
         if left is not None:
             alone.append(left)
             continue
-        found = _Joint(view, joint, pose).actuator()
+        found = _Joint(view, reading, pose).actuator()
         actuators.append(found)
-        said = notes_of(joint, actuators_of(view, joint.name), found.command)
+        said = tuple(_notes(reading, found.command))
         if said:
-            notes[joint.name] = said
+            notes[found.joint] = said
     if view.refusal is not None:
         notes[""] = (f"read from the text alone: {view.refusal}",)
     return Lifted(
@@ -115,22 +107,20 @@ def _physics_dt(view: RobotView, document: XmlDocument | None) -> Quantity:
 class _Joint:
     """One joint of a robot file that a spec can describe."""
 
-    def __init__(self, view: RobotView, joint: JointView, pose: Span | None) -> None:
+    def __init__(self, view: RobotView, reading: JointReading, pose: Span | None) -> None:
         self.view = view
-        self.joint = joint
-        self.own = actuators_of(view, joint.name)
+        self.reading = reading
+        self.joint = reading.joint
+        self.units = reading.units
+        self.own = reading.acting
         self.first = self.own[0] if self.own else None
-        self.mjcf = view.format is ModelFormat.MJCF
         self.pose = pose
-        self.units = Units(joint.kind)
 
     def actuator(self) -> JointActuator:
-        joint, units, first = self.joint, self.units, self.first
+        joint, units, reading = self.joint, self.units, self.reading
+        first = None if self.first is None else self.first.view
         command = self._command()
-        inertia = (self.view.joint_inertia or {}).get(joint.name)
-        held, free = (None, None) if inertia is None else (inertia.held, inertia.free)
-        if inertia is None:
-            held, free = self._inertia()
+        held, free = self._inertia()
         line = None if first is None else first.line
         return JointActuator(
             joint=joint.name,
@@ -140,23 +130,23 @@ class _Joint:
             motor=None,
             level=Level.IDEAL_PD if line is None else Level.DC_MOTOR,
             command=command,
-            kp=self._stiffness() if command is Command.POSITION else None,
-            kd=None if command is Command.EFFORT else self._velocity_gain(),
-            effort_limit=effort_limit(joint, self.own, units.torque),
-            velocity_limit=self._velocity_limit(),
+            kp=self._gain("kp", units.stiffness) if command is Command.POSITION else None,
+            kd=None if command is Command.EFFORT else self._gain("kd", units.velocity_gain),
+            effort_limit=self._effort_limit(),
+            velocity_limit=_number(reading.velocity_limit),
             stall_torque=None if line is None else self._of_line(line[0], units.torque),
             no_load_speed=None if line is None else self._of_line(line[1], units.speed),
             curve=None,
             peak_torque=unknown(units.torque),
             continuous_torque=unknown(units.torque),
-            armature=self._armature(),
+            armature=reading.armature,
             reflected_inertia=unknown(units.inertia),
-            friction_coulomb=self._passive("frictionloss", joint.frictionloss, units.torque),
+            friction_coulomb=reading.frictionloss,
             friction_static=None,
-            friction_viscous=self._viscous(),
+            friction_viscous=reading.friction_viscous,
             stribeck_velocity=None,
             filter_cutoff=self._filter(),
-            command_range=command_range(joint, self.own, command, units),
+            command_range=self._command_range(command),
             delay=self._delay(),
             encoder_bias=self._bias(command),
             action_scale=None,
@@ -171,129 +161,149 @@ class _Joint:
 
     def _command(self) -> Command:
         """A dcmotor without any gain is driven by a torque, as its input says."""
-        if not self.own or any(a.kp or "kp" in a.unknown for a in self.own):
+        views = [drive.view for drive in self.own]
+        if not views or any(a.kp or "kp" in a.unknown for a in views):
             return Command.POSITION
-        if all(a.control == "motor" or (a.control == "dcmotor" and not a.kd) for a in self.own):
+        if all(a.control == "motor" or (a.control == "dcmotor" and not a.kd) for a in views):
             return Command.EFFORT
         return Command.VELOCITY
 
     def _inertia(self) -> tuple[InertiaRange | None, InertiaRange | None]:
-        joint, matrices = self.joint, self.view.inertia
+        joint, matrices, known = self.joint, self.view.inertia, self.reading.inertia
+        if known is not None:
+            return known.held, known.free
         if matrices is None or joint.dof < 0:
             return None, None
-        armature = {joint.dof: joint.armature + self._at_actuators("armature")}
+        armature = {joint.dof: self.reading.armature.value or 0.0}
         return matrices.held(armature)[joint.dof], matrices.free(armature)[joint.dof]
 
-    def _at_actuators(self, name: str) -> float:
-        """Actuator-level armature or linear damping, at the joint."""
-        values = (a.armature if name == "armature" else a.damping[0] for a in self.own)
-        return sum(a.gear**2 * value for a, value in zip(self.own, values, strict=True))
-
-    def _exact(self) -> bool:
-        """Whether the file's gains are those at the joint."""
-        return len(self.own) == 1 and self.own[0].gear == 1.0 and self.own[0].line is None
-
-    def _gain(self, name: str, attributes: frozenset[str], unit: str) -> Quantity:
-        """The sum of a gain over the actuators."""
-        stating = next((a for a in self.own if a.stated & attributes), self.own[0])
-        attribute = next(iter(sorted(stating.stated & attributes)), "")
-        span = stating.places.get(attribute, stating.span)
-        if any(name in a.unknown for a in self.own):
-            return unknown(unit, _TEXT, span)
-        value = sum(getattr(a, name) for a in self.own)
-        if self._exact():
-            return stated(value, unit, span)
-        formula = " + ".join(
-            f"{getattr(a, name) / a.gear**2:g} x {a.gear:g}^2 (gear)" for a in self.own if getattr(a, name)
-        )
-        return stated(tidy(value), unit, span, formula=formula or None)
-
-    def _stiffness(self) -> Quantity:
-        if not self.own:
-            return unknown(self.units.stiffness, "the file has no actuators: gains are the controller's")
-        return self._gain("kp", frozenset({"kp", "biasprm", "controller"}), self.units.stiffness)
-
-    def _velocity_gain(self) -> Quantity:
-        unit = self.units.velocity_gain
+    def _gain(self, name: str, unit: str) -> Quantity:
+        """The sum of a gain over the drives."""
         if not self.own:
             return unknown(unit, "the file has no actuators: gains are the controller's")
-        found = self._gain("kd", _KD_STATED, unit)
-        if found.value == 0.0 and not any(a.stated & _KD_STATED for a in self.own):
-            return assumed(0.0, unit, "the file's servo has no kv: MuJoCo takes 0")
-        return found
+        found: Quantity = getattr(self.reading, name)
+        # A dcmotor's gain is made of its other numbers.
+        computed = found.value is not None and any(drive.view.line is not None for drive in self.own)
+        return replace(found, value=tidy(found.require())) if computed else found
 
-    def _velocity_limit(self) -> Quantity:
-        value, unit = self.joint.velocity_limit, self.units.speed
-        if value is None:
-            return unknown(unit)
-        span = self.joint.places.get("velocity", self.joint.span)
-        if value == 0.0:
-            return unknown(unit, f"the file says 0 {unit}: nobody's number", span)
-        return stated(value, unit, span)
+    def _effort_limit(self) -> Quantity:
+        """Unknown where nothing limits it."""
+        found, unit = self.reading.drive_limit, self.units.torque
+        if found.value is None:
+            return found
+        if not math.isfinite(found.value):
+            return unknown(unit, "the file has no limit", found.span)
+        return _number(found)
+
+    def _command_range(self, command: Command) -> tuple[Quantity, Quantity] | None:
+        """Clamp of the command in joint units; None without one.
+
+        A torque motor's is only one where it is inside the limits of force and not symmetric; else it says nothing,
+        or is the effort limit.
+        """
+        lead = next((drive for drive in self.own if drive.view.control != "velocity"), self.first)
+        if lead is None:
+            return None
+        units = self.units
+        unit = {
+            Command.POSITION: units.position,
+            Command.VELOCITY: units.speed,
+            Command.EFFORT: units.torque,
+        }[command]
+        span = lead.place("ctrlrange", "posrange", "inheritrange", "ctrllimited")
+        if "control_range" in lead.view.unknown:
+            hidden = unknown(unit, NOT_TOLD, span)
+            return hidden, hidden
+        ends, exact = lead.command_range, lead.view.gear == 1.0
+        if command is Command.EFFORT:
+            # The input of a dcmotor without gains is a torque too.
+            ends, exact = lead.control_torques, exact and lead.view.gain == 1.0
+            bound = self.reading.force_bound.value
+            if ends is None or (bound is not None and ends[0] <= -bound and ends[1] >= bound):
+                return None
+            if lead.view.control == "motor" and is_symmetric(ends):
+                return None
+        if ends is None:
+            return None
+        low, high = (end if exact else tidy(end) for end in ends)
+        return stated(low, unit, span), stated(high, unit, span)
 
     def _of_line(self, value: float, unit: str) -> Quantity:
         assert self.first is not None
-        span = self.first.places.get("nominal", self.first.span)
+        span = self.first.place("nominal")
         return stated(tidy(value), unit, span, formula="from resistance, constant and voltage of the dcmotor")
 
-    def _passive(self, field: str, value: float, unit: str, at_actuators: float = 0.0) -> Quantity:
-        """What acts at the joint itself, with the actuators' share."""
-        joint = self.joint
-        span = joint.places.get(field, joint.span)
-        if field in joint.unknown or any(field in a.unknown for a in self.own):
-            return unknown(unit, _TEXT, span)
-        if at_actuators:
-            assert self.first is not None
-            formula = f"{value:g} (joint) + {at_actuators:g} (actuator)"
-            return stated(tidy(value + at_actuators), unit, self.first.span, formula=formula)
-        if value or field in joint.stated:
-            return stated(value, unit, span)
-        return assumed(0.0, unit, f"default of {self.view.format.value.upper()}, the file does not say")
-
-    def _armature(self) -> Quantity:
-        if not self.mjcf:
-            return unknown(self.units.inertia, "a URDF cannot say it")
-        return self._passive(
-            "armature", self.joint.armature, self.units.inertia, self._at_actuators("armature")
-        )
-
-    def _viscous(self) -> Quantity:
-        at_actuators = self._at_actuators("damping")
-        return self._passive("damping", self.joint.damping, self.units.velocity_gain, at_actuators)
-
     def _filter(self) -> Quantity | None:
-        first = self.first
-        if first is None or (first.time_constant <= 0.0 and "time_constant" not in first.unknown):
-            return None
-        span = first.places.get("timeconst", first.places.get("dynprm", first.span))
-        if "time_constant" in first.unknown:
-            return unknown("Hz", _TEXT, span)
-        cutoff = tidy(1.0 / (2.0 * math.pi * first.time_constant))
-        return stated(cutoff, "Hz", span, formula=f"1 / (2 pi {first.time_constant:g} s)")
+        found = None if self.first is None else self.first.filter_cutoff
+        if found is None or found.value is None:
+            return found
+        return replace(found, value=tidy(found.value))
 
     def _delay(self) -> Delay | None:
-        first = self.first
-        if first is None or (first.delay <= 0.0 and "delay" not in first.unknown):
-            return None
-        span = first.places.get("delay", first.span)
-        if "delay" in first.unknown:
-            return Delay(unknown("s", _TEXT, span), 0.0, 0.0, "episode")
-        return Delay(stated(first.delay, "s", span), first.delay, first.delay, "episode")
+        found = None if self.first is None else self.first.delay
+        return None if found is None else Delay(found, found.value or 0.0, found.value or 0.0, "episode")
 
     def _bias(self, command: Command) -> Quantity:
         first, unit = self.first, self.units.position
-        if first is None or command is not Command.POSITION or not first.offset:
+        if first is None or command is not Command.POSITION or not first.view.offset:
             return assumed(0.0, unit, "no bias is stated")
-        span = first.places.get("biasprm", first.span)
-        if {"offset", "kp"} & first.unknown:
-            return unknown(unit, _TEXT, span)
-        kp = first.kp / first.gear
-        return stated(tidy(-first.offset / kp), unit, span, formula=f"{-first.offset:g} / {kp:g} (stiffness)")
+        span, offset = first.place("biasprm"), first.view.offset
+        if {"offset", "kp"} & first.view.unknown:
+            return unknown(unit, NOT_TOLD, span)
+        kp = first.view.kp / first.view.gear
+        return stated(tidy(-offset / kp), unit, span, formula=f"{-offset:g} / {kp:g} (stiffness)")
 
     def _default_position(self) -> Quantity:
         joint, unit = self.joint, self.units.position
         if "reference_position" in joint.unknown:
-            return unknown(unit, _TEXT, self.pose)
+            return unknown(unit, NOT_TOLD, self.pose)
         if self.view.keyframes and self.pose is not None:
             return stated(joint.reference_position, unit, self.pose, note="the first keyframe")
         return assumed(joint.reference_position, unit, "the file has no pose: its zero")
+
+
+def is_symmetric(ends: tuple[float, float]) -> bool:
+    """Whether a range is the same in both directions."""
+    return abs(ends[0] + ends[1]) <= EXACT * largest(ends)
+
+
+def _number(limit: Quantity) -> Quantity:
+    """A limit; 0 is nobody's number."""
+    if limit.value != 0.0:
+        return limit
+    return unknown(limit.unit, f"the file says 0 {limit.unit}: nobody's number", limit.span)
+
+
+def _notes(reading: JointReading, command: Command) -> Iterator[str]:
+    """What of a joint that is lifted a spec cannot hold, or says otherwise."""
+    joint, units, acting = reading.joint, reading.units, reading.acting
+    off = [drive.view.name or str(drive.view.index) for drive in reading.drives if not drive.is_on]
+    if off:
+        yield f"the file switches {listed(off)} off: a compile leaves only the damping and armature of it"
+    if len(acting) > 1:
+        yield f"{len(acting)} actuators in the file ({', '.join(d.view.control for d in acting)}) become one"
+    factor = _control_factor(acting[0]) if acting else 1.0
+    if factor != 1.0:
+        effort = command is Command.EFFORT
+        where = f"in {units.torque} at the joint" if effort else "in joint units"
+        what = "gear and gain" if effort else "gear"
+        yield f"the file's {what} of {factor:g} go: after a compile the control is {where}"
+    ranges = [drive.view.force_range for drive in acting]
+    for span in (*ranges, joint.effort_range):
+        if span is not None and not is_symmetric(span):
+            yield f"the file's limit is not symmetric ({span[0]:g} to {span[1]:g}), a spec has one number: the larger"
+            break
+    if any(joint.damping_polynomial) or any(any(drive.view.damping[1:]) for drive in reading.drives):
+        yield "the file's polynomial damping stays in the model, a spec has no word for it"
+    if joint.springdamper:
+        yield "the file's springdamper is in force: a compile writes the stiffness and damping that it stands for"
+    elif joint.stiffness and "stiffness" not in joint.unknown:
+        value = f"{joint.stiffness:g} {units.stiffness}"
+        yield f"the joint's own spring ({value}) stays in the model, a spec has no word for it"
+    if any("dampratio" in drive.view.stated for drive in acting):
+        yield "the file's dampratio becomes the kd that MuJoCo makes of it"
+
+
+def _control_factor(drive: DriveReading) -> float:
+    """What the control is multiplied with on the way to the joint."""
+    return drive.view.gear * (drive.view.gain if drive.view.control == "motor" else 1.0)

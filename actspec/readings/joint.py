@@ -1,47 +1,608 @@
-"""What a robot file says of each joint."""
+"""What a robot file says of each joint: its passive part, its drives, what clamps each, and which are on.
+
+The one reading of a joint: the ledger's rows, the numbers of origin `model` that a spec falls back on, and what
+`import` makes of a file are views of it. Figures are at the joint, gear included. A number that the file does not
+tell is unknown; a limit that it does not have is infinite.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
 
-from actspec.joints import JointKind
-from actspec.robot.view import ActuatorView, JointInertia, JointView, RobotView
+from actspec.diagnostics import Span
+from actspec.ir import JointKind, Quantity
+from actspec.readings.quantities import Units, assumed, stated, tidy, unknown
+from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
 SCALAR = (JointKind.HINGE, JointKind.SLIDE)
+
+SERVOS = ("position", "velocity", "dcmotor", "pid")
+"""Controls whose kp and kd are a drive's gains."""
+
+IMPLICIT = ("implicit", "implicitfast", "discrete")
+"""Integrators that take the derivative of a drive's velocity gain. Source: MuJoCo 3.13 and 4.0, measured."""
+
+NOT_TOLD = "the file alone does not tell"
+
+_STATED_BY = {
+    "kp": ("kp", "biasprm", "controller"),
+    "kd": ("kv", "dampratio", "biasprm", "controller"),
+    "actuator_damping": ("damping",),
+    "armature": ("armature",),
+    "delay": ("delay",),
+    "command_range": ("ctrlrange", "inheritrange", "posrange"),
+    "effort_limit": ("forcerange", "forcelimited", "saturation"),
+}
+"""Figure to the attributes of an actuator that state it."""
+
+_OF_JOINT = {
+    "joint_damping": "damping",
+    "armature": "armature",
+    "frictionloss": "frictionloss",
+    "effort_limit": "effort",
+    "velocity_limit": "velocity",
+    "position_range": "range",
+}
+"""Figure to the name in `JointView.stated`."""
+
+
+@dataclass(frozen=True, slots=True)
+class DriveReading:
+    """One actuator that drives a joint directly.
+
+    Attributes:
+        view: The actuator, as the file has it.
+        joint: Its joint.
+        units: Of the joint.
+    """
+
+    view: ActuatorView
+    joint: JointView
+    units: Units
+
+    @property
+    def is_on(self) -> bool:
+        """Whether it gives a force: the file may switch off a group of actuators, or all."""
+        return not self.view.disabled
+
+    @property
+    def is_torque(self) -> bool:
+        """Whether the control alone decides on the torque."""
+        view = self.view
+        return view.control == "motor" and view.kd == 0.0 and not {"kd", "gain"} & view.unknown
+
+    @property
+    def kp(self) -> Quantity:
+        """Stiffness."""
+        return self._gain("kp", self.units.stiffness)
+
+    @property
+    def kd(self) -> Quantity:
+        """Velocity gain in the linear region; back-EMF is in it."""
+        return self._gain("kd", self.units.velocity_gain)
+
+    def _gain(self, name: str, unit: str) -> Quantity:
+        view, place = self.view, self.place(*_STATED_BY[name])
+        if name in view.unknown:
+            return unknown(unit, NOT_TOLD, place)
+        value: float = getattr(view, name)
+        if not value and not view.stated & set(_STATED_BY[name]):
+            word = {"kp": "kp", "kd": "kv"}[name]
+            return assumed(0.0, unit, f"the file's servo has no {word}: MuJoCo takes 0")
+        # The line of a dcmotor makes its gains, a gear those at the joint.
+        formula = None
+        if view.gear != 1.0 and view.gear:
+            formula = f"{value / view.gear**2:g} x {view.gear:g}^2 (gear)"
+        return stated(tidy(value) if formula else value, unit, place, formula=formula)
+
+    @property
+    def damping(self) -> float | None:
+        """Linear damping of the actuator itself, at the joint; None: unknown."""
+        view = self.view
+        if view.unknown and {"damping", "gear"} & view.unknown:
+            return None
+        return view.gear**2 * view.damping[0]
+
+    @property
+    def armature(self) -> float | None:
+        """Armature of the actuator itself, at the joint; None: unknown."""
+        view = self.view
+        if view.unknown and {"armature", "gear"} & view.unknown:
+            return None
+        return view.gear**2 * view.armature
+
+    @property
+    def force_bound(self) -> Quantity:
+        """Largest torque that its own force range allows, of two ends the larger; infinite without one."""
+        view, unit = self.view, self.units.torque
+        place = self.place("forcerange", "saturation", "forcelimited")
+        if view.unknown and {"force_range", "gear"} & view.unknown:
+            return unknown(unit, NOT_TOLD, place)
+        if view.force_range is None:
+            # A plugin or a muscle has bounds of its own.
+            if view.control in ("plugin", "other") and "kp" in view.unknown:
+                return unknown(unit, NOT_TOLD, place)
+            return assumed(math.inf, unit, "the file has no limit")
+        gear, end = abs(view.gear), largest(view.force_range)
+        formula = None if gear == 1.0 else f"{gear:g} (gear) x {end:g}"
+        return stated(tidy(gear * end) if formula else end, unit, place, formula=formula)
+
+    @property
+    def control_bound(self) -> Quantity:
+        """Largest torque that the clamp of its control allows; infinite unless the control alone is the torque."""
+        view, unit = self.view, self.units.torque
+        place = self.place("ctrlrange", "posrange", "inheritrange", "ctrllimited")
+        if not self.is_torque:
+            return assumed(math.inf, unit, "the control is no torque")
+        if view.unknown and {"control_range", "gear"} & view.unknown:
+            return unknown(unit, NOT_TOLD, place)
+        torques = self.control_torques
+        if torques is None:
+            return assumed(math.inf, unit, "the file has no limit")
+        factor = view.gear * view.gain
+        formula = None if factor == 1.0 else f"{factor:g} (gear x gain)"
+        if view.offset:
+            formula = f"{factor:g} (gear x gain), {view.gear * view.offset:g} (constant force)"
+        return stated(
+            tidy(largest(torques)) if formula else largest(torques),
+            unit,
+            place,
+            note="the range of the motor's control",
+            formula=formula,
+        )
+
+    @property
+    def control_torques(self) -> tuple[float, float] | None:
+        """Least and largest torque that a clamped torque command makes; None without a clamp."""
+        view = self.view
+        if view.control_range is None:
+            return None
+        # The input of a dcmotor without gains is the torque itself.
+        gain = 1.0 if view.control == "dcmotor" else view.gain
+        low, high = sorted(view.gear * (gain * end + view.offset) for end in view.control_range)
+        return low, high
+
+    @property
+    def bound(self) -> Quantity:
+        """Largest torque that it can apply, all clamps of its own together; infinite: any."""
+        return least((self.force_bound, self.control_bound))
+
+    @property
+    def command_range(self) -> tuple[float, float] | None:
+        """Clamp of the command at the joint: position or speed of a servo, torque of a motor; None: none known."""
+        view = self.view
+        if view.control_range is None or not view.gear or {"gear", "control_range"} & view.unknown:
+            return None
+        if view.control == "motor":
+            return None if "gain" in view.unknown else self.control_torques
+        low, high = sorted(end / view.gear for end in view.control_range)
+        return low, high
+
+    @property
+    def filter_cutoff(self) -> Quantity | None:
+        """First-order low-pass on the command; None without one."""
+        view = self.view
+        if view.time_constant <= 0.0 and "time_constant" not in view.unknown:
+            return None
+        place = self.place("timeconst", "dynprm")
+        if "time_constant" in view.unknown:
+            return unknown("Hz", NOT_TOLD, place)
+        cutoff = 1.0 / (2.0 * math.pi * view.time_constant)
+        return stated(cutoff, "Hz", place, formula=f"1 / (2 pi {view.time_constant:g} s)")
+
+    @property
+    def delay(self) -> Quantity | None:
+        """Delay of the command; None without one."""
+        view = self.view
+        if view.delay <= 0.0 and "delay" not in view.unknown:
+            return None
+        place = self.place("delay")
+        return unknown("s", NOT_TOLD, place) if "delay" in view.unknown else stated(view.delay, "s", place)
+
+    @property
+    def places(self) -> dict[str, Span]:
+        """Figure that it states to where."""
+        said = _said_of_actuator(self.view.stated, self.is_torque)
+        return {figure: self.view.places.get(name, self.view.span) for figure, name in said}
+
+    def place(self, *attributes: str) -> Span:
+        """Where the first of these attributes is written: in the element, or in its default class."""
+        places = self.view.places
+        return next((places[name] for name in attributes if name in places), self.view.span)
+
+
+@dataclass(frozen=True, slots=True)
+class JointReading:
+    """One hinge or slide of a robot file.
+
+    Attributes:
+        joint: The joint, as the file has it.
+        format: Of the file.
+        units: Of the joint.
+        drives: The actuators that drive it directly, in the file's order.
+        movers: What else gives it a force, over a tendon, a site or a crank: nobody knows how much.
+        inertia: Over the poses, armature included; None: unknown.
+        integrator: MuJoCo's name; "" when the format has none.
+        eulerdamp: Whether the Euler integrator takes passive damping implicitly.
+        timestep: The file's step [s]; None when the format has none.
+    """
+
+    joint: JointView
+    format: ModelFormat
+    units: Units
+    drives: tuple[DriveReading, ...]
+    movers: tuple[ActuatorView, ...]
+    inertia: JointInertia | None
+    integrator: str
+    eulerdamp: bool
+    timestep: float | None
+
+    @property
+    def acting(self) -> tuple[DriveReading, ...]:
+        """The drives that give a force."""
+        return tuple(drive for drive in self.drives if drive.is_on)
+
+    @property
+    def servos(self) -> tuple[DriveReading, ...]:
+        """The acting drives whose gains close a loop in the file."""
+        return tuple(drive for drive in self.acting if drive.view.control in SERVOS)
+
+    @property
+    def is_moved(self) -> bool:
+        """Whether something beside its drives gives it a force."""
+        return any(not mover.disabled for mover in self.movers)
+
+    # The passive part
+
+    @property
+    def joint_damping(self) -> Quantity:
+        """Viscous friction at the joint itself."""
+        return self._passive("damping", self.joint.damping, self.units.velocity_gain)
+
+    @property
+    def frictionloss(self) -> Quantity:
+        """Dry friction."""
+        return self._passive("frictionloss", self.joint.frictionloss, self.units.torque)
+
+    @property
+    def velocity_limit(self) -> Quantity:
+        """The joint's speed limit (URDF)."""
+        value, unit = self.joint.velocity_limit, self.units.speed
+        if value is None:
+            return unknown(unit)
+        return stated(value, unit, self.place("velocity"))
+
+    @property
+    def joint_bound(self) -> Quantity:
+        """Largest torque that the joint itself lets its actuators apply; infinite without a limit."""
+        joint, unit, place = self.joint, self.units.torque, self.place("effort")
+        if "effort_range" in joint.unknown:
+            return unknown(unit, NOT_TOLD, place)
+        if joint.effort_range is None:
+            return assumed(math.inf, unit, "the file has no limit")
+        return stated(largest(joint.effort_range), unit, place)
+
+    def _passive(self, name: str, value: float, unit: str) -> Quantity:
+        place = self.place(name)
+        if name in self.joint.unknown:
+            return unknown(unit, NOT_TOLD, place)
+        if value or name in self.joint.stated:
+            return stated(value, unit, place)
+        return assumed(0.0, unit, f"{self.format.value.upper()} default, the file does not say")
+
+    # With all drives
+
+    @property
+    def kp(self) -> Quantity:
+        """Stiffness of all acting drives together."""
+        return self._together("kp", self.units.stiffness, self.acting)
+
+    @property
+    def kd(self) -> Quantity:
+        """Velocity gain of all acting drives together."""
+        return self._together("kd", self.units.velocity_gain, self.acting)
+
+    def servo_gain(self, name: str) -> Quantity:
+        """`kp` or `kd` of the servos alone."""
+        return self._together(name, getattr(self, name).unit, self.servos)
+
+    def _together(self, name: str, unit: str, drives: Sequence[DriveReading]) -> Quantity:
+        parts: list[Quantity] = [getattr(drive, name) for drive in drives]
+        said = [part for part in parts if part.span is not None]
+        hidden = next((part for part in parts if part.value is None), None)
+        if hidden is not None:
+            return hidden
+        if len(said) <= 1:
+            return (*said, *parts, assumed(0.0, unit, "the file has no drive"))[0]
+        known = [part for part in said if part.value]
+        formula = " + ".join(part.formula or f"{part.value:g}" for part in known) if len(known) > 1 else None
+        first = known[0] if known else said[0]
+        assert first.span is not None
+        return stated(
+            tidy(sum(part.value or 0.0 for part in parts)), unit, first.span, formula=formula or first.formula
+        )
+
+    @property
+    def actuator_damping(self) -> float | None:
+        """Linear damping of the actuators, also of those that are off; None: unknown."""
+        return total([drive.damping for drive in self.drives])
+
+    @property
+    def friction_viscous(self) -> Quantity:
+        """Passive viscous friction: the joint's and its actuators'."""
+        return self._with_actuators(self.joint_damping, self.actuator_damping, "damping")
+
+    @property
+    def armature(self) -> Quantity:
+        """Armature: the joint's and its actuators'. A URDF cannot say it."""
+        unit = self.units.inertia
+        if self.format is not ModelFormat.MJCF:
+            return unknown(unit, f"a {self.format.value.upper()} cannot say it")
+        own = self._passive("armature", self.joint.armature, unit)
+        return self._with_actuators(own, total([drive.armature for drive in self.drives]), "armature")
+
+    def _with_actuators(self, own: Quantity, at_actuators: float | None, attribute: str) -> Quantity:
+        if own.value is None or at_actuators == 0.0:
+            return own
+        place = next((d.place(attribute) for d in self.drives if attribute in d.view.stated), None)
+        place = place or (self.drives[0].view.span if self.drives else self.joint.span)
+        if at_actuators is None:
+            return unknown(own.unit, NOT_TOLD, place)
+        formula = f"{own.value:g} (joint) + {at_actuators:g} (actuator)"
+        return stated(tidy(own.value + at_actuators), own.unit, place, formula=formula)
+
+    @property
+    def effort_limit(self) -> Quantity:
+        """Largest torque that acts on the joint; infinite without a limit.
+
+        Unknown also where something beside its drives moves it, unless the joint itself limits that too.
+        """
+        own = self.joint_bound
+        if not self.is_moved or own.value is None:
+            return self.drive_limit
+        return own if math.isfinite(own.value) else unknown(own.unit, "something else moves the joint")
+
+    @property
+    def drive_limit(self) -> Quantity:
+        """Largest torque of its drives: the least of the joint's own limit and of all acting drives together.
+
+        Of a range whose ends differ the larger magnitude counts. Infinite: there is no limit. A URDF's effort is as
+        it is written.
+        """
+        joint, unit = self.joint, self.units.torque
+        if self.format is ModelFormat.URDF:
+            if "effort" not in joint.stated:
+                return unknown(unit, "the file has no limit")
+            end = math.inf if joint.effort_range is None else joint.effort_range[1]
+            return stated(end, unit, self.place("effort"))
+        own = self.joint_bound
+        return least((own, self._bounds("bound"))) if self.acting and own.value is not None else own
+
+    @property
+    def force_bound(self) -> Quantity:
+        """Largest torque that force ranges allow, the joint's and the drives', clamps of controls left out."""
+        return least((self.joint_bound, self._bounds("force_bound"))) if self.acting else self.joint_bound
+
+    def _bounds(self, name: str) -> Quantity:
+        bounds: list[Quantity] = [getattr(drive, name) for drive in self.acting]
+        value, unit = total([bound.value for bound in bounds]), self.units.torque
+        hidden = next((bound for bound in bounds if bound.value is None), None)
+        if hidden is not None:
+            return hidden
+        assert value is not None
+        if len(bounds) == 1 or not math.isfinite(value):
+            return next(
+                (b for b in bounds if b.value == value), assumed(math.inf, unit, "the file has no limit")
+            )
+        assert bounds[0].span is not None
+        return stated(
+            tidy(value), unit, bounds[0].span, formula=" + ".join(b.formula or f"{b.value:g}" for b in bounds)
+        )
+
+    @property
+    def total_damping(self) -> float | None:
+        """Gains and passive damping together; None: unknown."""
+        moving = [mover for mover in self.movers if not mover.disabled]
+        return total([self.passive_damping, self.kd.value, *(_zero(mover, "kd") for mover in moving)])
+
+    @property
+    def passive_damping(self) -> float | None:
+        """Damping of the joint, its actuators and what else moves it; None: unknown."""
+        others = (_zero(mover, "damping") for mover in self.movers)
+        return total([self.joint_damping.value, self.actuator_damping, *others])
+
+    @property
+    def total_stiffness(self) -> float | None:
+        """Stiffness of everything that drives the joint; None: unknown."""
+        moving = [mover for mover in self.movers if not mover.disabled]
+        return total([self.kp.value, *(_zero(mover, "kp") for mover in moving)])
+
+    @property
+    def total_armature(self) -> float | None:
+        """Armature with that of what else moves the joint; None: unknown."""
+        return total([self.armature.value, *(_zero(mover, "armature") for mover in self.movers)])
+
+    # Dynamics
+
+    @property
+    def natural_frequency(self) -> float | None:
+        """sqrt(kp / inertia held) at the reference pose [rad/s]; None: unknown, or no stiffness."""
+        stiffness, reference = self.total_stiffness, self._reference
+        return None if not stiffness or stiffness < 0.0 or not reference else math.sqrt(stiffness / reference)
+
+    @property
+    def damping_ratio(self) -> float | None:
+        """total damping / (2 sqrt(kp inertia)) at the reference pose [-]; None: unknown, or no stiffness."""
+        frequency, damping = self.natural_frequency, self.total_damping
+        if frequency is None or damping is None:
+            return None
+        return damping / (2.0 * math.sqrt((self.total_stiffness or 0.0) * (self._reference or 0.0)))
+
+    @property
+    def _reference(self) -> float | None:
+        inertia = self.inertia
+        return inertia.held.reference if inertia is not None and inertia.held.reference > 0.0 else None
+
+    @property
+    def is_passive_implicit(self) -> bool | None:
+        """Whether the engine integrates passive damping implicitly; None where no integrator is known.
+
+        Source: MuJoCo 3.2 to 4.0, one step, measured: Euler does with eulerdamp, RK4 does not.
+        """
+        if not self.integrator:
+            return None
+        return self.integrator in IMPLICIT or (self.integrator == "Euler" and self.eulerdamp)
+
+    @property
+    def stability(self) -> float | None:
+        """h * Kd / least free inertia, over the damping that the integrator takes explicitly [-]; None: unknown."""
+        inertia = self.inertia
+        if self.timestep is None or not self.integrator or inertia is None or inertia.free.low <= 0.0:
+            return None
+        explicit = self.total_damping
+        if self.integrator in IMPLICIT:
+            explicit = 0.0
+        elif explicit is not None and self.is_passive_implicit:
+            explicit = self.kd.value
+        return None if explicit is None else self.timestep * explicit / inertia.free.low
+
+    # Places
+
+    @property
+    def places(self) -> dict[str, Span]:
+        """Figure that the joint itself states to where."""
+        said = _said_of_joint(self.joint.stated)
+        return {figure: self.joint.places.get(name, self.joint.span) for figure, name in said}
+
+    def place(self, name: str) -> Span:
+        """Where the joint states something, by its name in `JointView.stated`; else the joint."""
+        return self.joint.places.get(name, self.joint.span)
+
+
+def read_joints(
+    robot: RobotView, inertias: Mapping[str, JointInertia] | None = None
+) -> dict[str, JointReading]:
+    """The reading of every named hinge and slide of a robot, in its order.
+
+    Args:
+        robot: The robot.
+        inertias: Of `joint_inertias`, which takes long; None: as far as the robot carries them.
+    """
+    driving: dict[str, list[ActuatorView]] = {}
+    for actuator in robot.actuators:
+        if is_direct(actuator):
+            driving.setdefault(actuator.target, []).append(actuator)
+    loose = loose_actuators(robot)
+    inertias = inertias or robot.joint_inertia or {}
+    return {
+        joint.name: _reading(robot, joint, driving.get(joint.name, []), loose, inertias.get(joint.name))
+        for joint in robot.joints
+        if joint.kind in SCALAR
+    }
+
+
+def read_joint(robot: RobotView, name: str) -> JointReading:
+    """The reading of one named hinge or slide.
+
+    Raises: KeyError: the robot has no such joint.
+    """
+    joint = robot.joint(name)
+    if joint is None:
+        raise KeyError(name)
+    own = [a for a in robot.actuators if is_direct(a) and a.target == name]
+    return _reading(robot, joint, own, loose_actuators(robot), (robot.joint_inertia or {}).get(name))
+
+
+def _reading(
+    robot: RobotView,
+    joint: JointView,
+    own: Iterable[ActuatorView],
+    loose: Iterable[ActuatorView],
+    inertia: JointInertia | None,
+) -> JointReading:
+    units = Units(joint.kind)
+    return JointReading(
+        joint,
+        robot.format,
+        units,
+        tuple(DriveReading(actuator, joint, units) for actuator in own),
+        tuple(a for a in loose if a.moves is None or joint.name in a.moves),
+        inertia,
+        robot.integrator,
+        robot.eulerdamp,
+        robot.timestep,
+    )
+
+
+def is_direct(actuator: ActuatorView) -> bool:
+    """Whether an actuator drives a joint, and not a tendon, a site or a body."""
+    return actuator.transmission in ("joint", "jointinparent")
+
+
+def loose_actuators(robot: RobotView) -> tuple[ActuatorView, ...]:
+    """The actuators that drive no named hinge or slide directly."""
+    scalar = {joint.name for joint in robot.joints if joint.kind in SCALAR}
+    return tuple(a for a in robot.actuators if not (is_direct(a) and a.target in scalar))
 
 
 def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
     """Inertia of every named hinge and slide with the file's own armature; none without mass matrices."""
-    return inertias_of(robot, _drives(robot))
-
-
-def _drives(robot: RobotView) -> dict[str, list[ActuatorView]]:
-    found: dict[str, list[ActuatorView]] = {}
-    for actuator in robot.actuators:
-        if actuator.transmission in ("joint", "jointinparent"):
-            found.setdefault(actuator.target, []).append(actuator)
-    return found
-
-
-def inertias_of(robot: RobotView, driving: Mapping[str, list[ActuatorView]]) -> Mapping[str, JointInertia]:
-    """As `joint_inertias`, with the actuators by joint."""
     if robot.joint_inertia is not None:
         return robot.joint_inertia
     if robot.inertia is None:
         return {}
-    armature = {
-        joint.dof: armature_of(joint, driving.get(joint.name, []))
-        for joint in robot.joints
-        if joint.dof >= 0 and joint.kind in SCALAR
-    }
+    armature = {j.dof: j.armature for j in robot.joints if j.dof >= 0 and j.kind in SCALAR}
+    dofs = {j.name: j.dof for j in robot.joints if j.dof in armature}
+    for actuator in robot.actuators:
+        if is_direct(actuator) and actuator.target in dofs:
+            armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
     held, free = robot.inertia.held(armature), robot.inertia.free(armature)
-    return {
-        joint.name: JointInertia(held[joint.dof], free[joint.dof])
-        for joint in robot.joints
-        if joint.dof in armature
-    }
+    return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}
 
 
-def armature_of(joint: JointView, drives: list[ActuatorView]) -> float:
-    """Armature of a joint with that of its actuators."""
-    return joint.armature + sum(a.gear**2 * a.armature for a in drives)
+def largest(ends: tuple[float, float]) -> float:
+    """The larger magnitude of a range's ends."""
+    return max(abs(end) for end in ends)
+
+
+def total(values: Sequence[float | None]) -> float | None:
+    """The sum; None if a part is unknown."""
+    known = [value for value in values if value is not None]
+    return sum(known) if len(known) == len(values) else None
+
+
+def least(bounds: Sequence[Quantity]) -> Quantity:
+    """The least bound; unknown if one of them is."""
+    return min(bounds, key=lambda bound: -math.inf if bound.value is None else bound.value)
+
+
+def _zero(actuator: ActuatorView, name: str) -> float | None:
+    """0 where a field of an actuator is known to be 0, None otherwise."""
+    value = getattr(actuator, name)
+    none = not (any(value) if isinstance(value, tuple) else value)
+    return 0.0 if none and name not in actuator.unknown else None
+
+
+@lru_cache(maxsize=256)
+def _said_of_joint(stated: frozenset[str]) -> tuple[tuple[str, str], ...]:
+    return tuple((figure, name) for figure, name in _OF_JOINT.items() if name in stated)
+
+
+@lru_cache(maxsize=256)
+def _said_of_actuator(stated: frozenset[str], torque: bool) -> tuple[tuple[str, str], ...]:
+    """Figures that an actuator states, each with the attribute that does.
+
+    Args:
+        stated: Its attributes.
+        torque: Whether its control range is one of the torque.
+    """
+    found = []
+    for figure, names in _STATED_BY.items():
+        last = ("ctrlrange",) if figure == "effort_limit" and torque else ()
+        said = next((name for name in (*names, *last) if name in stated), None)
+        if said is not None:
+            found.append((figure, said))
+    return tuple(found)

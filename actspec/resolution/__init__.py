@@ -7,6 +7,7 @@ import os
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
+from actspec.readings.joint import read_joints
 from actspec.resolution.joint import actuator_of, armature_of
 from actspec.resolution.linkage import linked_motors
 from actspec.resolution.model_values import model_values
@@ -42,10 +43,11 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     }
     motors |= own_motors(spec, stated, collector)
     reports = Reports()
+    readings = read_joints(robot)
     said = [
         joint_inputs(
             item,
-            model_values(robot, item.binding.joint),
+            model_values(readings[item.binding.joint.name]),
             motors.get(item.binding.joint.name),
             collector,
             reports,

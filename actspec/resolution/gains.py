@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from actspec.ir import Command, InertiaRange, Level, Origin, Quantity
-from actspec.resolution.quantities import tidy, unknown
+from actspec.readings.quantities import tidy, unknown
 from actspec.resolution.stated import JointInputs
 from actspec.spec.fields import DerivedGain
 from actspec.spec.values import SpecValue

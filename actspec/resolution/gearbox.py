@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, Path, dotted
 from actspec.ir import JointKind, Origin, Quantity
-from actspec.resolution.quantities import Factor, in_words, scaled, tidy, unit_of, written
+from actspec.readings.quantities import tidy, unit_of
+from actspec.resolution.quantities import Factor, in_words, scaled, written
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
 from actspec.spec.models import Motor
 from actspec.spec.rules.motors import number, stage_ratio

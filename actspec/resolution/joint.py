@@ -6,10 +6,11 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from actspec.ir import InertiaRange, JointActuator, Level, Network, Origin, Quantity
+from actspec.readings.quantities import unknown
 from actspec.resolution.command_path import command_range, delay, filter_cutoff, randomizations
 from actspec.resolution.gains import stiffness, velocity_gain
 from actspec.resolution.motor import JointMotor
-from actspec.resolution.quantities import choose, unknown, written
+from actspec.resolution.quantities import choose, written
 from actspec.resolution.stated import JointInputs
 from actspec.spec.values import SpecValue
 from actspec.units import Kind, format_quantity

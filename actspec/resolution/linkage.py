@@ -12,9 +12,9 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, Path, dotted, listed
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
+from actspec.readings.quantities import tidy, unit_of, unknown
 from actspec.resolution.gearbox import Train, gear_train, unfit
 from actspec.resolution.motor import Drivetrain, JointMotor, check_motor, joint_motor
-from actspec.resolution.quantities import tidy, unit_of, unknown
 from actspec.resolution.stated import Bindings, Stated
 from actspec.spec.gears import Linkage
 from actspec.spec.rules.motors import number

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, Path, dotted
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
+from actspec.readings.quantities import tidy, unit_of, unknown
 from actspec.resolution.gearbox import (
     Train,
     carried,
@@ -16,7 +17,7 @@ from actspec.resolution.gearbox import (
     joint_train,
     unfit,
 )
-from actspec.resolution.quantities import Factor, scaled, tidy, unit_of, unknown, written
+from actspec.resolution.quantities import Factor, scaled, written
 from actspec.resolution.stated import Stated
 from actspec.spec.models import Motor
 from actspec.spec.validate import Spec

@@ -10,20 +10,16 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.diagnostics import Collector, Span, listed
-from actspec.ir import JointKind, Origin, Quantity
+from actspec.ir import Origin, Quantity
+from actspec.readings.quantities import tidy
 from actspec.spec.values import SpecValue
-from actspec.units import Kind, format_quantity
+from actspec.units import format_quantity
 
 Factor = tuple[float, str]
 """A number that scales another, and its name in formulas, e.g. (9.0, "gear_ratio")."""
 
 CONFLICT_STD = 3.0
 """Authored and identified apart by more than this many std are reported (DESIGN: precedence)."""
-
-
-def unit_of(kind: Kind, joint: JointKind) -> str:
-    """SI unit of a quantity kind at a hinge or a slide."""
-    return kind.linear_unit if joint is JointKind.SLIDE else kind.rotary_unit
 
 
 def written(value: SpecValue, unit: str, span: Span, origin: Origin = Origin.AUTHORED) -> Quantity:
@@ -37,19 +33,6 @@ def written(value: SpecValue, unit: str, span: Span, origin: Origin = Origin.AUT
         std=value.std,
         note=value.note,
     )
-
-
-def unknown(unit: str, note: str | None = None) -> Quantity:
-    """A quantity about which nobody says anything."""
-    return Quantity(None, unit, Origin.UNKNOWN, note=note)
-
-
-def tidy(value: float) -> float:
-    """A computed number to 12 significant digits, so that 81 x 0.000111842 is 0.009059202 in every file.
-
-    Chosen: a relative change of 5e-13 at most, a thousandth of what any target is checked to.
-    """
-    return float(f"{value:.12g}")
 
 
 def scaled(quantity: Quantity, factors: Sequence[Factor], divide: bool = False) -> Quantity:

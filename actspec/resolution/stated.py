@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
 from actspec.patterns import PatternError, match_names, suggest_pattern
-from actspec.resolution.quantities import Reports, choose, conflict, unit_of, written
+from actspec.readings.quantities import unit_of
+from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.fields import CommandRange, DerivedGain
 from actspec.spec.models import Actuators, Motor

@@ -130,6 +130,8 @@ def read_mjcf(
         files=tuple(files),
         diagnostics=tuple(out),
         eulerdamp="EULERDAMP" not in switched_off,
+        actuation="ACTUATION" not in switched_off,
+        off_groups=_off_groups(model),
         joint_inertia=masses.by_name(joints),
     )
 
@@ -374,14 +376,15 @@ def _actuator(
         stated=frozenset(stated),
         places=places,
         unknown=frozenset(name for name in ("kp", "kd") if isnan(getattr(kind, name))),
-        disabled="ACTUATION" in switched_off or _is_disabled(model.model, group),
+        disabled="ACTUATION" in switched_off or group in _off_groups(model.model),
         moves=tuple(name for name in reached if name),
     )
 
 
-def _is_disabled(model: mujoco.MjModel, group: int) -> bool:
+def _off_groups(model: mujoco.MjModel) -> frozenset[int]:
     # Groups beyond 30 cannot be switched off.
-    return 0 <= group <= 30 and bool(int(model.opt.disableactuator) >> group & 1)
+    bits = int(model.opt.disableactuator)
+    return frozenset(group for group in range(31) if bits >> group & 1)
 
 
 def _switched_off(model: mujoco.MjModel) -> frozenset[str]:

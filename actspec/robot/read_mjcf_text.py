@@ -81,6 +81,8 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
         files=document.files,
         diagnostics=tuple(out),
         eulerdamp=_flag(document, "eulerdamp"),
+        actuation=switches.actuation,
+        off_groups=frozenset(switches.off),
         refusal=refusal,
     )
 

@@ -246,6 +246,8 @@ class RobotView:
         diagnostics: Warnings of the reader.
         eulerdamp: Whether the Euler integrator takes joint damping implicitly (MuJoCo's flag).
         joint_inertia: Inertia of each hinge and slide with the file's armature; None: not taken.
+        actuation: Whether the file leaves actuators on at all (MuJoCo's flag).
+        off_groups: Actuator groups that the file switches off.
         refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
     """
 
@@ -263,6 +265,8 @@ class RobotView:
     diagnostics: tuple[Diagnostic, ...] = ()
     eulerdamp: bool = True
     joint_inertia: Mapping[str, JointInertia] | None = None
+    actuation: bool = True
+    off_groups: frozenset[int] = frozenset()
     refusal: str | None = None
 
     def joint(self, name: str) -> JointView | None:

@@ -18,7 +18,8 @@ from actspec import api
 from actspec.audit.dynamics import JointDynamics
 from actspec.diagnostics import ActspecError, Severity
 from actspec.ir import JointKind
-from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.readings.joint import read_joint
+from actspec.resolution.model_values import finite_limit
 from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import Element, parse_document
@@ -125,14 +126,16 @@ def effective(robot: RobotView, joint: str) -> dict[str, float]:
     """What acts on a joint."""
     view = robot.joint(joint)
     assert view is not None
-    own = actuators_of(robot, joint)
+    reading = read_joint(robot, joint)
+    own = [drive.view for drive in reading.drives]
+    limit = finite_limit(reading.drive_limit)
     return {
         "kp": sum(a.kp for a in own),
         "kd": sum(a.kd for a in own),
         "viscous": view.damping + sum(a.gear**2 * a.damping[0] for a in own),
         "coulomb": view.frictionloss,
         "armature": view.armature + sum(a.gear**2 * a.armature for a in own),
-        "limit": effort_bound(view, own) or 0.0,
+        "limit": 0.0 if limit is None else limit.require(),
     }
 
 

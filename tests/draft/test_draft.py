@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from actspec import api
 from actspec.diagnostics import ActspecError, RobotError
 from actspec.draft import starting_spec
-from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.readings.joint import read_joint
+from actspec.resolution.model_values import finite_limit
 from actspec.robot.load import load_robot
 from actspec.robot.view import RobotView
 from actspec.simulators.mujoco import DcMotorDialect, installed_dialect
@@ -43,14 +44,16 @@ def effective(robot: RobotView) -> dict[str, tuple[float, ...]]:
     """What acts on each joint: kp, kd, passive damping, dry friction, armature, limit."""
     found = {}
     for joint in robot.joints:
-        own = actuators_of(robot, joint.name)
+        reading = read_joint(robot, joint.name)
+        own = [drive.view for drive in reading.drives]
+        limit = finite_limit(reading.drive_limit)
         found[joint.name] = (
             sum(a.kp for a in own),
             sum(a.kd for a in own),
             joint.damping + sum(a.gear**2 * a.damping[0] for a in own),
             joint.frictionloss,
             joint.armature + sum(a.gear**2 * a.armature for a in own),
-            effort_bound(joint, own) or 0.0,
+            0.0 if limit is None else limit.require(),
         )
     return found
 

@@ -127,10 +127,10 @@ def test_at_the_actuator() -> None:
         ('gainprm="2" gear="5" ctrlrange="-1.5 1.5"', "", 15.0, None),  # 5 x 2 x 1.5
         ('ctrlrange="-4 9"', "", 9.0, (-4.0, 9.0)),
         ('ctrlrange="-4 4" forcerange="-7 7"', "", 4.0, None),
-        ('ctrlrange="-4 3" forcerange="-7 7"', "", 7.0, (-4.0, 3.0)),
+        ('ctrlrange="-4 3" forcerange="-7 7"', "", 4.0, (-4.0, 3.0)),
         ('ctrlrange="-9 8" forcerange="-7 7"', "", 7.0, None),
         ('ctrlrange="-9 9"', 'actuatorfrcrange="-5 5"', 5.0, None),
-        ('gear="-2" ctrlrange="-1 3" forcerange="-10 10"', "", 20.0, (-6.0, 2.0)),
+        ('gear="-2" ctrlrange="-1 3" forcerange="-10 10"', "", 6.0, (-6.0, 2.0)),
     ],
     ids=["the limit", "not symmetric", "tighter", "inside", "outside", "at the joint", "turned"],
 )

@@ -17,7 +17,6 @@ from hypothesis import strategies as st
 
 from actspec.ir import Command
 from actspec.laws import law_of
-from actspec.resolution.model_values import actuators_of
 from tests.compiling import Compiled, compile_text
 
 INSTALLED = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
@@ -342,7 +341,7 @@ def check_joints(compiled: Compiled, before: Any, after: Any) -> None:
         for actuator in compiled.actuators.joints:
             joint = compiled.robot.joint(actuator.joint)
             assert joint is not None
-            own = actuators_of(compiled.robot, joint.name)
+            own = [a for a in compiled.robot.actuators if a.target == joint.name]
             linear = joint.damping + sum(a.gear**2 * a.damping[0] for a in own)
             viscous = actuator.friction_viscous.require()
             expected[dof(before, joint.name)] += (linear - viscous) * speed
@@ -372,7 +371,7 @@ def check_kept(compiled: Compiled, before: Any, after: Any, unmanaged: set[str])
             continue
         if on_managed:
             seen.add(view.target)
-            own = actuators_of(compiled.robot, view.target)
+            own = [a for a in compiled.robot.actuators if a.target == view.target]
             names.append(next((a.name for a in own if a.name), ""))
         else:
             names.append(view.name)

@@ -19,8 +19,10 @@ from enum import Enum
 from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps
+from actspec.readings.joint import JointReading
+from actspec.resolution.model_values import finite_limit
 from actspec.resolution.quantities import Reports
-from actspec.robot.view import ActuatorView, JointView
+from actspec.robot.view import JointView
 from actspec.simulators import text_of
 from actspec.simulators.mujoco import NATIVE_DELAY, DcMotorDialect, MujocoDialect
 from actspec.targets.base import Approximation
@@ -110,8 +112,7 @@ class DriveResult:
 def drive_of(
     actuator: JointActuator,
     joint: JointView,
-    own: tuple[ActuatorView, ...],
-    own_limit: float | None,
+    reading: JointReading,
     dialect: MujocoDialect,
     step: float,
     target: str,
@@ -123,8 +124,7 @@ def drive_of(
     Args:
         actuator: What the spec asks for.
         joint: The robot's joint.
-        own: The file's own actuators on it; their gains serve where the spec says `unknown`.
-        own_limit: The file's own effort limit [N*m or N]; None: none.
+        reading: What the file says of it; its gains and limit serve where the spec says `unknown`.
         dialect: MuJoCo version that is written.
         step: Simulation step [s].
         target: Name of the target, for approximations.
@@ -135,7 +135,7 @@ def drive_of(
     """
     if actuator.level is Level.ACTUATOR_NET:
         return DriveResult(_network_drive(actuator, step), _network_losses(actuator, target))
-    known = _with_own_gains(actuator, own, own_limit, reports)
+    known = _with_own_gains(actuator, reading, reports)
     if known is None:
         return None
     try:
@@ -149,11 +149,9 @@ def drive_of(
         return None
 
 
-def _with_own_gains(
-    actuator: JointActuator, own: tuple[ActuatorView, ...], own_limit: float | None, reports: Reports
-) -> JointActuator | None:
+def _with_own_gains(actuator: JointActuator, reading: JointReading, reports: Reports) -> JointActuator | None:
     """Fill unknown gains and limit from the file's own servo; report what nobody knows."""
-    servos = [a for a in own if a.control in ("position", "dcmotor", "pid", "velocity")]
+    servos, own_limit = reading.servos, finite_limit(reading.drive_limit)
     filled: dict[str, Quantity] = {}
     complete = True
     for field, needed in (
@@ -163,11 +161,14 @@ def _with_own_gains(
         quantity: Quantity | None = getattr(actuator, field)
         if not needed or (quantity is not None and quantity.known):
             continue
-        found = sum(getattr(a, field) for a in servos)
-        untold = any(field in a.unknown for a in servos)
-        if not servos or untold or (field == "kp" and found == 0.0):
+        found = reading.servo_gain(field).value
+        if not servos or found is None or (field == "kp" and found == 0.0):
             complete = False
-            why = "the file alone does not tell its servo's" if untold else "the file has no servo to keep"
+            why = (
+                "the file alone does not tell its servo's"
+                if found is None
+                else "the file has no servo to keep"
+            )
             reports.error(
                 "MJC001",
                 actuator.joint,
@@ -181,8 +182,8 @@ def _with_own_gains(
         filled[field] = replace(quantity, value=found)
     if not complete:
         return None
-    if not actuator.effort_limit.known and own_limit is not None:
-        filled["effort_limit"] = replace(actuator.effort_limit, value=own_limit)
+    if not actuator.effort_limit.known and own_limit is not None and own_limit.known:
+        filled["effort_limit"] = replace(actuator.effort_limit, value=own_limit.value)
     return replace(actuator, **filled) if filled else actuator  # type: ignore[arg-type]
 
 

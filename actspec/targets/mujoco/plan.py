@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Span
 from actspec.ir import ActuatorSet, Command, JointActuator
-from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.readings.joint import read_joints
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.simulators.mujoco import MujocoDialect
@@ -120,12 +120,21 @@ def plan_model(
     added: list[Drive] = []
     renamed: dict[str, str] = {}
     reports = Reports()
+    readings = read_joints(robot)
+    if not robot.actuation:
+        collector.error(
+            "MJC026",
+            'the file switches all actuators off (option/flag actuation="disable"): no drive would give a force',
+            span=Span(robot.path),
+            help="remove the flag from the model",
+        )
     for actuator in actuators.joints:
         joint = robot.joint(actuator.joint)
         assert joint is not None
-        own = actuators_of(robot, joint.name)
-        limit = effort_bound(joint, own)
-        result = drive_of(actuator, joint, own, limit, dialect, step, target, collector, reports)
+        reading = readings[joint.name]
+        # One that gives a force is replaced before one that the file switches off.
+        own = tuple(drive.view for drive in sorted(reading.drives, key=lambda one: not one.is_on))
+        result = drive_of(actuator, joint, reading, dialect, step, target, collector, reports)
         if result is None:
             continue
         lost += result.approximations
@@ -133,7 +142,9 @@ def plan_model(
         if own:
             # The first's name; without one the next, so that sensors have something to point to.
             name = next((a.name for a in own if a.name), "")
-            drive = replace(drive, name=name, group=own[0].group)
+            drive = replace(
+                drive, name=name, group=_group_on(robot, own[0].group, drive, own[0].span, collector)
+            )
             replaced.append(Replaced(own[0].index, drive))
             _note_replaced(own, drive, collector)
             for other in own[1:]:
@@ -149,7 +160,7 @@ def plan_model(
                     span=next(a.span for a in robot.actuators if a.name == drive.name),
                     help="rename the other actuator",
                 )
-            added.append(drive)
+            added.append(replace(drive, group=_group_on(robot, 0, drive, joint.span, collector)))
         joint_edits.append(_joint_edit(actuator, joint, own, dialect, robot.inertia_reason, collector))
     reports.tell(collector)
     units = [a.armature.unit for a in actuators.joints if a.armature.value is None]
@@ -179,6 +190,22 @@ def plan_model(
         dcmotors=dcmotors or any(d.form is Form.DCMOTOR for d in (*(r.drive for r in replaced), *added)),
     )
     return Planned(plan, tuple(lost))
+
+
+def _group_on(robot: RobotView, group: int, drive: Drive, span: Span, collector: Collector) -> int:
+    """The group that a drive gets: that of the actuator that it replaces, unless the file switches that off."""
+    if group not in robot.off_groups:
+        return group
+    on = next(number for number in range(32) if number not in robot.off_groups)
+    collector.warning(
+        "MJC027",
+        f"'{drive.name}' gets group {on}: the file switches group {group} off (option actuatorgroupdisable), and the "
+        "drive would give no torque",
+        where=drive.joint,
+        span=span,
+        help="add the joint to robot.unmanaged if its drive is to stay off",
+    )
+    return on
 
 
 def _note_replaced(own: tuple[ActuatorView, ...], drive: Drive, collector: Collector) -> None:

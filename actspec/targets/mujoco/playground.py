@@ -7,7 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Randomization
-from actspec.resolution.model_values import actuators_of, effort_bound
+from actspec.readings.joint import read_joint
+from actspec.resolution.model_values import finite_limit
 from actspec.robot.view import RobotView
 from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges, unit_of
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
@@ -45,7 +46,7 @@ def held_of(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -
     limited, coulomb = actuator.effort_limit.known, actuator.friction_coulomb.value
     # A network's motor takes no limit of the file's own servo.
     if joint is not None and not limited and actuator.level is not Level.ACTUATOR_NET:
-        limited = effort_bound(joint, actuators_of(robot, joint.name)) is not None
+        limited = finite_limit(read_joint(robot, joint.name).drive_limit) is not None
     if coulomb is None:
         coulomb = 0.0 if joint is None else joint.frictionloss
     capped = joint is not None and joint.effort_range is not None
