@@ -109,8 +109,8 @@ class Report:
             found += _from_text(file)
         return (*found, *strangers(self.case), *self.problems)
 
-    def told(self) -> tuple[Diagnostic, ...]:
-        """What of it people are told: mere information is for programs, but not what nobody looked at."""
+    def for_people(self) -> tuple[Diagnostic, ...]:
+        """What of it people read: mere information is for programs, but not what nobody looked at."""
         return tuple(
             item for item in self.diagnostics() if item.severity is not Severity.INFO or item.code in UNKNOWN
         )

@@ -30,8 +30,8 @@ from actspec.diagnostics import (
 )
 from actspec.files import replace_file
 from actspec.readings.artifact import FileKind
-from actspec.report import ReportOptions, prepare, render
-from actspec.report.terminal import Progress, print_diagnostics
+from actspec.report import ReportOptions, render, renderer
+from actspec.report.terminal import Progress, print_diagnostics, style_of
 
 TEXT = ("full", "concise")
 """Formats for people in front of a terminal."""
@@ -51,7 +51,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     """
     output_format: str = arguments.output_format
     settings = _settings(arguments)
-    prepare(output_format)
+    renderer(output_format)
     report = _audited(arguments, settings, pending)
     # Not taken apart at the end, which takes long for thousands of findings; see `entry`.
     arguments.report = report
@@ -63,7 +63,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     if arguments.write_baseline is not None:
         return _write_baseline(report, arguments.write_baseline)
     options = ReportOptions(
-        colour=arguments.output is None and _has_colour(),
+        colour=arguments.output is None and style_of(sys.stdout).colour,
         ledger=arguments.ledger,
         statistics=arguments.statistics,
         chosen=ALL not in settings.select,
@@ -225,7 +225,7 @@ def _write(path: str, text: str) -> None:
 def _print_problems(report: Report) -> None:
     """What readers and rules have to say, the same of many joints once."""
     groups: dict[tuple[object, ...], list[Diagnostic]] = {}
-    for item in report.told():
+    for item in report.for_people():
         place = item.span.path if item.span is not None and item.where else item.span
         groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
     print_diagnostics(
@@ -238,7 +238,3 @@ def _print(text: str) -> None:
     """Print a report; what the terminal's encoding has no character for is escaped."""
     encoding = sys.stdout.encoding or "utf-8"
     sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding))
-
-
-def _has_colour() -> bool:
-    return sys.stdout.isatty() and not os.environ.get("NO_COLOR")

@@ -11,7 +11,7 @@ from actspec import api, output
 from actspec.cli.options import add_format, add_specs, add_targets, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.compile import summary
-from actspec.report.terminal import print_diagnostics, print_json, record
+from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
 from actspec.targets.base import Approximation
 
 
@@ -111,5 +111,5 @@ def _record(done: list[output.Compilation], files: list[tuple[output.Output, ...
             for file in group
         ],
         "approximations": [output.loss_record(loss) for c in done for loss in c.approximations],
-        "diagnostics": [record(item) for c in done for item in c.diagnostics],
+        "diagnostics": [diagnostic_record(item) for c in done for item in c.diagnostics],
     }

@@ -8,7 +8,7 @@ import os
 from actspec.cli.options import add_format, add_specs, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.report.terminal import print_diagnostics, print_json, record
+from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
 
@@ -50,7 +50,11 @@ def run(arguments: argparse.Namespace) -> int:
             diagnostics = err.diagnostics
         if arguments.output_format == "json":
             records.append(
-                {"path": path, "valid": bool(summary), "diagnostics": [record(d) for d in diagnostics]}
+                {
+                    "path": path,
+                    "valid": bool(summary),
+                    "diagnostics": [diagnostic_record(d) for d in diagnostics],
+                }
             )
             continue
         print_diagnostics(diagnostics)

@@ -10,7 +10,7 @@ from actspec import api
 from actspec.cli.options import add_format, add_specs, add_targets, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
-from actspec.report.terminal import Progress, print_diagnostics, print_json, record
+from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json
 from actspec.report.verify import github, markdown, text
 from actspec.verify.agreement import FORMAT, Agreement, row_record, skip_record
 
@@ -129,5 +129,5 @@ def _record(done: Done) -> dict[str, Any]:
         "rows": [row_record(row) for _, agreement in done for row in agreement.rows],
         "skipped": [skip_record(skip) for _, agreement in done for skip in agreement.skipped],
         "approximations": [loss_record(loss) for c, _ in done for loss in c.approximations],
-        "diagnostics": [record(item) for c, _ in done for item in c.diagnostics],
+        "diagnostics": [diagnostic_record(item) for c, _ in done for item in c.diagnostics],
     }

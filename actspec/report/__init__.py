@@ -1,10 +1,10 @@
-"""Reports of an audit, one module a format; each has `render(report, options) -> str`."""
+"""Everything that becomes text, JSON or a page. Here: the reports of an audit, `render` in the module of the format."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from importlib import import_module
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Severity
 
@@ -34,15 +34,6 @@ class ReportOptions:
     fail_on: Severity | None = Severity.ERROR
 
 
-def prepare(output_format: str) -> None:
-    """Import what a report needs, while there is something else to wait for.
-
-    Args:
-        output_format: One of `FORMATS`.
-    """
-    import_module(f"actspec.report.{output_format}")
-
-
 def render(report: Report, output_format: str, options: ReportOptions) -> str:
     """A report as text, ending in a line break.
 
@@ -51,5 +42,16 @@ def render(report: Report, output_format: str, options: ReportOptions) -> str:
         output_format: One of `FORMATS`.
         options: How it is to look.
     """
-    text: str = import_module(f"actspec.report.{output_format}").render(report, options)
+    text: str = renderer(output_format)(report, options)
     return text
+
+
+def renderer(output_format: str) -> Any:
+    """What writes a format; its module is imported, while there is something else to wait for.
+
+    Args:
+        output_format: One of `FORMATS`.
+    """
+    if output_format in ("full", "concise"):
+        return getattr(import_module("actspec.report.text"), output_format)
+    return import_module(f"actspec.report.{output_format}").render

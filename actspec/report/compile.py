@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from actspec.diagnostics import Severity, listed, one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
 from actspec.output import MANIFEST, Compilation, Output
-from actspec.report.tables import table
+from actspec.report.tables import many, table
 from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_quantity
 
@@ -41,7 +41,7 @@ def summary(compilation: Compilation, files: Sequence[Output], *, written: bool)
         yield from _losses(open_, len(actuators.joints))
     yield ""
     warnings = sum(item.severity is Severity.WARNING for item in compilation.diagnostics)
-    yield f"{_count(taken, open_)}; {_many(warnings, 'warning')}"
+    yield f"{_count(taken, open_)}; {many(warnings, 'warning')}"
 
 
 def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
@@ -51,7 +51,7 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     if actuators.decimation is not None:
         timing += f", control {1.0 / (step.require() * actuators.decimation):g} Hz"
     yield (
-        f"{actuators.robot}: {_many(len(actuators.joints), 'joint')} in {_many(groups, 'group')}, "
+        f"{actuators.robot}: {many(len(actuators.joints), 'joint')} in {many(groups, 'group')}, "
         f"{path}, {timing}"
     )
     if actuators.unmanaged:
@@ -151,7 +151,7 @@ def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
         worst = _worst(members)
         size = f"; torque error {worst}" if worst else ""
         named = [member.joint for member in members if member.joint]
-        who = f"{len(named)} of {_many(joints, 'joint')}: " if 0 < len(named) < joints else ""
+        who = f"{len(named)} of {many(joints, 'joint')}: " if 0 < len(named) < joints else ""
         line = one_line(f"{who}{asked} -> {emitted}{size} ({why})")
         yield from textwrap.wrap(
             line, WIDTH, initial_indent=" " * 6, subsequent_indent=" " * 8, break_on_hyphens=False
@@ -171,12 +171,8 @@ def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> st
     keys, refused = len({loss.key for loss in (*taken, *open_)}), len({loss.key for loss in open_})
     if not keys:
         return "no approximation"
-    text = _many(keys, "approximation")
+    text = many(keys, "approximation")
     if taken:
         text += f", {refused} not accepted" if refused else ", accepted"
     worst = _worst((*taken, *open_))
     return f"{text}, torque error {worst}" if worst else text
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"

@@ -18,15 +18,15 @@ _FIGURE = re.compile(r"(?<![\w./-])[-+]?(?:x?\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf)(?!
 
 
 @dataclass(frozen=True, slots=True)
-class Group:
+class FindingGroup:
     """Findings with the same rule, file, message, help and severity.
 
     Attributes:
         members: In the report's order, at least one.
         alike: Others that say the same of the same file with other figures; these are the worst.
-        copies: Where other files have the same remarks, which are not told there.
+        copies: Where other files have the same notes, which are not repeated there.
         of_others: Whether some of those are of other joints, in words.
-        copy_of: Where the same of another file is told in full; None: nowhere.
+        copy_of: Where the same of another file is reported in full; None: nowhere.
     """
 
     members: tuple[Reported, ...]
@@ -83,8 +83,8 @@ class Group:
             most: Joints that are named.
         """
         joints = tuple(dict.fromkeys(item.finding.joint for item in self.alike if item.finding.joint))
-        told = listed(joints, most) if joints else f"{len(self.alike)} more"
-        return f" (alike: {told})" if self.alike else ""
+        names = listed(joints, most) if joints else f"{len(self.alike)} more"
+        return f" (similar: {names})" if self.alike else ""
 
     def elsewhere(self, most: int) -> str:
         """Which other files have the same, in brackets; "" where none.
@@ -99,30 +99,32 @@ class Group:
         )
 
 
-def told(found: Iterable[Reported]) -> tuple[Group, ...]:
-    """What people are told, in the order of the findings.
+def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
+    """What people read, in the order of the findings.
 
-    Of groups that differ in figures only one stands for all. What more than `MOST_ALIKE` files have alike is told in
-    full for the first: a remark there for all of them, whatever their joints; a warning or error of the same joints is
-    still there for each file, which somebody has to mend. Nothing may be looked up in the result.
+    Of groups that differ in figures only one stands for all. What more than `MOST_ALIKE` files have alike is reported
+    in full for the first: a note there for all of them, whatever their joints; a warning or error of the same joints
+    is still there for each file, which somebody has to mend. Nothing may be looked up in the result.
 
     Args:
         found: Findings in the report's order.
     """
     groups = grouped(found, fold=True)
-    alike: dict[tuple[object, ...], list[Group]] = {}
+    alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         item, finding = group.first, group.first.finding
         worse = [(other.finding.joint, other.finding.message) for other in group.alike]
         whose = () if item.severity is Severity.INFO and not worse else (*group.joints, *worse)
         key = (finding.code, finding.message, finding.help, item.severity, item.confidence, *whose)
         alike.setdefault(key, []).append(group)
-    changed: dict[int, Group | None] = {}
+    changed: dict[int, FindingGroup | None] = {}
     for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
         spans = tuple(other.first.finding.span for other in others)
         if first.first.severity is Severity.INFO:
             strange = any(other.joints != first.joints for other in others)
-            changed[id(first)] = replace(first, copies=spans, of_others=" of other joints" if strange else "")
+            changed[id(first)] = replace(
+                first, copies=spans, of_others=" for other joints" if strange else ""
+            )
             changed.update((id(other), None) for other in others)
         else:
             changed.update((id(other), replace(other, copy_of=first.first.finding.span)) for other in others)
@@ -130,7 +132,9 @@ def told(found: Iterable[Reported]) -> tuple[Group, ...]:
     return tuple(group for group in each if group is not None)
 
 
-def grouped(found: Iterable[Reported], *, by_place: bool = False, fold: bool = False) -> tuple[Group, ...]:
+def grouped(
+    found: Iterable[Reported], *, by_place: bool = False, fold: bool = False
+) -> tuple[FindingGroup, ...]:
     """Groups in the order of their first findings.
 
     Args:
@@ -145,17 +149,17 @@ def grouped(found: Iterable[Reported], *, by_place: bool = False, fold: bool = F
         place = finding.span if by_place else finding.span.path
         key = (finding.code, place, finding.message, finding.help, item.severity, item.confidence)
         groups.setdefault(key, []).append(item)
-    each = tuple(Group(tuple(members)) for members in groups.values())
+    each = tuple(FindingGroup(tuple(members)) for members in groups.values())
     return _folded(each) if fold else each
 
 
-def _folded(groups: Sequence[Group]) -> tuple[Group, ...]:
-    candidates: dict[tuple[object, ...], list[Group]] = {}
+def _folded(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
+    candidates: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         item, finding = group.first, group.first.finding
         whose = (finding.code, finding.span.path, item.severity, item.confidence)
         candidates.setdefault(whose, []).append(group)
-    alike: dict[tuple[object, ...], list[Group]] = {}
+    alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for key, some in candidates.items():
         if len(some) <= MOST_ALIKE:
             alike[key] = some
@@ -164,14 +168,14 @@ def _folded(groups: Sequence[Group]) -> tuple[Group, ...]:
             finding = group.first.finding
             texts = (_FIGURE.sub("#", text or "") for text in (finding.message, finding.help))
             alike.setdefault((*key, *texts), []).append(group)
-    found: list[Group] = []
+    found: list[FindingGroup] = []
     for same in alike.values():
         if len(same) <= MOST_ALIKE:
             found += same
             continue
         worst = max(same, key=_badness)
         found.append(
-            Group(
+            FindingGroup(
                 worst.members, tuple(item for group in same if group is not worst for item in group.members)
             )
         )
@@ -179,7 +183,7 @@ def _folded(groups: Sequence[Group]) -> tuple[Group, ...]:
     return tuple(sorted(found, key=lambda group: place[id(group.first)]))
 
 
-def _badness(group: Group) -> float:
+def _badness(group: FindingGroup) -> float:
     """How far the figure is off, by ratio where it is known what it should be; else its size."""
     value, expected = group.first.finding.value, group.first.finding.expected
     if value is None or math.isnan(value):

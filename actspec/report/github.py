@@ -23,7 +23,7 @@ def render(report: Report, options: ReportOptions) -> str:
         if item.finding.help:
             text += f"\nhelp: {one_line(item.finding.help)}"
         lines.append(command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
-    for problem in report.told():
+    for problem in report.for_people():
         text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
         lines.append(command(problem.severity, problem.code, problem.span, text))
     return "".join(f"{line}\n" for line in lines)

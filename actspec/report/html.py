@@ -14,12 +14,11 @@ from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
-from actspec.report.columns import cell
-from actspec.report.compare import Comparison, Line, comparisons
-from actspec.report.findings import Group, grouped
-from actspec.report.ledger import LedgerTable, ledger_tables
+from actspec.report.findings import FindingGroup, grouped
+from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.sources import Sources
-from actspec.report.text import counted, many
+from actspec.report.tables import many
+from actspec.report.text import counted
 
 _MOST_OPEN = 8
 """So many files or tables are shown, more are folded away. Chosen: they fit on a screen."""
@@ -73,7 +72,7 @@ def render(report: Report, options: ReportOptions) -> str:
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         # A second lock: should a name ever slip through unescaped, it can load and run nothing.
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
-        f"<title>actspec audit: {escape(counted(report))}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<title>actspec audit: {escape(counted(grouped(report.findings)))}</title>\n<style>{_STYLE}</style>\n</head>\n"
         f"<body>\n{body}\n</body>\n</html>\n"
     )
 
@@ -90,8 +89,8 @@ def _fold(title: str, lines: Iterator[str], *, shown: bool) -> Iterator[str]:
 
 
 def _head(report: Report) -> Iterator[str]:
-    yield f"<h1>actspec audit: {_text(counted(report))}</h1>"
-    problems = report.told()
+    yield f"<h1>actspec audit: {_text(counted(grouped(report.findings)))}</h1>"
+    problems = report.for_people()
     if problems:
         lines = "".join(f"<li>{_text(str(item).partition(chr(10))[0])}</li>" for item in problems)
         yield f"<ul>{lines}</ul>"
@@ -106,7 +105,7 @@ def _head(report: Report) -> Iterator[str]:
             )
         yield "</table></div>"
     if report.suppressed:
-        yield f'<p class="faint">{many(len(report.suppressed), "finding")} set aside.</p>'
+        yield f'<p class="faint">{many(len(report.suppressed), "finding")} suppressed.</p>'
 
 
 def _worst_first(entry: tuple[tuple[Severity, str, str], int]) -> tuple[int, int, str]:
@@ -152,7 +151,7 @@ def _findings(report: Report) -> Iterator[str]:
         yield from _finding(group, sources)
 
 
-def _finding(group: Group, sources: Sources) -> Iterator[str]:
+def _finding(group: FindingGroup, sources: Sources) -> Iterator[str]:
     item, finding = group.first, group.first.finding
     severity = item.severity.value
     yield f'<article class="{severity}">'
@@ -181,38 +180,18 @@ def _excerpt(span: Span, sources: Sources) -> Iterator[str]:
 
 def _comparisons(report: Report) -> Iterator[str]:
     found = list(comparisons(report.case))
-    if not found:
-        return
-    yield "<h2>Joint by file</h2>"
+    if found:
+        yield "<h2>Joint by file</h2>"
     for comparison in found:
-        differing = [line for line in comparison.lines if line.differs]
-        equal = [line for line in comparison.lines if not line.differs]
-        if differing:
-            title = f"{comparison.robot}: files disagree"
-            yield from _fold(title, _comparison(comparison, differing), shown=True)
-        if equal:
-            title = f"{comparison.robot}: files agree ({many(len(equal), 'line')})"
-            yield from _fold(title, _comparison(comparison, equal), shown=False)
-
-
-def _comparison(comparison: Comparison, lines: list[Line]) -> Iterator[str]:
-    # Paths are long: the folders that they share are told once.
-    folder = _shared_folder(comparison.sources)
-    if folder:
-        yield f'<p class="faint">below {_text(folder)}</p>'
-    sources = [source.removeprefix(folder) for source in comparison.sources]
-    heads = "<th>field</th><th>joints</th>"
-    heads += "".join(f'<th class="file">{_text(source)}</th>' for source in sources) + "<th>ratio</th>"
-    yield f'<div class="wide"><table><tr>{heads}</tr>'
-    for line in lines:
-        title = f"{line.column.title} [{line.unit}]" if line.unit else line.column.title
-        values = "".join(f'<td class="n">{_text(cell(value))}</td>' for value in line.values)
-        css = ' class="differs"' if line.differs else ""
-        yield (
-            f'<tr{css}><td>{_text(title)}</td><td class="long">{_text(listed(line.joints, 6))}</td>{values}'
-            f'<td class="n">{line.shown_ratio}</td></tr>'
-        )
-    yield "</table></div>"
+        # Paths are long: the folders that they share stand once.
+        folder = _shared_folder(comparison.sources)
+        names = [source.removeprefix(folder) for source in comparison.sources]
+        below = f'<p class="faint">below {_text(folder)}</p>' if folder else ""
+        for differs in (True, False):
+            sheet = comparison.sheet(names, differs)
+            if sheet is not None:
+                title = sheet.title if differs else f"{sheet.title} ({many(len(sheet.rows), 'line')})"
+                yield from _fold(title, _table(sheet, "file", below), shown=differs)
 
 
 def _shared_folder(paths: Sequence[str]) -> str:
@@ -225,41 +204,50 @@ def _shared_folder(paths: Sequence[str]) -> str:
 
 
 def _ledger(report: Report) -> Iterator[str]:
-    tables = list(ledger_tables(report.case))
-    if not tables:
-        return
-    yield "<h2>Ledger: what acts on each joint</h2>"
-    for found in tables:
-        yield from _fold(found.title, _table(found), shown=len(tables) <= _MOST_OPEN)
+    sheets = list(ledger_sheets(report.case))
+    if sheets:
+        yield "<h2>Ledger: what acts on each joint</h2>"
+    for sheet in sheets:
+        yield from _fold(sheet.title, _table(sheet), shown=len(sheets) <= _MOST_OPEN)
 
 
-def _table(found: LedgerTable) -> Iterator[str]:
-    titles = ["joints", "control"]
-    for column in found.columns:
-        unit = column.unit(found.kind)
-        titles.append(f"{column.title} [{unit}]" if unit else column.title)
-    heads = "".join(f"<th>{_text(title)}</th>" for title in titles)
-    yield f'<div class="wide"><table><tr>{heads}</tr>'
-    for joints, control, cells in found.rows:
-        figures = "".join(f'<td class="n">{_text(text)}</td>' for text in cells)
-        yield f'<tr><td class="long">{_text(listed(joints, 6))}</td><td>{_text(control)}</td>{figures}</tr>'
+def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
+    """A table; figures, from the third column on, stand right.
+
+    Args:
+        sheet: The table.
+        css: Class of the headings of figures.
+        above: A line before it.
+    """
+    if above:
+        yield above
+    figure_head = f'<th class="{css}">' if css else "<th>"
+    heads = (
+        ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{_text(title)}</th>"
+        for place, title in enumerate(sheet.titles())
+    )
+    yield f'<div class="wide"><table><tr>{"".join(heads)}</tr>'
+    for number, (row, cells) in enumerate(zip(sheet.rows, sheet.cells(most=6), strict=True)):
+        yield '<tr class="differs">' if number in sheet.differing else "<tr>"
+        for place, (raw, text) in enumerate(zip(row, cells, strict=True)):
+            kind = ' class="long"' if not isinstance(raw, str) else ' class="n"' if place > 1 else ""
+            yield f"<td{kind}>{_text(text)}</td>"
+        yield "</tr>"
     yield "</table></div>"
-    if found.legend:
-        yield f'<p class="faint">{_text(found.legend)}</p>'
-    if found.zero:
-        yield f'<p class="faint">0 for all: {_text(", ".join(found.zero))}</p>'
+    yield from (f'<p class="faint">{_text(note)}</p>' for note in sheet.notes)
 
 
 def _rules(report: Report) -> Iterator[str]:
     found = {item.finding.code for item in report.findings}
-    told = [rule for rule in report.rules if rule.code in found]
-    if told:
+    rules = [rule for rule in report.rules if rule.code in found]
+    if rules:
         yield "<h2>Rules</h2>"
-    for rule in told:
+    for rule in rules:
         yield from _rule(rule)
     if report.skipped:
+        title = f"{many(len({item.code for item in report.skipped}), 'rule')} did not apply"
         lines = "".join(f"<li>{_text(item.code)}: {_text(item.reason)}</li>" for item in report.skipped)
-        yield from _fold("Rules without input", iter((f"<ul>{lines}</ul>",)), shown=False)
+        yield from _fold(title, iter((f"<ul>{lines}</ul>",)), shown=False)
 
 
 def _rule(rule: type[Rule]) -> Iterator[str]:

@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import json
-import math
 from typing import Any
 
 from actspec.audit.ledger import LedgerRow
 from actspec.audit.outcome import Report, Reported
-from actspec.diagnostics import Diagnostic, one_line
+from actspec.diagnostics import one_line
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
-from actspec.report.columns import JSON_FIELDS, JSON_FLAGS
+from actspec.report.ledger import JSON_FIELDS, JSON_FLAGS
+from actspec.report.terminal import diagnostic_record, json_number
 
 FORMAT = "actspec-report/1"
 
@@ -29,30 +29,7 @@ def record(report: Report) -> dict[str, Any]:
         "ledger": [_row(row) for row in report.case.rows],
         "findings": [_finding(item) for item in report.findings],
         "skipped": [{"code": item.code, "reason": item.reason} for item in report.skipped],
-        "diagnostics": [diagnostic(item) for item in report.diagnostics()],
-    }
-
-
-def number(value: float | None) -> float | str | None:
-    """A figure for JSON, which has no infinity: the text `Infinity`, which Python and JavaScript read as one."""
-    if value is None or math.isnan(value):
-        return None
-    if math.isinf(value):
-        return "Infinity" if value > 0 else "-Infinity"
-    return float(value)
-
-
-def diagnostic(item: Diagnostic) -> dict[str, Any]:
-    """A diagnostic as all machine output has it."""
-    return {
-        "code": item.code,
-        "severity": item.severity.value,
-        "file": item.span.path if item.span is not None else None,
-        "line": item.span.line or None if item.span is not None else None,
-        "column": item.span.column or None if item.span is not None else None,
-        "where": item.where or None,
-        "message": item.message,
-        "help": item.help,
+        "diagnostics": [diagnostic_record(item) for item in report.diagnostics()],
     }
 
 
@@ -70,7 +47,7 @@ def _row(row: LedgerRow) -> dict[str, Any]:
         "actuator": row.actuator,
         "control": row.control,
         "drives": row.drives or None,
-        **{field: number(getattr(row, field)) for field in JSON_FIELDS},
+        **{field: json_number(getattr(row, field)) for field in JSON_FIELDS},
         **{field: getattr(row, field) for field in JSON_FLAGS},
     }
 
@@ -87,9 +64,9 @@ def _finding(item: Reported) -> dict[str, Any]:
         "column": finding.span.column or None,
         "joint": finding.joint or None,
         "message": finding.message,
-        "value": number(finding.value),
+        "value": json_number(finding.value),
         "unit": finding.unit,
-        "expected": number(finding.expected),
+        "expected": json_number(finding.expected),
         "help": finding.help,
         "fix": finding.fix.safety.value if finding.fix is not None else None,
     }

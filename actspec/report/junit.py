@@ -11,7 +11,7 @@ from xml.etree import ElementTree as tree
 from actspec.audit.outcome import SEVERITIES, Report
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.report import ReportOptions
-from actspec.report.findings import Group, grouped
+from actspec.report.findings import FindingGroup, grouped
 
 
 def render(report: Report, options: ReportOptions) -> str:
@@ -50,7 +50,7 @@ def render(report: Report, options: ReportOptions) -> str:
     return '<?xml version="1.0" encoding="utf-8"?>\n' + tree.tostring(root, encoding="unicode") + "\n"
 
 
-def _finding(suite: tree.Element, group: Group, fail_on: Severity | None) -> None:
+def _finding(suite: tree.Element, group: FindingGroup, fail_on: Severity | None) -> None:
     item, finding = group.first, group.first.finding
     text = group.headline(most=8)
     name = (

@@ -1,133 +1,322 @@
-"""The ledger as tables: per file and kind of joint, joints with equal rows in one line."""
+"""The ledger as tables: what acts on each joint, by file, and where the files of one robot disagree."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.ledger import LedgerRow
 from actspec.diagnostics import listed, one_line
 from actspec.ir import JointKind
-from actspec.report.columns import COLUMNS, Column, cell, legend, marked, number
-from actspec.report.compare import Comparison, comparisons
-from actspec.report.style import Style
-from actspec.report.tables import table
+from actspec.readings.artifact import Artifact
+from actspec.readings.fields import DAMPING_PARTS, FIELDS, Field, Role
+from actspec.report.tables import Style, table
+from actspec.units import format_number
+
+COLUMNS = tuple(field for field in FIELDS.values() if field.name in LedgerRow.__dataclass_fields__)
+"""Figures of a row, in the order in which reports show them."""
+
+_NOT_IN_JSON = ("stall_torque", "no_load_speed", "action_scale", "default_position")
+
+JSON_FIELDS = tuple(column.name for column in COLUMNS if column.name not in _NOT_IN_JSON)
+"""Figures of a ledger entry of `actspec-report/1`. Source: the design, §9."""
+
+JSON_FLAGS = tuple(f"{name}_{flag}" for name in DAMPING_PARTS for flag in ("clamped", "implicit"))
+"""Its properties of the damping. Source: the design, §7."""
+
+COMPARED = tuple(
+    FIELDS[name]
+    for name in (
+        "kp",
+        "kd",
+        "joint_damping",
+        "total_damping",
+        "frictionloss",
+        "effort_limit",
+        "velocity_limit",
+        "armature",
+        "action_scale",
+        "default_position",
+    )
+)
+"""What files can state; what is computed from a model alone is not compared."""
+
+SAME = 1.005
+"""A ratio up to here is rounding. Chosen: files write three digits."""
+
+MARKS = {
+    ("clamped", True): ("c", "clamped by the effort limit"),
+    ("clamped", False): ("u", "not clamped by the effort limit"),
+    ("implicit", True): ("i", "integrated implicitly"),
+    ("implicit", False): ("e", "integrated explicitly"),
+}
+"""What is known of a part of the damping, to its mark and the mark in words. What is unknown has no mark."""
+
+
+def cell(value: float | None) -> str:
+    """A figure for people: `-` is unknown, `inf` no limit."""
+    return "-" if value is None else format_number(value, 4)
+
+
+Row = tuple[str | tuple[str, ...], ...]
+"""Cells of a line; a tuple of names is shortened by who writes it."""
 
 
 @dataclass(frozen=True, slots=True)
-class LedgerTable:
-    """One table.
+class Sheet:
+    """A table in any form: text, Markdown or HTML.
 
     Attributes:
-        title: File, robot and kind of joints.
-        columns: Those with any figure other than 0.
-        zero: Titles of those whose figures are all 0.
-        kind: hinge, slide or unknown.
-        rows: Joints, control and cells of each line.
-        legend: What the marks in the cells mean; "" without marks.
+        title: What it is about.
+        heads: Title and unit of each column.
+        rows: Its lines.
+        notes: Lines below it.
+        differing: Numbers of rows that stand out.
+        marked: Numbers of columns whose figures have marks behind them.
     """
 
     title: str
-    columns: tuple[Column, ...]
-    zero: tuple[str, ...]
-    kind: JointKind | None
-    rows: tuple[tuple[tuple[str, ...], str, tuple[str, ...]], ...]
-    legend: str
+    heads: tuple[tuple[str, str], ...]
+    rows: tuple[Row, ...]
+    notes: tuple[str, ...] = ()
+    differing: frozenset[int] = frozenset()
+    marked: tuple[int, ...] = ()
+
+    def titles(self) -> list[str]:
+        """Each column's title with its unit."""
+        return [f"{title} [{unit}]" if unit else title for title, unit in self.heads]
+
+    def cells(self, most: int) -> Iterator[list[str]]:
+        """The rows as text.
+
+        Args:
+            most: Names of one cell that are written out.
+        """
+        for row in self.rows:
+            yield [one if isinstance(one, str) else listed(one, most) for one in row]
 
 
-def ledger_tables(case: Case) -> Iterator[LedgerTable]:
-    """Tables in the order of the files."""
+# --- what acts on each joint ---------------------------------------------------------------------
+
+
+def ledger_sheets(case: Case) -> Iterator[Sheet]:
+    """One table a file and kind of joint, in the order of the files; joints with equal rows share a line."""
     for index, artifact in enumerate(case.artifacts):
         rows = case.rows_of(index)
         slides = [row for row in rows if row.kind is JointKind.SLIDE]
         others = [row for row in rows if row.kind is not JointKind.SLIDE]
-        title = (
-            artifact.path if artifact.name in ("", artifact.path) else f"{artifact.path} ({artifact.name})"
-        )
+        named = artifact.name not in ("", artifact.path)
+        title = f"{artifact.path} ({artifact.name})" if named else artifact.path
         if others:
-            yield _table(title, others, others[0].kind)
+            yield _sheet(title, others, others[0].kind)
         if slides:
-            yield _table(f"{title}, slide joints" if others else title, slides, JointKind.SLIDE)
+            yield _sheet(f"{title}, slide joints" if others else title, slides, JointKind.SLIDE)
 
 
-def _table(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> LedgerTable:
-    known = {column: {number(row, column) for row in rows} - {None} for column in COLUMNS}
+def _sheet(title: str, rows: Sequence[LedgerRow], kind: JointKind | None) -> Sheet:
+    known = {column: {_number(row, column) for row in rows} - {None} for column in COLUMNS}
     # Of rows with and without a figure the unknown ones would be lost in a list of zeros.
-    zero = tuple(c for c in COLUMNS if known[c] == {0.0} and all(number(row, c) == 0.0 for row in rows))
-    columns = tuple(column for column in COLUMNS if known[column] and column not in zero)
-    merged: dict[tuple[str, tuple[str, ...]], list[str]] = {}
+    zero = [c for c in COLUMNS if known[c] == {0.0} and all(_number(row, c) == 0.0 for row in rows)]
+    columns = [column for column in COLUMNS if known[column] and column not in zero]
+    merged: dict[tuple[str, ...], list[str]] = {}
     for row in rows:
-        key = (row.control, tuple(marked(row, column) for column in columns))
-        merged.setdefault(key, []).append(
-            f"{row.actuator} ({row.drives})".lstrip() if row.drives else row.joint
+        name = f"{row.actuator} ({row.drives})".lstrip() if row.drives else row.joint
+        merged.setdefault((row.control, *(_marked(row, column) for column in columns)), []).append(name)
+    marked = tuple(place for place, column in enumerate(columns, 2) if column.name in DAMPING_PARTS)
+    notes = list(_legend(cells[place - 1] for cells in merged for place in marked))
+    if zero:
+        notes.append(f"0 for all: {', '.join(column.title for column in zero)}")
+    heads = (("joints", ""), ("control", ""), *((column.title, column.unit(kind)) for column in columns))
+    lines: tuple[Row, ...] = tuple((tuple(joints), *cells) for cells, joints in merged.items())
+    return Sheet(title, heads, lines, tuple(notes), marked=marked)
+
+
+def _number(row: LedgerRow, column: Field) -> float | None:
+    value: float | None = getattr(row, column.name)
+    return None if value is None or math.isnan(value) else float(value)
+
+
+def _marked(row: LedgerRow, column: Field) -> str:
+    """A row's figure; a part of the damping with its marks: `0.5 ui`."""
+    value = _number(row, column)
+    if column.name not in DAMPING_PARTS or not value:
+        return cell(value)
+    known = ((flag, getattr(row, f"{column.name}_{flag}")) for flag in ("clamped", "implicit"))
+    return f"{cell(value)} {''.join(MARKS[item][0] for item in known if item in MARKS)}".rstrip()
+
+
+def _legend(texts: Iterable[str]) -> Iterator[str]:
+    """The marks that stand in cells, in words."""
+    used = {mark for text in texts for mark in text.partition(" ")[2]}
+    meant = [f"{mark} {words}" for mark, words in MARKS.values() if mark in used]
+    if meant:
+        yield f"damping: {', '.join(meant)}"
+
+
+# --- where files disagree ------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One field of joints that have the same values in every source.
+
+    Attributes:
+        joints: Their names.
+        field: The field.
+        unit: Of the values.
+        values: One a source; None is unknown.
+        ratio: Largest over smallest magnitude; None when fewer than two are known; inf beside 0 or no limit.
+    """
+
+    joints: tuple[str, ...]
+    field: Field
+    unit: str
+    values: tuple[float | None, ...]
+    ratio: float | None
+
+    @property
+    def differs(self) -> bool:
+        """Whether sources disagree."""
+        return self.ratio is not None and self.ratio > SAME
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One robot.
+
+    Attributes:
+        robot: Its name.
+        sources: Its artifacts, as headings.
+        lines: By field, then by joint.
+    """
+
+    robot: str
+    sources: tuple[str, ...]
+    lines: tuple[Line, ...]
+
+    def sheet(self, names: Sequence[str], differs: bool = True) -> Sheet | None:
+        """The fields in which files disagree, or agree; None when there are none.
+
+        Args:
+            names: Headings of the sources.
+            differs: Which of the two.
+        """
+        lines = [line for line in self.lines if line.differs is differs]
+        if not lines:
+            return None
+        heads = (("field", ""), ("joints", ""), *((name, "") for name in names), ("ratio", ""))
+        rows: tuple[Row, ...] = tuple(
+            (
+                f"{line.field.title} [{line.unit}]" if line.unit else line.field.title,
+                line.joints,
+                *map(cell, line.values),
+                cell(line.ratio),
+            )
+            for line in lines
         )
-    lines = tuple((tuple(joints), control, cells) for (control, cells), joints in merged.items())
-    told = legend(
-        text for _, _, cells in lines for column, text in zip(columns, cells, strict=True) if column.part
-    )
-    return LedgerTable(title, columns, tuple(column.title for column in zero), kind, lines, told)
+        title = f"{self.robot}: where the files {'disagree' if differs else 'agree'}"
+        return Sheet(title, heads, rows, differing=frozenset(range(len(rows)) if differs else ()))
+
+
+def comparisons(case: Case) -> Iterator[Comparison]:
+    """Robots that more than one source describes."""
+    for robot in case.robots:
+        if len(robot.artifacts) > 1:
+            sources = tuple(_source(case.artifacts[index]) for index in robot.artifacts)
+            lines = tuple(_lines([case.rows_of(index) for index in robot.artifacts]))
+            if lines:
+                yield Comparison(robot.name, sources, lines)
+
+
+def _source(artifact: Artifact) -> str:
+    named = artifact.config is not None and artifact.name not in ("", artifact.path)
+    return f"{artifact.path} ({artifact.name})" if named else artifact.path
+
+
+def _lines(sources: Sequence[Sequence[LedgerRow]]) -> Iterator[Line]:
+    joints = dict.fromkeys(row.joint for rows in sources for row in rows if row.joint)
+    for column in COMPARED:
+        merged: dict[tuple[str, tuple[float | None, ...]], list[str]] = {}
+        for joint in joints:
+            own = [[row for row in rows if row.joint == joint] for rows in sources]
+            values = tuple(_value(rows, column) for rows in own)
+            if sum(value is not None for value in values) > 1:
+                kind = next((row.kind for rows in own for row in rows if row.kind is not None), None)
+                merged.setdefault((column.unit(kind), values), []).append(joint)
+        for (unit, values), names in merged.items():
+            yield Line(tuple(names), column, unit, values, _ratio(values))
+
+
+def _value(rows: Sequence[LedgerRow], column: Field) -> float | None:
+    """Of a joint in one source; of several actuators the first that states it.
+
+    A joint without actuator leaves its limit, and the passive figures that it does not state, to whoever drives
+    it; it and a motor leave the gains to a controller outside of the file, which is not a gain of 0.
+    """
+    return next((value for row in rows if (value := _stated(row, column)) is not None), None)
+
+
+def _stated(row: LedgerRow, column: Field) -> float | None:
+    value = _number(row, column)
+    if column.role in (Role.DRIVE, Role.TOTAL) and row.control in ("none", "motor"):
+        return None
+    bare = row.control == "none" and column.name not in row.stated
+    return None if bare and value in (0.0, math.inf) else value
+
+
+def _ratio(values: Sequence[float | None]) -> float | None:
+    known = [value for value in values if value is not None]
+    sizes = [abs(value) for value in known]
+    if len(known) < 2:
+        return None
+    if max(known) == min(known):
+        return 1.0
+    if min(known) < 0.0 < max(known) or min(sizes) == 0.0 or math.isinf(max(sizes)):
+        return math.inf
+    return max(sizes) / min(sizes)
+
+
+# --- as text -------------------------------------------------------------------------------------
 
 
 def ledger_lines(case: Case, style: Style) -> Iterator[str]:
-    """The ledger as text."""
-    first = True
-    for found in ledger_tables(case):
-        if not first:
+    """The ledger as text, then where files disagree."""
+    sheets = list(ledger_sheets(case))
+    for index, sheet in enumerate(sheets):
+        if index:
             yield ""
-        first = False
-        yield style.bold(one_line(found.title))
-        # Titles of two words take two lines: there are many columns.
-        words = [column.title.partition(" ") for column in found.columns]
-        heads = [
-            ("joints", "control", *(first for first, _, _ in words)),
-            ("", "", *(rest for _, _, rest in words)),
-            ("", "", *(column.unit(found.kind) for column in found.columns)),
-        ]
-        heads = [head for head in heads if any(head)]
-        rows = [(listed(joints, 2), control, *cells) for joints, control, cells in found.rows]
-        yield from table(_aligned([*heads, *rows], len(heads), found.columns), headings=len(heads))
-        if found.legend:
-            yield f"  {found.legend}"
-        if found.zero:
-            yield f"  0 for all: {', '.join(found.zero)}"
-    if first:
+        yield style.bold(one_line(sheet.title))
+        yield from _ledger_text(sheet)
+        yield from (f"  {note}" for note in sheet.notes)
+    if not sheets:
         yield "no robot was read: there is no ledger"
     for comparison in comparisons(case):
-        yield from _disagreement(comparison, style)
+        # The files by number: their paths are long.
+        numbers = [f"[{index}]" for index in range(1, len(comparison.sources) + 1)]
+        found = comparison.sheet(numbers)
+        if found is not None:
+            yield ""
+            yield style.bold(one_line(found.title))
+            for number, source in zip(numbers, comparison.sources, strict=True):
+                yield f"  {number} {one_line(source)}"
+            yield from table([found.titles(), *found.cells(most=2)])
 
 
-def _aligned(
-    lines: Sequence[tuple[str, ...]], heads: int, columns: Sequence[Column]
-) -> list[tuple[str, ...]]:
-    """Lines of a table with the figures of marked columns below each other, the marks behind them."""
-    found = [list(line) for line in lines]
-    for place, column in enumerate(columns, 2):
-        if not column.part:
-            continue
-        marks = max(len(line[place].partition(" ")[2]) for line in lines[heads:])
-        if marks:
-            for line in found[heads:]:
-                figure, _, mark = line[place].partition(" ")
-                line[place] = f"{figure} {mark.ljust(marks)}"
-            width = max(len(line[place]) for line in found)
-            for line in found:
-                line[place] = line[place].rjust(width)
-    return [tuple(line) for line in found]
-
-
-def _disagreement(comparison: Comparison, style: Style) -> Iterator[str]:
-    """Fields in which the files of one robot differ; the files by number, their paths are long."""
-    lines = [line for line in comparison.lines if line.differs]
-    if not lines:
-        return
-    yield ""
-    yield style.bold(one_line(f"{comparison.robot}: where the files disagree"))
-    for index, source in enumerate(comparison.sources, 1):
-        yield f"  [{index}] {one_line(source)}"
-    numbers = [f"[{index}]" for index in range(1, len(comparison.sources) + 1)]
-    rows: list[tuple[str, ...]] = [("field", "", "joints", *numbers, "ratio")]
-    for line in lines:
-        values = (cell(value) for value in line.values)
-        rows.append((line.column.title, line.unit, listed(line.joints, 2), *values, line.shown_ratio))
-    yield from table(rows)
+def _ledger_text(sheet: Sheet) -> list[str]:
+    """A table with titles of two words on two lines, because there are many columns, and marks behind figures."""
+    words = [title.partition(" ") for title, _ in sheet.heads]
+    heads = [[first for first, _, _ in words], [rest for _, _, rest in words], [u for _, u in sheet.heads]]
+    heads = [head for head in heads if any(head)]
+    rows = list(sheet.cells(most=2))
+    for place in sheet.marked:
+        width = max(len(row[place].partition(" ")[2]) for row in rows)
+        if width:
+            for row in rows:
+                figure, _, mark = row[place].partition(" ")
+                row[place] = f"{figure} {mark.ljust(width)}"
+            most = max(len(row[place]) for row in (*heads, *rows))
+            for row in (*heads, *rows):
+                row[place] = row[place].rjust(most)
+    return table([*heads, *rows], headings=len(heads))

@@ -20,7 +20,7 @@ from actspec.audit.pages import family, page
 from actspec.audit.rule import Rule, sections
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.report import ReportOptions
-from actspec.report.findings import Group, grouped
+from actspec.report.findings import FindingGroup, grouped
 from actspec.report.sources import Sources
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
@@ -95,7 +95,9 @@ def _rule(rule: type[Rule]) -> dict[str, Any]:
     }
 
 
-def _results(groups: tuple[Group, ...], places: dict[str, int], sources: Sources) -> list[dict[str, Any]]:
+def _results(
+    groups: tuple[FindingGroup, ...], places: dict[str, int], sources: Sources
+) -> list[dict[str, Any]]:
     seen: Counter[str] = Counter()
     found = []
     for group in groups:
@@ -125,7 +127,7 @@ def _results(groups: tuple[Group, ...], places: dict[str, int], sources: Sources
     return found
 
 
-def _message(group: Group) -> str:
+def _message(group: FindingGroup) -> str:
     """Message and help: services show nothing else of a result."""
     text = group.headline(most=8)
     help = group.first.finding.help

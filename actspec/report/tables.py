@@ -1,10 +1,47 @@
-"""Text in columns."""
+"""What text is made of: columns, counts with their nouns, colours of a terminal."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
+from dataclasses import dataclass
 
-from actspec.diagnostics import one_line
+from actspec.diagnostics import Severity, one_line
+
+COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
+_BOLD, _FAINT = "1", "2"
+
+
+@dataclass(frozen=True, slots=True)
+class Style:
+    """How text is painted.
+
+    Attributes:
+        colour: Whether at all.
+    """
+
+    colour: bool
+
+    def paint(self, text: str, code: str) -> str:
+        """Text in an ANSI colour."""
+        return f"\x1b[{code}m{text}\x1b[0m" if self.colour else text
+
+    def faint(self, text: str) -> str:
+        """Text that matters less."""
+        return self.paint(text, _FAINT)
+
+    def bold(self, text: str) -> str:
+        """Text that catches the eye."""
+        return self.paint(text, _BOLD)
+
+    def severity(self, text: str, severity: Severity) -> str:
+        """Text in the colour of a severity."""
+        return self.paint(text, COLOURS[severity])
+
+
+def many(count: int, noun: str) -> str:
+    """A count with its noun: `1 joint`, `2 joints`."""
+    return f"{count} {noun}{'s' * (count != 1)}"
 
 
 def table(rows: Sequence[Sequence[str]], indent: str = "  ", headings: int = 1) -> list[str]:
@@ -25,6 +62,27 @@ def table(rows: Sequence[Sequence[str]], indent: str = "  ", headings: int = 1) 
         ]
         lines.append((indent + "  ".join(parts)).rstrip())
     return lines
+
+
+def markdown_table(rows: Sequence[Sequence[str]], right: int | None = None) -> list[str]:
+    """Rows of text that is Markdown already as a table, the first the heading.
+
+    Args:
+        rows: Cells.
+        right: Columns from this one on stand right; None: no column does.
+    """
+    count = len(rows[0])
+    rule = ["---" if right is None or place < right else "---:" for place in range(count)]
+    return [f"| {' | '.join(row)} |" for row in (rows[0], rule, *rows[1:])]
+
+
+def escaped(text: str) -> str:
+    """Text of a stranger's file as Markdown shows it as it is: no markup, no HTML, nobody notified, nothing linked."""
+    text = re.sub(r"([\\`*_\[\]|~$])", r"\\\1", one_line(text))
+    text = text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    # Services link names, issues and addresses in the finished text, where only a gap of no width stops them.
+    text = re.sub(r"([@#])(?=\w)", r"\1&#8203;", text)
+    return text.replace("://", ":&#8203;//").replace("www.", "www&#8203;.")
 
 
 def _is_number(text: str) -> bool:

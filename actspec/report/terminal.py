@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import sys
 import threading
@@ -12,8 +13,7 @@ from contextlib import contextmanager
 from typing import Any, TextIO
 
 from actspec.diagnostics import Diagnostic, Severity
-
-COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
+from actspec.report.tables import Style, many
 
 OUTPUT = {"audit": "report", "rule": "rules"}
 """Commands whose machine output has another name."""
@@ -28,35 +28,35 @@ _TICK = 0.5
 _WIDTH = 30
 
 
-def colour(text: str, code: str, stream: TextIO) -> str:
-    """Text in an ANSI colour on a terminal without NO_COLOR, else as it is."""
-    if os.environ.get("NO_COLOR") or not stream.isatty():
-        return text
-    return f"\x1b[{code}m{text}\x1b[0m"
+def style_of(stream: TextIO) -> Style:
+    """Colours on a terminal without NO_COLOR, else none."""
+    return Style(stream.isatty() and not os.environ.get("NO_COLOR"))
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic], stream: TextIO | None = None) -> None:
     """Print diagnostics, by default to stderr."""
     out = sys.stderr if stream is None else stream
+    style = style_of(out)
     for item in diagnostics:
-        text = str(item)
-        print(text.replace(item.code, colour(item.code, COLOURS[item.severity], out), 1), file=out)
+        print(str(item).replace(item.code, style.severity(item.code, item.severity), 1), file=out)
 
 
 def print_failure(diagnostics: Sequence[Diagnostic], output_format: str, command: str) -> None:
     """Print why a command could not run."""
     if output_format == "json":
         name = OUTPUT.get(command, command)
-        print_json({"format": f"actspec-{name}/1", "diagnostics": [record(item) for item in diagnostics]})
+        print_json(
+            {"format": f"actspec-{name}/1", "diagnostics": [diagnostic_record(item) for item in diagnostics]}
+        )
         return
     print_diagnostics(diagnostics)
     errors = sum(item.severity is Severity.ERROR for item in diagnostics)
     rest = "; nothing was written" if command in WRITING else ""
-    print(f"{errors} error{'s' * (errors != 1)}{rest}", file=sys.stderr)
+    print(f"{many(errors, 'error')}{rest}", file=sys.stderr)
 
 
-def record(item: Diagnostic) -> dict[str, Any]:
-    """A diagnostic as machine output has it."""
+def diagnostic_record(item: Diagnostic) -> dict[str, Any]:
+    """A diagnostic as all machine output has it."""
     return {
         "code": item.code,
         "severity": item.severity.value,
@@ -67,6 +67,15 @@ def record(item: Diagnostic) -> dict[str, Any]:
         "message": item.message,
         "help": item.help,
     }
+
+
+def json_number(value: float | None) -> float | str | None:
+    """A figure for JSON, which has no infinity: the text `Infinity`, which Python and JavaScript read as one."""
+    if value is None or math.isnan(value):
+        return None
+    if math.isinf(value):
+        return "Infinity" if value > 0 else "-Infinity"
+    return float(value)
 
 
 def print_json(data: Any) -> None:

@@ -7,8 +7,8 @@ from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.output import Compilation
-from actspec.report.tables import table
-from actspec.report.terminal import colour
+from actspec.report.tables import escaped, many, markdown_table, table
+from actspec.report.terminal import style_of
 from actspec.targets.base import TargetOptions
 from actspec.verify.agreement import Agreement, At, Row, Skip
 from actspec.verify.response import COURSES, SOFT
@@ -22,7 +22,7 @@ Cells = tuple[str, ...]
 def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     """Lines for a terminal."""
     actuators = compilation.actuators
-    yield f"{actuators.robot}: {_many(len(actuators.joints), 'joint')}, {compilation.spec.document.path}"
+    yield f"{actuators.robot}: {many(len(actuators.joints), 'joint')}, {compilation.spec.document.path}"
     heads = ("target", "group", "joints", "engine", "torque error", "allowed", "at", "fields")
     yield from table([heads, *_cells(compilation, agreement)])
     moved = list(_response_cells(compilation, agreement))
@@ -62,20 +62,13 @@ def markdown(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
         "fields",
         "approximations",
     )
-    yield f"| {' | '.join(heads)} |"
-    yield "|" + "---|" * len(heads)
     losses = dict(_marked(agreement))
-    for cells in _cells(compilation, agreement):
-        line = (*cells, losses.get(cells[0].split(" ")[0], ""))
-        yield f"| {' | '.join(cell.replace('|', '/') for cell in line)} |"
+    lines = [(*cells, losses.get(cells[0].split(" ")[0], "")) for cells in _cells(compilation, agreement)]
     moved = list(_response_cells(compilation, agreement))
-    if moved:
-        yield ""
-        yield f"| {' | '.join(_RESPONSES)} |"
-        yield "|" + "---|" * len(_RESPONSES)
-        for cells in moved:
-            yield f"| {' | '.join(cell.replace('|', '/') for cell in cells)} |"
-        yield ""
+    for rows in ([heads, *lines], [_RESPONSES, *moved] if moved else []):
+        if rows:
+            yield from markdown_table([[escaped(cell) for cell in row] for row in rows])
+            yield ""
     for row in agreement.faults:
         yield f"- {_fault(row)}"
     for target, reason, help in _missed(agreement.skipped):
@@ -215,7 +208,7 @@ def _agreed(fields: Sequence[Row]) -> str:
 
 def _fault(row: Row) -> str:
     place = f"{row.place}: " if row.place is not None else ""
-    code = colour(row.code or "", "31", sys.stdout)
+    code = style_of(sys.stdout).severity(row.code or "", Severity.ERROR)
     return one_line(place) + f"{code} {row.target} {_said(row)}"
 
 
@@ -254,13 +247,9 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
     bad = list(dict.fromkeys(row.target for row in faults))
     count = len({row.target for row in agreement.rows})
     if not faults:
-        verdict = f"{_many(count, 'target')} agree{'s' * (count == 1)} with the spec"
+        verdict = f"{many(count, 'target')} agree{'s' * (count == 1)} with the spec"
     else:
-        verdict = f"{_many(len(faults), 'disagreement')} in {listed(bad)}"
+        verdict = f"{many(len(faults), 'disagreement')} in {listed(bad)}"
     asked = len({row.target for row in agreement.rows if row.quantity in _HISTORIES})
     engines = f"the torque of {asked} of {len(compilation.targets)} was computed by the simulator's own code"
     return f"{verdict}; {engines}"
-
-
-def _many(count: int, noun: str) -> str:
-    return f"{count} {noun}{'s' * (count != 1)}"

@@ -36,7 +36,7 @@ def test_another_name(
     Path(name).write_text(DEPLOY.format(joints))
     with PendingFiles(("biped.xml", name)) as pending:
         report = audit(pending, Settings(select=("SRC103",)))
-    found = [str(item).partition("\n")[0] for item in report.told()]
+    found = [str(item).partition("\n")[0] for item in report.for_people()]
     message = (
         "this has the joints of biped.xml, and is not compared with it: "
         "the names do not say that it is the same robot"

@@ -35,8 +35,8 @@ HEADLINE = (
     "leg.xml:10:5: LIM101 [warning] hip, knee: no force range, joint limit or control range limits this actuator: it "
     "gives every N*m that it is asked for\n"
 )
-SKIPPED = "skipped LIM102: no file states an effort or velocity limit\n"
-COUNT = "2 warnings (1 entry) in 1 file\n"
+SKIPPED = "LIM102 did not apply: no file states an effort or velocity limit\n"
+COUNT = "1 warning affecting 2 joints in 1 file\n"
 
 
 @pytest.fixture(autouse=True)

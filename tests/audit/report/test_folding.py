@@ -13,7 +13,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
 from actspec.report import ReportOptions, render
-from actspec.report.findings import MOST_ALIKE, Group, grouped, told
+from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people, grouped
 from actspec.report.text import MOST_REASONS
 from tests.audit.making import case_of, finding, rule_of
 
@@ -28,7 +28,7 @@ def _report(*found: Finding | Skipped) -> Report:
     return judge(case_of(), Settings(), made)
 
 
-def _groups(*found: Finding | Skipped) -> tuple[Group, ...]:
+def _groups(*found: Finding | Skipped) -> tuple[FindingGroup, ...]:
     return grouped(_report(*found).findings, fold=True)
 
 
@@ -44,7 +44,7 @@ def test_the_worst_stands_for_those_that_differ_in_figures() -> None:
         _one(3, "gets -12 N*m", "c", value=-12.0),
         _one(4, "gets 4.5 N*m", "d", value=4.5),
     )
-    assert group.headline() == "c: gets -12 N*m (alike: a, b and 1 more)"
+    assert group.headline() == "c: gets -12 N*m (similar: a, b and 1 more)"
     assert group.first.finding.span.line == 3
 
 
@@ -57,27 +57,27 @@ def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
     assert group.joints == ("j1",)
 
 
-def test_remarks_of_many_files_are_told_once() -> None:
-    """What four files have alike stands at the first, with whatever joints; three files are told one by one."""
+def test_notes_of_many_files_are_reported_once() -> None:
+    """What four files have alike stands at the first, with whatever joints; three files are reported one by one."""
     same = [_one(1, "no mass", joint, path=f"{joint}.xml", severity=Severity.INFO) for joint in "abcd"]
-    (group,) = told(_report(*same).findings)
-    assert group.headline() == "a: no mass (the same of other joints in b.xml, c.xml and 1 more)"
+    (group,) = for_people(_report(*same).findings)
+    assert group.headline() == "a: no mass (the same for other joints in b.xml, c.xml and 1 more)"
     alike = [_one(1, "no mass", "knee", path=f"{name}.xml", severity=Severity.INFO) for name in "abcd"]
-    (group,) = told(_report(*alike).findings)
+    (group,) = for_people(_report(*alike).findings)
     assert group.headline() == "knee: no mass (the same in b.xml, c.xml and 1 more)"
-    assert len(told(_report(*same[:3]).findings)) == 3
+    assert len(for_people(_report(*same[:3]).findings)) == 3
     full = render(_report(*alike), "full", ReportOptions())
     assert "  = the same in b.xml:1:1, c.xml:1:1, d.xml:1:1\n" in full
-    assert full.endswith("4 remarks (1 entry) in 0 files\n")
+    assert full.endswith("1 note affecting 1 joint in 0 files\n")
     # Each file of a pull request gets its own annotation.
     assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
 
 
-def test_a_fault_of_many_files_is_told_in_full_once() -> None:
+def test_a_fault_of_many_files_is_reported_in_full_once() -> None:
     """Each of the four files has its line, because each has to be mended; excerpt and help stand at the first."""
     same = [_one(1, "no limit", "knee", path=f"{name}.xml", help="add one") for name in "abcd"]
     made = _report(*same, _one(1, "no limit", "hip", path="e.xml", help="add one"))
-    assert [group.copy_of and group.copy_of.path for group in told(made.findings)] == [
+    assert [group.copy_of and group.copy_of.path for group in for_people(made.findings)] == [
         None,
         "a.xml",
         "a.xml",
@@ -86,7 +86,7 @@ def test_a_fault_of_many_files_is_told_in_full_once() -> None:
     ]
     full = render(made, "full", ReportOptions())
     assert full.count("add one") == 2
-    assert "d.xml:1:1: LIM901 [warning] knee: no limit\n  = as in a.xml:1:1\n" in full
+    assert "d.xml:1:1: LIM901 [warning] knee: no limit\n  = same as a.xml:1:1\n" in full
     assert render(made, "concise", ReportOptions()).count("LIM901 [warning] knee: no limit\n") == 4
 
 
@@ -116,21 +116,23 @@ def test_what_counts_as_a_figure(messages: list[str], shown: int) -> None:
 def test_without_joints_the_others_are_counted() -> None:
     """Findings about files have no joints to name."""
     (group,) = _groups(*(_one(i, f"gets {i} N*m") for i in range(5)))
-    assert group.headline() == "gets 0 N*m (alike: 4 more)"
+    assert group.headline() == "gets 0 N*m (similar: 4 more)"
 
 
 def test_formats_for_programs_have_every_finding() -> None:
     """Folding is for people; concise shows 1 of 5, JSON 5."""
     made = _report(*(_one(i, f"gets {i} N*m", f"j{i}", value=float(i)) for i in range(5)))
     assert render(made, "concise", ReportOptions()).count("LIM901") == 1
-    assert render(made, "markdown", ReportOptions()).count("(alike: j0, j1, j2, j3)") == 1
+    assert render(made, "markdown", ReportOptions()).count("(similar: j0, j1, j2, j3)") == 1
     assert render(made, "json", ReportOptions()).count('"LIM901"') == 5
     assert render(made, "sarif", ReportOptions()).count('"ruleId": "LIM901"') == 5
 
 
 def test_many_silent_rules_are_one_line() -> None:
-    """Who asks for all rules is told how many lacked input, who asks for few is told what each lacks."""
+    """Who asks for all rules reads how many lacked input, who asks for few reads what each lacks."""
     few = [Skipped(f"NET90{i}", f"no {i}") for i in range(MOST_REASONS)]
-    assert "skipped NET900: no 0\nskipped NET901: no 1\n" in render(_report(*few), "full", ReportOptions())
+    assert "NET900 did not apply: no 0\nNET901 did not apply: no 1\n" in render(
+        _report(*few), "full", ReportOptions()
+    )
     many = [*few, Skipped("NET909", "no 9"), Skipped("NET909", "no 8")]
-    assert render(_report(*many), "full", ReportOptions()).startswith("skipped 4 rules for lack of input;")
+    assert render(_report(*many), "full", ReportOptions()).startswith("4 rules did not apply;")

@@ -15,9 +15,9 @@ from actspec.audit.ledger import CONTROLS, LedgerRow
 from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity
 from actspec.report import ReportOptions, render
-from actspec.report.columns import COLUMNS, JSON_FIELDS, JSON_FLAGS
-from actspec.report.json import number
+from actspec.report.ledger import COLUMNS, JSON_FIELDS, JSON_FLAGS
 from actspec.report.sarif import location
+from actspec.report.terminal import json_number as number
 from actspec.resources import data_path
 from tests.audit.report.reporting import EVIL, report
 
@@ -242,7 +242,7 @@ def test_the_schema_knows_every_figure() -> None:
         *JSON_FLAGS,
     ]
     assert entry["control"]["enum"] == list(CONTROLS)
-    assert {column.field for column in COLUMNS} <= set(LedgerRow.__dataclass_fields__)
+    assert {column.name for column in COLUMNS} <= set(LedgerRow.__dataclass_fields__)
 
 
 # --- sarif ---------------------------------------------------------------------------------------

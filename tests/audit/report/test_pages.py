@@ -14,8 +14,9 @@ from actspec.audit.outcome import Report
 from actspec.audit.settings import Settings
 from actspec.readings.pair import Robot
 from actspec.report import ReportOptions, render
-from actspec.report.compare import comparisons
-from actspec.report.markdown import LONGEST, escaped
+from actspec.report.ledger import cell, comparisons
+from actspec.report.markdown import LONGEST
+from actspec.report.tables import escaped
 from tests.audit.making import case_of, finding, row, rule_of
 from tests.audit.report.reporting import report
 
@@ -126,7 +127,7 @@ def test_markdown(made: Report) -> None:
     text = render(made, "markdown", ReportOptions())
     lines = text.splitlines()
     assert lines[:6] == [
-        "### actspec audit: 3 errors, 1 warning, 1 remark in 2 files",
+        "### actspec audit: 1 error, 1 warning, 1 note affecting 3 joints in 2 files",
         "",
         "|  | rule | place | joints | finding |",
         "| --- | --- | --- | --- | --- |",
@@ -135,7 +136,7 @@ def test_markdown(made: Report) -> None:
     ]
     assert "| effort limit \\[N\\*m\\] | hip | 50 | 35 | 1.429 |" in lines
     assert lines[-5:] == [
-        "<details><summary>Skipped for lack of input: 1 rule</summary>",
+        "<details><summary>1 rule did not apply</summary>",
         "",
         "- no network among the files: NET901",
         "",
@@ -188,7 +189,7 @@ def test_comparison(made: Report) -> None:
     (found,) = comparisons(made.case)
     assert found.sources == ("a.xml", "b.urdf")
     lines = [
-        (line.joints, line.column.field, line.values, line.shown_ratio, line.differs) for line in found.lines
+        (line.joints, line.field.name, line.values, cell(line.ratio), line.differs) for line in found.lines
     ]
     assert lines == [
         (("hip",), "effort_limit", (50.0, 35.0), "1.429", True),
@@ -213,7 +214,7 @@ def test_ratio(first: float, second: float, ratio: str) -> None:
     files = {"a.xml": b"<a/>", "b.urdf": b"<a/>"}
     rows = (row("a.xml", "hip", armature=first), row("b.urdf", "hip", 1, armature=second))
     case = replace(case_of(files, *rows), robots=(Robot("leg", (0, 1)),))
-    assert next(comparisons(case)).lines[0].shown_ratio == ratio
+    assert cell(next(comparisons(case)).lines[0].ratio) == ratio
 
 
 def test_a_bare_joint_leaves_its_limit_open() -> None:
@@ -251,7 +252,7 @@ def test_a_motor_has_no_gains_to_compare() -> None:
     case = replace(
         case_of({"a.xml": b"", "b.py": b"", "c.yaml": b""}, *rows), robots=(Robot("leg", (0, 1, 2)),)
     )
-    lines = {line.column.field: line for line in next(comparisons(case)).lines}
+    lines = {line.field.name: line for line in next(comparisons(case)).lines}
     assert lines["kp"].values == (None, 25.0, 20.0)
     assert lines["kp"].ratio == 1.25
     assert lines["armature"].values == (0.01, 0.02, None)

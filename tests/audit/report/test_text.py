@@ -13,12 +13,12 @@ from actspec.ir import JointKind
 from actspec.report import FORMATS, ReportOptions, render
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import WIDEST, Sources
-from actspec.report.style import Style
+from actspec.report.tables import Style
 from tests.audit.making import case_of, reading, row
 from tests.audit.report.reporting import report
 
-SUMMARY = """skipped NET901: no network among the files
-3 errors, 1 warning, 1 remark (3 entries) in 2 files; 2 files could not be read
+SUMMARY = """NET901 did not apply: no network among the files
+1 error, 1 warning, 1 note affecting 3 joints in 2 files; 2 files could not be read
 """
 BAD = "<script>alert(1)</script>|\"'&\\x07\\n[a](b)@me #1 %41,:\\ud800"
 """The hostile name as text shows it: on one line, without control characters."""
@@ -77,8 +77,8 @@ b.urdf (leg)
 leg: where the files disagree
   [1] a.xml
   [2] b.urdf
-  field              joints  [1]  [2]  ratio
-  effort limit  N*m  hip      50   35  1.429
+  field               joints  [1]  [2]  ratio
+  effort limit [N*m]  hip      50   35  1.429
 
 """
 
