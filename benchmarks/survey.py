@@ -35,7 +35,7 @@ from actspec.audit.settings import Settings  # noqa: E402
 from actspec.diagnostics import Severity, listed  # noqa: E402
 from actspec.report import ReportOptions, render  # noqa: E402
 from actspec.report.findings import grouped  # noqa: E402
-from actspec.verify.frameworks import ISAACLAB, find  # noqa: E402
+from actspec.verify.environments import ISAACLAB, find_frameworks  # noqa: E402
 
 SURVEY = ROOT / "docs" / "survey.md"
 VERDICTS = Path(__file__).with_suffix(".yaml")
@@ -131,7 +131,7 @@ class Run:
 def collections() -> tuple[list[Collection], list[str]]:
     """The collections that are here, and what is missing."""
     corpus = Path(os.environ.get("ACTSPEC_CORPUS", ROOT.parent / "shared" / "corpus"))
-    prepared = find()
+    prepared = find_frameworks()
     wheels = Path(os.devnull) if prepared is None else prepared.folder
     found, missing = [], []
     if (corpus / "README.md").is_file():

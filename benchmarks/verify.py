@@ -23,9 +23,9 @@ sys.path.insert(0, str(ROOT))
 
 from actspec import api  # noqa: E402
 from actspec.diagnostics import ActspecError, listed  # noqa: E402
+from actspec.simulate.experiment import COURSES  # noqa: E402
 from actspec.verify.agreement import Agreement, At, Row, Skip  # noqa: E402
-from actspec.verify.frameworks import find  # noqa: E402
-from actspec.verify.response import COURSES  # noqa: E402
+from actspec.verify.environments import find_frameworks  # noqa: E402
 
 PAGE = Path(__file__).with_suffix(".md")
 COMMAND = "python benchmarks/verify.py"
@@ -221,7 +221,7 @@ def main() -> int:
     )
     parser.add_argument("spec", nargs="*", type=Path, help="print these alone, and write nothing")
     arguments = parser.parse_args()
-    if find() is None:
+    if find_frameworks() is None:
         print("skipped: the engines are not here: actspec verify --setup")
         return 0
     done, missing = verified(arguments.spec or sorted((ROOT / "robots").glob("*.yaml")))

@@ -24,7 +24,7 @@ def mjlab_installed() -> Iterator[Path]:
 
     Nothing of it is imported: actspec finds its models by the distribution's list of files.
     """
-    from actspec.verify.releases import EngineUnavailableError, prepare
+    from actspec.verify.environments import EngineUnavailableError, prepare_release
 
     try:
         found = metadata.distribution("mjlab")
@@ -35,7 +35,7 @@ def mjlab_installed() -> Iterator[Path]:
             yield Path(str(found.locate_file("")))
             return
     try:
-        folder = prepare("mjlab", MJLAB)
+        folder = prepare_release("mjlab", MJLAB)
     except EngineUnavailableError as err:
         # In CI robots that silently stop being tested are a failure.
         (pytest.fail if os.environ.get("CI") else pytest.skip)(f"mjlab cannot be had: {err}")

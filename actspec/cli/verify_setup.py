@@ -10,9 +10,17 @@ from pathlib import Path
 
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, Collector
 from actspec.targets.base import TargetOptions
-from actspec.verify.frameworks import SIZE, TIME, find, prepare, unusable
-from actspec.verify.releases import EngineUnavailableError, cache_folder, release_folder
-from actspec.verify.releases import prepare as prepare_release
+from actspec.verify.environments import (
+    SIZE,
+    TIME,
+    EngineUnavailableError,
+    cache_folder,
+    find_frameworks,
+    prepare_frameworks,
+    prepare_release,
+    release_folder,
+    unusable,
+)
 from actspec.verify.target import VerifyError
 
 FRAMEWORKS = ("isaaclab", "mjlab", "newton")
@@ -36,7 +44,7 @@ def set_up(arguments: argparse.Namespace) -> int:
             "VFY003", why, where="--setup", help="run actspec with one of these; MuJoCo needs none"
         )
         collector.raise_if_failed(VerifyError)
-    there = find(folder) if wanted else None
+    there = find_frameworks(folder) if wanted else None
     if there is not None:
         print(f"prepared: {there.folder}")
     frameworks = wanted and there is None
@@ -52,7 +60,7 @@ def set_up(arguments: argparse.Namespace) -> int:
         for version in releases:
             print(f"installed: {prepare_release('mujoco', version, folder, _say)}")
         if frameworks:
-            print(f"installed: {prepare(folder, say=_say).folder}")
+            print(f"installed: {prepare_frameworks(folder, say=_say).folder}")
     except EngineUnavailableError as err:
         collector.error(
             "VFY003",

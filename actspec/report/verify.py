@@ -9,9 +9,10 @@ from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.output import Compilation
 from actspec.report.tables import escaped, many, markdown_table, table
 from actspec.report.terminal import style_of
+from actspec.simulate.experiment import COURSES
 from actspec.targets.base import TargetOptions
 from actspec.verify.agreement import Agreement, At, Row, Skip
-from actspec.verify.response import COURSES, SOFT
+from actspec.verify.response import SOFT
 
 _RESPONSES = ("target", "group", "joints", "response", "error", "allowed", "at")
 _HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp"}

@@ -44,8 +44,8 @@ class Row:
         group: Group of the spec; "" for what concerns the whole target.
         joint: The joint with the largest error; "" for what concerns the whole target.
         joints: How many joints of the group share the row.
-        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.verify.motion`), `step response` and its
-            like (`actspec.verify.response`), a field such as `kp`, or `file`.
+        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.simulate.excitation`), `step response` and its
+            like (`actspec.simulate.experiment`), a field such as `kp`, or `file`.
         unit: Of `max_error`, `tolerance`, `expected` and `got`.
         max_error: Largest difference; None where there is no number to compare.
         tolerance: Largest difference that agrees; infinity where an approximation has no size.

@@ -1,24 +1,24 @@
-"""Time responses: what one joint is told to do, with J = inertia_held and no gravity.
-
-- `step response`: at rest, the command steps by what is worth 0.5 L.
-- `saturated step response`: the same, worth 2 L, so that the limit acts, and at speed the torque-speed line.
-- `chirp response`: a sine of 0.25 L that sweeps from a tenth to twice the closed loop's frequency.
-- `coast-down`: the command holds the joint where it is, and the joint begins with a speed. A position or velocity
-  drive then brakes it too: a file of such drives has no way to switch them off.
-
-A command is one number a physics step. Every joint of a robot takes as many steps.
-"""
+"""Response agreement: where an engine takes a joint against where the law takes it."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
+from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind
-from actspec.laws import TorqueLaw, delay_steps
-from actspec.verify.motion import commands_for, limit_of, place
+from actspec.laws import TorqueLaw
+from actspec.simulate.experiment import COURSES, Experiment, design
+from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
+from actspec.targets.base import Approximation
+from actspec.targets.kit.sizes import lined
+from actspec.verify.agreement import At, Row, Skip
+from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse
+from actspec.verify.target import Target, alike
+from actspec.verify.torque import JointLaws
 
 if TYPE_CHECKING:
     import numpy as np
@@ -26,228 +26,325 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-Friction = tuple[Sequence[float], Sequence[float]]
-"""Dry and viscous friction of each joint of a plan [N*m or N], [N*m*s/rad or N*s/m]."""
-
-COURSES = ("step response", "saturated step response", "chirp response", "coast-down")
 SOFT = "friction.soft"
 """What MuJoCo's dry friction is known to lose: it is a soft constraint, and creeps. It is no key of `accept`."""
-STEP, SATURATED, CHIRP = 0.5, 2.0, 0.25
-"""Of the effort limit. Source: the design's sizes of approximations for the first; chosen for the others: twice the
-limit saturates for a while, a quarter leaves the drive linear at resonance unless it is hardly damped."""
-BEFORE = 2
-"""Steps before the command changes."""
-PERIODS = 3.0
-"""Of the closed loop that a response lasts. Chosen: a drive of damping ratio 0.2 has lost nine tenths of its energy."""
-LEAST_STEPS, MOST_STEPS = 100, 300
-"""Chosen: enough for a sweep; the reference takes a second and a half of processor time for the most."""
-SWEEP = (0.1, 2.0)
-"""Of the closed loop's frequency. Source: issue 5 of this project."""
-PARTS = (1, 2)
-"""Into how many steps each step is divided, for the two runs of an engine."""
-LEAST_CYCLES = 1.5
-"""At which the sweep's last frequency would end where it is steady; a slower loop is swept faster. Chosen."""
-SAMPLES = 8
-"""Least steps in a cycle of the sweep. Chosen: below, a held sine has more of its harmonics than of itself."""
-EFFORT_RATE = 2.0 * math.pi * 2.0
-"""Stands for the closed loop's frequency where the command is a torque [rad/s]. Chosen: 2 Hz, that of a gait."""
-SPEED = 0.5
-"""Most of the no-load speed that a coast-down begins with. Chosen."""
+
+CHANGES = 3.0
+"""Times the engine's own change from h to h/2 that it may be off the law. An engine of first order is off by twice the
+change, to within a few per cent either way (2.00 to 2.02 for a step of the A1, up to 2.4 where a joint comes to stand):
+the change itself, and what is left from h/2 on, which is another one. Chosen: that rest is doubled."""
+COARSE = 0.5
+"""Most change from h to h/2, of how far the law moves the joint. Beyond, the step decides the response. Chosen: an
+explicit drive that brakes a joint changes it by h kd / (2 J), so this is a drive that stops its joint within one step;
+at twice that it is unstable, and the response changes by all of it and more."""
+SMALL = 0.01
+"""Of the largest movement of a joint in any course: a course that moves it less is not looked at closer. Chosen."""
+DOUBLE, SINGLE = 1e-6, 1e-5
+"""Of how far the joint moves: what the reference and rounding may add. Source: measured, 3e-7 for the reference where a
+filtered command breaks a joint away, 1e-6 for single precision."""
+SLACK = 1.05
+"""Times the size of an approximation, as in `actspec.verify.torque`."""
+
+OWN_BODY = frozenset(("mujoco", "mjlab"))
+"""Kinds whose engine moves the joint itself, with its own friction. For the others actspec moves a body by the engine's
+torque, semi-implicitly, with the friction that the target was given: PhysX is in no package."""
+
+UNMOVED = frozenset(("delay.range", "delay.sampling", "velocity_limit", "delta_action"))
+"""Approximations that change no response: a range is set to its nominal, the speed limit and the
+delta action are outside of the drive."""
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
-    """What the joints are told, the joints in columns.
+class ExpectedResponse:
+    """Two responses of one joint: what the spec asks for, and what is left of it by what is known to be lost.
 
     Attributes:
-        joints: Those that have a law and an inertia, in the robot's order.
-        laws: Theirs.
-        inertia: J, with the armature that the spec asks for [kg*m^2 or kg], shape (n_joint,).
-        body: J without it, which is what a body beside the file's own armature must have, likewise.
-        step: Physics step [s].
-        command: In each joint's own unit, shape (n_step, n_course, n_joint); the courses as in `COURSES`.
-        q: Positions at the start [rad or m], shape (n_course, n_joint).
-        qd: Speeds at the start [rad/s or m/s], likewise.
-        skipped: Why other joints move nowhere, by group.
+        asked: As the spec has it.
+        left: As the target is known to make it.
+        losses: Why they differ; empty where they do not.
+        sized: Whether `left` is known; else any response is allowed.
     """
 
-    joints: tuple[JointActuator, ...]
-    laws: tuple[TorqueLaw, ...]
-    inertia: Array
-    body: Array
-    step: float
-    command: Array
-    q: Array
-    qd: Array
-    skipped: Mapping[str, str]
-
-    @property
-    def names(self) -> list[str]:
-        """Of the joints."""
-        return [actuator.joint for actuator in self.joints]
-
-    @property
-    def commands(self) -> list[str]:
-        """What each joint is commanded by."""
-        return [actuator.command.value for actuator in self.joints]
-
-    @property
-    def lags(self) -> list[int]:
-        """Nominal delays in steps."""
-        return [delay_steps(law.delay, self.step).steps for law in self.laws]
-
-    def job(self) -> dict[str, Any]:
-        """What a probe is told of the joints."""
-        return {"columns": self.names, "commands": self.commands, "lags": self.lags, "parts": PARTS}
-
-    def arrays(self) -> dict[str, Array]:
-        """What they are told."""
-        return {"command": self.command, "q": self.q, "qd": self.qd, "inertia": self.body}
+    asked: DrivenJoint
+    left: DrivenJoint
+    losses: tuple[str, ...]
+    sized: bool
 
 
-def plan(actuators: ActuatorSet, laws: Mapping[str, TorqueLaw]) -> Plan:
-    """What the joints of a robot are told.
-
-    Args:
-        actuators: What the spec asks for.
-        laws: Of its joints, as far as they have one.
-    """
-    import numpy as np
-
-    step = actuators.physics_dt.require()
-    joints, skipped = [], {}
-    for actuator in actuators.joints:
-        if actuator.joint not in laws:
-            continue
-        reason = _immovable(actuator)
-        if reason is None:
-            joints.append(actuator)
-        else:
-            skipped[actuator.group] = reason
-    mine = tuple(laws[actuator.joint] for actuator in joints)
-    inertia = np.array([_inertia(actuator) for actuator in joints])
-    armature = np.array([actuator.armature.value or 0.0 for actuator in joints])
-    rates = [_rate(law, j) for law, j in zip(mine, inertia, strict=True)]
-    length = _length(mine, rates, step)
-    told = [
-        _courses(law, actuator, float(j), rate, length, step)
-        for law, actuator, j, rate in zip(mine, joints, inertia, rates, strict=True)
-    ]
-    if not told:
-        nothing = np.empty((len(COURSES), 0))
-        return Plan((), (), inertia, inertia, step, nothing[None], nothing, nothing, skipped)
-    command, q, qd = (np.stack(part, axis=-1) for part in zip(*told, strict=True))
-    return Plan(tuple(joints), mine, inertia, inertia - armature, step, command, q, qd, skipped)
+def expected(target: Target, experiment: Experiment) -> tuple[ExpectedResponse, ...]:
+    """What is expected of each joint of a target."""
+    return tuple(
+        _expected(target, actuator, law, float(inertia))
+        for actuator, law, inertia in zip(experiment.joints, experiment.laws, experiment.inertia, strict=True)
+    )
 
 
-def _immovable(actuator: JointActuator) -> str | None:
-    """Why a joint cannot be let move; None: it can."""
-    held = actuator.inertia_held
-    if held is None:
-        return f"{actuator.joint}: no model says its inertia"
-    armature = actuator.armature.value or 0.0
-    if not held.reference > armature:
-        return (
-            f"{actuator.joint}: its inertia, {held.reference:.4g}, is not more than its armature, {armature:.4g}: "
-            "nothing is left for a body"
-        )
+def kept_friction(wanted: Sequence[ExpectedResponse]) -> BodyFriction:
+    """Friction of the joints that is left, for a body that actspec moves."""
+    found = [want.left.friction for want in wanted]
+    return [dry.coulomb for dry in found], [dry.viscous for dry in found]
+
+
+def _expected(target: Target, actuator: JointActuator, law: TorqueLaw, inertia: float) -> ExpectedResponse:
+    losses = [loss for loss in target.losses if loss.joint in (actuator.joint, "")]
+    own_body = target.options.kind in OWN_BODY
+    friction = PassiveFriction.of(actuator)
+    if not own_body:
+        # The body's friction is not the engine's: what the target cannot say of it is no loss here.
+        friction = PassiveFriction(friction.coulomb, friction.viscous)
+    left_law, left, sized, counted = law, friction, True, []
+    for loss in losses:
+        changed = _without(loss, left_law, left)
+        if changed is None:
+            sized = False
+            counted.append(loss.key)
+        elif changed != (left_law, left):
+            counted.append(loss.key)
+            left_law, left = changed
+    if own_body and left.coulomb > 0.0:
+        left = replace(left, soft=True)
+        counted.append(SOFT)
+    return ExpectedResponse(
+        DrivenJoint(law, friction, inertia), DrivenJoint(left_law, left, inertia), tuple(counted), sized
+    )
+
+
+def _without(
+    loss: Approximation, law: TorqueLaw, friction: PassiveFriction
+) -> tuple[TorqueLaw, PassiveFriction] | None:
+    """Law and friction that a loss leaves; None: it does not say."""
+    gone = loss.emitted in ("none", "left out")
+    if loss.field in UNMOVED:
+        return law, friction
+    if loss.field == "torque_speed_curve":
+        if loss.emitted.startswith("line from "):
+            return lined(law), friction
+        if loss.emitted.startswith("a clip at "):
+            return replace(law, stall_torque=None, no_load_speed=None, curve=None), friction
+    elif loss.field == "friction.viscous" and loss.emitted.startswith("in damping"):
+        return replace(law, kd=law.kd + friction.viscous), replace(friction, viscous=0.0)
+    elif loss.field == "friction.static":
+        return law, replace(friction, static=None)
+    elif loss.field == "delay" and not gone:
+        # Rounded to steps, as the law itself is here.
+        return law, friction
+    elif gone and loss.field in _GONE_LAW:
+        return replace(law, **_GONE_LAW[loss.field]), friction
+    elif gone and loss.field in _GONE_FRICTION:
+        return law, replace(friction, **_GONE_FRICTION[loss.field])
     return None
 
 
-def _inertia(actuator: JointActuator) -> float:
-    assert actuator.inertia_held is not None
-    return actuator.inertia_held.reference
+_GONE_LAW: Mapping[str, dict[str, Any]] = {
+    "command_filter": {"filter_cutoff": None},
+    "delay": {"delay": 0.0},
+    "encoder_bias": {"encoder_bias": 0.0},
+    "command_range": {"command_range": None},
+}
+_GONE_FRICTION: Mapping[str, dict[str, Any]] = {
+    "friction.coulomb": {"coulomb": 0.0, "static": None, "stribeck_velocity": None},
+    "friction.viscous": {"viscous": 0.0},
+    "friction.stribeck_velocity": {"static": None, "stribeck_velocity": None},
+}
 
 
-def _rate(law: TorqueLaw, inertia: float) -> float:
-    """Frequency of the closed loop [rad/s]: natural, or the bandwidth of a velocity drive."""
-    if law.command is Command.POSITION and law.kp > 0.0:
-        return math.sqrt(law.kp / inertia)
-    if law.command is not Command.EFFORT and law.kd > 0.0:
-        return law.kd / inertia
-    return EFFORT_RATE
+Moved = Mapping[tuple[int, DrivenJoint], Trajectory]
+"""Column of an experiment and what moves it to every course of it."""
 
 
-def _length(laws: Sequence[TorqueLaw], rates: Sequence[float], step: float) -> int:
-    """Steps of every course."""
-    longest = 0.0
-    for law, rate in zip(laws, rates, strict=True):
-        late = BEFORE + min(delay_steps(law.delay, step).steps, MOST_STEPS)
-        longest = max(longest, late + PERIODS * 2.0 * math.pi / (rate * step))
-    return round(min(max(longest, LEAST_STEPS), MOST_STEPS))
-
-
-def _courses(
-    law: TorqueLaw, actuator: JointActuator, inertia: float, rate: float, length: int, step: float
-) -> tuple[Array, Array, Array]:
-    """Commands (n_step, n_course), and positions and speeds at the start, of one joint."""
-    import numpy as np
-
-    at, limit = place(law), limit_of(law)
-    k = np.arange(length)
-    after = (k >= BEFORE) * 1.0
-    shares = [STEP * after, SATURATED * after, CHIRP * _sweep(rate, length, step), 0.0 * after]
-    command = np.stack(
-        [commands_for(law, share * limit, np.full(length, at), 0.0 * share) for share in shares], 1
+def reference(experiment: Experiment, wanted: Iterable[Sequence[ExpectedResponse]]) -> Moved:
+    """What the laws make of everything that is expected."""
+    driven = list(
+        dict.fromkeys((i, one) for each in wanted for i, e in enumerate(each) for one in (e.asked, e.left))
     )
-    speeds = np.array([0.0, 0.0, 0.0, _speed(law, actuator, inertia, rate, length * step)])
-    return command, np.full(len(COURSES), at), speeds
+    return dict(zip(driven, experiment.reference(driven), strict=True))
 
 
-def _sweep(rate: float, length: int, step: float) -> Array:
-    """A sine whose frequency grows exponentially, from 0."""
-    import numpy as np
+def response_rows(
+    target: Target,
+    actuators: ActuatorSet,
+    experiment: Experiment,
+    wanted: Sequence[ExpectedResponse],
+    moved: Moved,
+    answer: EngineResponse,
+) -> Iterator[Row]:
+    """Rows of an engine's responses, those of joints with the same numbers together.
 
-    duration = length * step
-    highest = 2.0 * math.pi / (SAMPLES * step)
-    end = min(max(SWEEP[1] * rate, LEAST_CYCLES * 2.0 * math.pi / duration), highest)
-    growth = math.log(SWEEP[1] / SWEEP[0])
-    t = np.arange(length) * step
-    phase = end * math.exp(-growth) * duration / growth * np.expm1(growth * t / duration)
-    found: Array = np.sin(phase)
-    return found
+    Args:
+        target: What was asked.
+        actuators: What the spec asks for.
+        experiment: What its joints were commanded.
+        wanted: Of each joint of the experiment.
+        moved: From `reference`.
+        answer: What the engine made of the experiment.
+    """
+    place = {name: i for i, name in enumerate(experiment.names)}
+    for members in alike(actuators):
+        known = [a.joint for a in members if a.joint in place and a.joint not in answer.errors]
+        for course in range(len(COURSES)):
+            merged: dict[str | None, list[tuple[float, Row]]] = {}
+            for name in known:
+                i = place[name]
+                row = _judge(_Course(target.name, experiment, i, course, answer), wanted[i], moved)
+                merged.setdefault(row.code, []).append((_share(row), row))
+            for found in merged.values():
+                _, worst = max(found, key=lambda pair: pair[0])
+                yield replace(worst, joints=len(found))
 
 
-def _speed(law: TorqueLaw, actuator: JointActuator, inertia: float, rate: float, duration: float) -> float:
-    """What a coast-down begins with [rad/s or m/s]."""
-    coulomb = actuator.friction_coulomb.value or 0.0
-    if law.command is Command.POSITION and law.kp > 0.0:
-        # A drive that is not damped would swing as far as a step of 0.5 L goes.
-        speed = STEP * limit_of(law) / law.kp * rate
-    elif law.command is not Command.EFFORT and law.kd > 0.0:
-        speed = STEP * limit_of(law) / law.kd
-    elif coulomb > 0.0:
-        # It stands after half of the time.
-        speed = 0.5 * duration * coulomb / inertia
-    else:
-        speed = 1.0 if actuator.kind is JointKind.HINGE else 0.1
-    fastest = law.curve[3] if law.curve is not None else law.no_load_speed
-    return speed if fastest is None else min(speed, SPEED * fastest)
+def response_skips(
+    target: Target, experiment: Experiment, answer: EngineResponse | None = None
+) -> Iterator[Skip]:
+    """Joints that cannot be let move, and those that an engine could not."""
+    for group, reason in experiment.skipped.items():
+        yield Skip(target.name, group, "responses", reason)
+    groups = {actuator.joint: actuator.group for actuator in experiment.joints}
+    for joint, reason in ({} if answer is None else answer.errors).items():
+        yield Skip(target.name, groups[joint], "responses", shortened(f"{joint}: {reason}", 300))
+
+
+def broken_response(target: Target, why: EngineRefused) -> Row:
+    """The row of a file that an engine does not let move."""
+    message = f"its simulator does not let it move: {why}"
+    return Row(*(target.name, "", "", 0, "responses", "", None, 0.0, False), code="VFY111", message=message)
+
+
+def _share(row: Row) -> float:
+    return math.inf if row.max_error is None else row.max_error / row.tolerance
 
 
 @dataclass(frozen=True, slots=True)
-class Responded:
-    """What an engine made of a plan.
+class _Course:
+    """One joint in one course: its command, and what became of it."""
 
-    Attributes:
-        engine: Its name and version.
-        single: Whether it computes in single precision.
-        q: Positions at the start of each step and at the end [rad or m], shape (n_step + 1, n_course, n_joint);
-            NaN from where the engine gives up.
-        halved: The same in steps of half the length, the delay the same in seconds.
-        torque: Of the drive at the start of each step [N*m or N], shape (n_step, n_course, n_joint).
-        errors: Why joints could not be asked.
+    target: str
+    experiment: Experiment
+    joint: int
+    course: int
+    answer: EngineResponse
+
+    @property
+    def row(self) -> Row:
+        """A row without numbers."""
+        actuator = self.experiment.joints[self.joint]
+        unit = "rad" if actuator.kind is JointKind.HINGE else "m"
+        who = (actuator.group, actuator.joint, 1, COURSES[self.course], unit)
+        return Row(self.target, *who, None, 0.0, False, engine=self.answer.engine)
+
+    @property
+    def q(self) -> tuple[Array, Array]:
+        """Positions in the engine's steps, and in half of them."""
+        whole, halved = (part[:, self.course, self.joint] for part in (self.answer.q, self.answer.halved))
+        return whole, halved
+
+    def at(self, law: Trajectory, errors: Array) -> At:
+        """Where an error is largest, and the state of a law then."""
+        experiment, k = self.experiment, int(errors.argmax())
+        now = min(k, len(experiment.command) - 1)
+        command, q = float(experiment.command[now, self.course, self.joint]), float(law.q[now, self.course])
+        mine = experiment.laws[self.joint]
+        torque = self.answer.torque[now, self.course, self.joint] - law.torque[now, self.course]
+        return At(
+            error=command - (q + mine.encoder_bias) if mine.command is Command.POSITION else None,
+            velocity=float(law.qd[now, self.course]),
+            command=command,
+            step=k,
+            time=k * experiment.step,
+            torque=float(torque),
+        )
+
+
+def _judge(case: _Course, want: ExpectedResponse, moved: Moved) -> Row:
+    """The row of one joint in one course."""
+    import numpy as np
+
+    row, (q, halved) = case.row, case.q
+    if not (np.isfinite(q).all() and np.isfinite(halved).all()):
+        return replace(row, code="VFY113", message="the simulation diverges at its own step")
+    asked, left = moved[case.joint, want.asked], moved[case.joint, want.left]
+    error, rest = (np.abs(q - lane.q[:, case.course]) for lane in (asked, left))
+    changes = np.abs(q - halved)
+    moves = np.ptp(asked.q, axis=0)
+    scale = max(float(moves[case.course]), SMALL * float(moves.max()))
+    change, worst = float(changes.max()), float(error.max())
+    size = scale + float(np.abs(asked.q[0]).max())
+    strict = CHANGES * change + (SINGLE if case.answer.single else DOUBLE) * size
+    row = replace(row, max_error=worst, tolerance=strict, ok=True, at=case.at(asked, error))
+    if change > COARSE * scale:
+        message = (
+            f"half the step changes the response by {change:.3g} {row.unit}, "
+            f"{change / scale:.0%} of how far the law moves the joint"
+        )
+        at = case.at(asked, changes)
+        return replace(
+            row, max_error=change, tolerance=COARSE * scale, ok=False, code="VFY113", message=message, at=at
+        )
+    if worst <= strict:
+        return row
+    row = replace(row, approximations=want.losses)
+    if not want.sized:
+        return replace(row, tolerance=math.inf)
+    if float(rest.max()) <= strict:
+        return replace(row, tolerance=strict + SLACK * float(np.abs(asked.q - left.q)[:, case.course].max()))
+    beside = ", known approximations aside" if want.losses else ""
+    message = f"the response is {float(rest.max()):.3g} {row.unit} off the law's{beside}"
+    at = case.at(left, rest)
+    return replace(row, max_error=float(rest.max()), ok=False, code="VFY112", message=message, at=at)
+
+
+Ask = Callable[[Experiment, BodyFriction], EngineResponse]
+"""An engine's `respond`, which knows its files."""
+
+
+def responses(
+    targets: Sequence[Target], actuators: ActuatorSet, laws: JointLaws, asks: Mapping[str, Ask]
+) -> tuple[dict[str, list[Row]], list[Skip]]:
+    """Rows by target, and what could not be asked.
+
+    Args:
+        targets: All of them.
+        actuators: What the spec asks for.
+        laws: Of its joints.
+        asks: Target to its engine, for those that there are.
     """
+    from actspec.processes import cores
 
-    engine: str
-    single: bool
-    q: Array
-    halved: Array
-    torque: Array
-    errors: Mapping[str, str]
+    mine = [target for target in targets if target.name in asks]
+    if not mine or not laws.laws:
+        return {}, []
+    experiment = design(actuators, laws.laws)
+    if not experiment.joints:
+        return {}, [skip for target in mine for skip in response_skips(target, experiment)]
+    wanted = {target.name: expected(target, experiment) for target in mine}
+    with ThreadPoolExecutor(max_workers=cores()) as pool:
+        futures = {
+            target.name: pool.submit(
+                _answer, asks[target.name], experiment, kept_friction(wanted[target.name])
+            )
+            for target in mine
+        }
+        # Here, while the engines run in processes of their own.
+        moved = reference(experiment, wanted.values())
+        answers = {name: future.result() for name, future in futures.items()}
+    rows: dict[str, list[Row]] = {}
+    skipped: list[Skip] = []
+    for target in mine:
+        answer = answers[target.name]
+        skipped += response_skips(target, experiment, answer if isinstance(answer, EngineResponse) else None)
+        if isinstance(answer, EngineResponse):
+            found = response_rows(target, actuators, experiment, wanted[target.name], moved, answer)
+            rows[target.name] = list(found)
+        elif isinstance(answer, EngineMissing):
+            skipped.append(Skip(target.name, "", "responses", answer.reason, answer.help, answer.setup))
+        else:
+            rows[target.name] = [broken_response(target, answer)]
+    return rows, skipped
 
 
-def responded(engine: str, said: Mapping[str, Any], out: Mapping[str, Array], *, single: bool) -> Responded:
-    """A probe's arrays as an answer."""
-    errors = said.get("errors", {})
-    return Responded(engine, single, out["q1"], out["q2"], out["torque1"], errors)
+def _answer(
+    ask: Ask, experiment: Experiment, friction: BodyFriction
+) -> EngineResponse | EngineMissing | EngineRefused:
+    try:
+        return ask(experiment, friction)
+    except (EngineMissing, EngineRefused) as err:
+        return err

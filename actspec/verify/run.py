@@ -16,9 +16,10 @@ from actspec.diagnostics import Collector, Span
 from actspec.ir import ActuatorSet
 from actspec.readings.compare import Figure
 from actspec.robot.view import RobotView
+from actspec.simulate.excitation import HeldMotions, held_motions
 from actspec.targets.base import Emission, TargetOptions
 from actspec.verify.agreement import Agreement, Row, Skip
-from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Question
+from actspec.verify.engines.asking import EngineAnswer, EngineMissing, EngineRefused, Question
 from actspec.verify.execution import (
     CONSENT,
     EXECUTED,
@@ -27,13 +28,12 @@ from actspec.verify.execution import (
     withheld,
 )
 from actspec.verify.fields import broken, engine_rows, field_rows, without_repeats
-from actspec.verify.motion import Motion, motions
 from actspec.verify.orders import order_rows
 from actspec.verify.overlay import read_overlay
 from actspec.verify.readback import Asked, Reading, read_back, spec_figures
-from actspec.verify.response_run import responses
+from actspec.verify.response import responses
 from actspec.verify.target import Target, VerifyError
-from actspec.verify.torque import Laws, law_skips, laws_of, torque_rows
+from actspec.verify.torque import JointLaws, law_skips, laws_of, torque_rows
 
 ENGINES = {
     "mujoco": "actspec.verify.engines.mujoco",
@@ -91,10 +91,10 @@ def verify(
     readings = _read(targets, actuators, robot)
     step()
     laws = laws_of(actuators)
-    moves: Mapping[str, Motion] = {}
+    moves: HeldMotions = {}
     if engines and laws.laws:
         joints = [actuator for actuator in actuators.joints if actuator.joint in laws.laws]
-        moves = motions(list(laws.laws.values()), joints, actuators.physics_dt.require())
+        moves = held_motions(list(laws.laws.values()), joints, actuators.physics_dt.require())
     asked = spec_figures(actuators, spec)
     rows: list[Row] = []
     skipped: list[Skip] = []
@@ -225,7 +225,7 @@ def _questions(
     readings: Mapping[str, tuple[Reading, Reading]],
     actuators: ActuatorSet,
     robot: RobotView,
-    laws: Laws,
+    laws: JointLaws,
     *,
     run_edited: bool,
 ) -> dict[str, Question]:
@@ -242,9 +242,7 @@ def _questions(
     return found
 
 
-def _ask(
-    questions: Mapping[str, Question], moves: Mapping[str, Motion], step: Callable[[], None]
-) -> dict[str, Told]:
+def _ask(questions: Mapping[str, Question], moves: HeldMotions, step: Callable[[], None]) -> dict[str, Told]:
     """Ask the engines, each in a process of its own, as many at once as there are cores."""
     from actspec.processes import cores
 
@@ -257,7 +255,7 @@ def _ask(
     return found
 
 
-def _answer(question: Question, moves: Mapping[str, Motion]) -> Told:
+def _answer(question: Question, moves: HeldMotions) -> Told:
     try:
         answer: EngineAnswer = import_module(ENGINES[question.options.kind]).ask(question, moves)
     except (EngineMissing, EngineRefused) as err:
@@ -269,8 +267,8 @@ def _torques(
     target: Target,
     actuators: ActuatorSet,
     asked: Mapping[str, Mapping[str, Figure]],
-    laws: Laws,
-    moves: Mapping[str, Motion],
+    laws: JointLaws,
+    moves: HeldMotions,
     told: Told | None,
     fresh: Reading | None,
 ) -> tuple[list[Row], list[Skip]]:

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
-from actspec.laws import TorqueLaw, law_of
+from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
+from actspec.simulate.reference import held_torque
 from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import At, Row, Skip, keys
-from actspec.verify.engines.question import EngineAnswer
-from actspec.verify.expected import lags, torques
-from actspec.verify.motion import Motion, limit_of
+from actspec.verify.engines.asking import EngineAnswer
 from actspec.verify.target import Target, alike
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ NONE = "none"
 
 
 @dataclass(frozen=True, slots=True)
-class Laws:
-    """The joints whose torque a law tells.
+class JointLaws:
+    """The joints whose torque follows a law.
 
     Attributes:
         columns: Joint to its column in the motions.
@@ -67,22 +67,22 @@ class Laws:
     skipped: Mapping[str, str]
 
 
-def laws_of(actuators: ActuatorSet) -> Laws:
+def laws_of(actuators: ActuatorSet) -> JointLaws:
     """The law of every joint that has one."""
     found: dict[str, TorqueLaw] = {}
     skipped = {}
     for actuator in actuators.joints:
         if actuator.level is Level.ACTUATOR_NET:
-            skipped[actuator.group] = "level actuator_net: the torque is the network's, and no law tells it"
+            skipped[actuator.group] = "level actuator_net: the torque is the network's, which follows no law"
             continue
         try:
             found[actuator.joint] = law_of(actuator)
         except ValueError as err:
             skipped[actuator.group] = shortened(str(err), 200)
-    return Laws({joint: i for i, joint in enumerate(found)}, found, skipped)
+    return JointLaws({joint: i for i, joint in enumerate(found)}, found, skipped)
 
 
-def law_skips(target: Target, laws: Laws) -> Iterator[Skip]:
+def law_skips(target: Target, laws: JointLaws) -> Iterator[Skip]:
     """Groups without a law, for one target."""
     for group, reason in laws.skipped.items():
         yield Skip(target.name, group, "torque", reason)
@@ -91,8 +91,8 @@ def law_skips(target: Target, laws: Laws) -> Iterator[Skip]:
 def torque_rows(
     target: Target,
     actuators: ActuatorSet,
-    laws: Laws,
-    motions: Mapping[str, Motion],
+    laws: JointLaws,
+    motions: HeldMotions,
     answer: EngineAnswer,
 ) -> Iterator[Row]:
     """Rows of an engine's torques.
@@ -101,14 +101,14 @@ def torque_rows(
         target: What was asked.
         actuators: What the spec asks for.
         laws: Of its joints.
-        motions: What the engine was told.
+        motions: What the engine was asked.
         answer: What it made of it.
     """
     step = actuators.physics_dt.require()
-    told = {name: motion.single() if answer.single else motion for name, motion in motions.items()}
+    asked = {name: motion.single() if answer.single else motion for name, motion in motions.items()}
     for members in alike(actuators):
         known = [member for member in members if member.joint in laws.laws]
-        for quantity, motion in told.items():
+        for quantity, motion in asked.items():
             got = answer.torques[quantity]
             merged: dict[bool, list[tuple[float, Row]]] = {}
             for actuator in known:
@@ -116,15 +116,15 @@ def torque_rows(
                 merged.setdefault(row.ok, []).append((share, row))
             for found in merged.values():
                 _, worst = max(found, key=lambda pair: pair[0])
-                yield _shared(worst, len(found))
+                yield replace(worst, joints=len(found))
 
 
 def _judge(
     target: Target,
     actuator: JointActuator,
-    laws: Laws,
+    laws: JointLaws,
     quantity: str,
-    motion: Motion,
+    motion: HeldMotion,
     torque: Array,
     answer: EngineAnswer,
     step: float,
@@ -165,16 +165,10 @@ def _judge(
     return worst / tolerance if tolerance > 0.0 else math.inf, row
 
 
-def _shared(row: Row, joints: int) -> Row:
-    from dataclasses import replace
-
-    return replace(row, joints=joints)
-
-
 def _error(
     law: TorqueLaw,
     actuator: JointActuator,
-    motion: Motion,
+    motion: HeldMotion,
     column: int,
     step: float,
     got: Array,
@@ -184,10 +178,11 @@ def _error(
     """|torque - law|, shape (n_step, n_env). Of a drawn delay, the one that fits counts."""
     import numpy as np
 
+    command, q, qd = (part[:, :, column] for part in motion.arrays)
     differences = np.stack(
         [
-            np.abs(got - torques(law, motion, column, step, steps))
-            for steps in lags(law, actuator, step, ranged=ranged)
+            np.abs(got - held_torque(law, command, q, qd, step, lag))
+            for lag in lags(law, actuator, step, ranged=ranged)
         ]
     )
     if actuator.delay is not None and actuator.delay.sampling == "step":
@@ -199,6 +194,22 @@ def _error(
     return chosen
 
 
+def lags(law: TorqueLaw, actuator: JointActuator, step: float, *, ranged: bool) -> tuple[int, ...]:
+    """Delays that are right, in physics steps.
+
+    Args:
+        law: Of the joint.
+        actuator: Likewise.
+        step: Physics step [s].
+        ranged: Whether the engine draws a delay from the range; else it has the nominal one.
+    """
+    delay = actuator.delay
+    if ranged and delay is not None and delay.low != delay.high:
+        low, high = (delay_steps(end, step).steps for end in (delay.low, delay.high))
+        return tuple(range(low, high + 1))
+    return (delay_steps(law.delay, step).steps,)
+
+
 def _draws(target: Target) -> bool:
     """Whether a target draws delays from a range."""
     options = target.options
@@ -207,18 +218,18 @@ def _draws(target: Target) -> bool:
     return options.kind == "mjlab"
 
 
-def _strict(law: TorqueLaw, motion: Motion, column: int, *, single: bool) -> float:
+def _strict(law: TorqueLaw, motion: HeldMotion, column: int, *, single: bool) -> float:
     """Largest error of an engine that computes the law [N*m or N]."""
     import numpy as np
 
-    command, q, qd = (part[:, :, column] for part in (motion.command, motion.q, motion.qd))
+    command, q, qd = (part[:, :, column] for part in motion.arrays)
     terms = law.kd * np.abs(qd)
     if law.command is Command.POSITION:
         terms = terms + law.kp * (np.abs(command) + np.abs(q))
     elif law.command is Command.VELOCITY:
         terms = terms + law.kd * np.abs(command)
     rounding = ROUNDINGS * 2.0 ** (-24 if single else -53) * float(terms.max())
-    return (SINGLE if single else DOUBLE) * limit_of(law) + rounding
+    return (SINGLE if single else DOUBLE) * torque_scale(law) + rounding
 
 
 def _size(lost: Sequence[Approximation]) -> float:
@@ -231,7 +242,7 @@ def _size(lost: Sequence[Approximation]) -> float:
     return math.inf if None in sizes else math.fsum(size for size in sizes if size is not None)
 
 
-def _at(law: TorqueLaw, motion: Motion, k: int, env: int, column: int) -> At:
-    command, q, qd = (float(part[k, env, column]) for part in (motion.command, motion.q, motion.qd))
+def _at(law: TorqueLaw, motion: HeldMotion, k: int, env: int, column: int) -> At:
+    command, q, qd = (float(part[k, env, column]) for part in motion.arrays)
     error = command - (q + law.encoder_bias) if law.command is Command.POSITION else None
     return At(error, qd, command, k)

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from actspec.verify.engines.mujoco_release import Engine, parse
-from actspec.verify.releases import EngineUnavailableError
+from actspec.verify.engines.mujoco import Engine, parse
+from actspec.verify.environments import EngineUnavailableError
 from tests.agree.engines import VERSIONS
 
 HERE = Path(__file__).parent

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.verify.engines.mujoco_release import Engine, grid, load, time
-from actspec.verify.releases import EngineError, EngineUnavailableError, prepare
+from actspec.verify.engines.mujoco import Engine, grid, load, time
+from actspec.verify.environments import EngineError, EngineUnavailableError, prepare_release
 
 FLOAT64 = 1e-12
 """A handful of float64 operations on numbers below 1000."""
@@ -248,7 +248,7 @@ def test_another_release_in_the_folder_is_noticed(engine_of: Callable[[str], Eng
 def test_a_release_that_does_not_exist_says_so(tmp_path: Path) -> None:
     """The reason is pip's own, and nothing but the lock is left behind."""
     with pytest.raises(EngineUnavailableError, match=r"^mujoco 0\.0\.0: "):
-        prepare("mujoco", "0.0.0", tmp_path)
+        prepare_release("mujoco", "0.0.0", tmp_path)
     assert [path.suffix for path in tmp_path.iterdir()] == [".lock"]
 
 
@@ -257,7 +257,7 @@ def test_preparing_twice_at_once_is_safe(engine_of: Callable[[str], Engine], tmp
     """Two callers that start together get one whole folder, and no work folder is left."""
     engine_of("3.3.7")  # a skip where there is no registry
     with ThreadPoolExecutor(2) as pool:
-        first, second = pool.map(lambda _: prepare("mujoco", "3.3.7", tmp_path), range(2))
+        first, second = pool.map(lambda _: prepare_release("mujoco", "3.3.7", tmp_path), range(2))
     assert first == second
     assert Engine("3.3.7", first).load(SERVOS).ok
     assert len(list(tmp_path.iterdir())) == 2, "one folder and its lock"

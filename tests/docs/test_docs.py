@@ -51,7 +51,7 @@ from actspec.simulators.newton import RELEASES as NEWTON_RELEASES
 from actspec.simulators.newton import newton_dialect
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
-from actspec.verify.releases import EngineUnavailableError
+from actspec.verify.environments import EngineUnavailableError
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.verify.releases import EngineUnavailableError
+from actspec.verify.environments import EngineUnavailableError
 from tests.frameworks.prepare import PYTHONS, Frameworks, prepare
 
 HERE = Path(__file__).parent

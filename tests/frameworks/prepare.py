@@ -8,9 +8,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from actspec.verify import frameworks
-from actspec.verify.frameworks import ISAACLAB, NEWTON, PYTHONS, Frameworks
-from actspec.verify.probing import ProbeAnswer
+from actspec.verify.environments import ISAACLAB, NEWTON, PYTHONS, Frameworks, ProbeAnswer, prepare_frameworks
 
 __all__ = ["EXTRA", "ISAACLAB", "NEWTON", "PYTHONS", "Frameworks", "ProbeAnswer", "prepare"]
 
@@ -26,7 +24,7 @@ def prepare(folder: Path | None = None) -> Frameworks:
 
     Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
     """
-    return frameworks.prepare(folder, EXTRA)
+    return prepare_frameworks(folder, EXTRA)
 
 
 if __name__ == "__main__":

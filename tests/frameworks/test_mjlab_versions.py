@@ -11,7 +11,7 @@ import pytest
 from actspec.api import load, load_robot, resolve
 from actspec.targets.base import TargetOptions
 from actspec.targets.mjlab.emit import emit
-from actspec.verify.releases import EngineUnavailableError, prepare
+from actspec.verify.environments import EngineUnavailableError, prepare_release
 from tests.frameworks.mjlab_asking import ENVS, PROBE, RTOL, STEP, Job, Run, expected_line
 from tests.frameworks.mjlab_specs import (
     EPISODE,
@@ -82,7 +82,7 @@ def version(request: pytest.FixtureRequest) -> str:
 def ran(frameworks: Frameworks, version: str) -> Run:
     """All modules in a release, in one process."""
     try:
-        folder = prepare("mjlab", RELEASES[version])
+        folder = prepare_release("mjlab", RELEASES[version])
     except EngineUnavailableError as err:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(str(err))
     asked = jobs(version)

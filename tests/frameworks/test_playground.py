@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from actspec.verify.releases import EngineUnavailableError, prepare
+from actspec.verify.environments import EngineUnavailableError, prepare_release
 from tests.frameworks.playground_asking import Run, dc_motor_faults, faults, job, motors, probed
 from tests.frameworks.playground_specs import FACTORS, FIELDS, GROUPS
 from tests.frameworks.prepare import Frameworks
@@ -80,7 +80,7 @@ def test_dcmotor_in_volts(ran: dict[str, Run]) -> None:
 def test_dcmotor_in_torque(frameworks: Frameworks) -> None:
     """From MuJoCo 3.12: drawn and stepped by MJX in its Warp implementation."""
     try:
-        folders = str(prepare("mujoco", TORQUE_MJX)), str(prepare("mujoco-mjx", TORQUE_MJX))
+        folders = str(prepare_release("mujoco", TORQUE_MJX)), str(prepare_release("mujoco-mjx", TORQUE_MJX))
     except EngineUnavailableError as err:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(str(err))
     run = probed(frameworks, {"torque": motors("3.17", "warp")}, *folders)["torque"]

@@ -8,11 +8,17 @@ from importlib import import_module
 from pathlib import Path
 
 from actspec.ir import ActuatorSet
+from actspec.simulate.experiment import Experiment, design
 from actspec.verify.agreement import Row
-from actspec.verify.engines.question import Question
-from actspec.verify.response import Plan, Responded, plan
-from actspec.verify.response_reference import Lane, Moved
-from actspec.verify.response_rows import Expected, expected, kept_friction, reference, response_rows
+from actspec.verify.engines.asking import EngineResponse, Question
+from actspec.verify.response import (
+    ExpectedResponse,
+    Moved,
+    expected,
+    kept_friction,
+    reference,
+    response_rows,
+)
 from actspec.verify.run import ENGINES
 from actspec.verify.torque import laws_of
 from tests.verify.making import Built, Edit, build
@@ -24,31 +30,31 @@ class Bench:
 
     Attributes:
         built: The spec, compiled.
-        told: What its joints are told.
+        experiment: What its joints are experiment.
         wanted: Target to what is expected of it.
         moved: What the laws make of it.
     """
 
     built: Built
-    told: Plan
-    wanted: dict[str, tuple[Expected, ...]]
-    moved: dict[tuple[int, Lane], Moved]
+    experiment: Experiment
+    wanted: dict[str, tuple[ExpectedResponse, ...]]
+    moved: Moved
 
     @classmethod
     def of(cls, folder: Path, spec: str, *names: str) -> Bench:
         """Of a spec and some of its targets."""
         built = build(folder, spec)
         actuators = built.compilation.actuators
-        told = plan(actuators, laws_of(actuators).laws)
-        wanted = {name: expected(built.targets[name], told) for name in names}
-        return cls(built, told, wanted, reference(told, wanted.values()))
+        experiment = design(actuators, laws_of(actuators).laws)
+        wanted = {name: expected(built.targets[name], experiment) for name in names}
+        return cls(built, experiment, wanted, reference(experiment, wanted.values()))
 
     @property
     def actuators(self) -> ActuatorSet:
         """What the spec asks for."""
         return self.built.compilation.actuators
 
-    def asked(self, name: str, edit: Edit | None = None) -> Responded:
+    def asked(self, name: str, edit: Edit | None = None) -> EngineResponse:
         """What an engine makes of a target's main file, edited."""
         target = self.built.targets[name]
         folder = target.folder
@@ -61,7 +67,7 @@ class Bench:
         robot = self.built.compilation.robot
         question = Question(target.options, folder, target.files, self.actuators, robot)
         engine = import_module(ENGINES[target.options.kind])
-        found: Responded = engine.respond(question, self.told, kept_friction(self.wanted[name]))
+        found: EngineResponse = engine.respond(question, self.experiment, kept_friction(self.wanted[name]))
         return found
 
     def rows(self, name: str, edit: Edit | None = None) -> list[Row]:
@@ -69,4 +75,4 @@ class Bench:
         answer = self.asked(name, edit)
         assert answer.errors == {}
         target, wanted = self.built.targets[name], self.wanted[name]
-        return list(response_rows(target, self.actuators, self.told, wanted, self.moved, answer))
+        return list(response_rows(target, self.actuators, self.experiment, wanted, self.moved, answer))

@@ -9,7 +9,9 @@ from pathlib import Path
 import pytest
 
 from actspec.verify.codes import TITLES
-from actspec.verify.probing import PROBES
+from actspec.verify.engines.asking import PROBES
+from actspec.verify.engines.mujoco import ROLLOUT
+from actspec.verify.environments import SHARED
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -27,7 +29,7 @@ def test_every_code_is_explained() -> None:
     assert {code for code in given if code >= "VFY100"} == set(TITLES)
 
 
-@pytest.mark.parametrize("probe", sorted(PROBES.glob("*.py")), ids=lambda path: path.stem)
+@pytest.mark.parametrize("probe", [*sorted(PROBES.glob("*.py")), ROLLOUT, SHARED], ids=lambda path: path.stem)
 def test_probes_know_nothing_of_actspec(probe: Path) -> None:
     """What runs in a simulator's environment imports no module of actspec: an agreement is one of two programs."""
     names = [

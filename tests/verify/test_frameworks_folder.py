@@ -10,9 +10,18 @@ from pathlib import Path
 import pytest
 
 from actspec.simulators.mujoco import RELEASES
-from actspec.verify import frameworks
-from actspec.verify.frameworks import CONTENTS, ISAACLAB, NEWTON, PYTHONS, find, requirements
-from actspec.verify.releases import EngineUnavailableError, prepare, release_folder
+from actspec.verify.environments import (
+    CONTENTS,
+    ISAACLAB,
+    NEWTON,
+    PYTHONS,
+    EngineUnavailableError,
+    find_frameworks,
+    prepare_frameworks,
+    prepare_release,
+    release_folder,
+    requirements,
+)
 from tests.frameworks.prepare import EXTRA
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,7 +44,7 @@ def left(folder: Path) -> list[str]:
 def test_release_without_a_registry(tmp_path: Path, offline: None) -> None:
     """A release that cannot be had says so with pip's reason, and leaves nothing that counts."""
     with pytest.raises(EngineUnavailableError, match=r"^mujoco 3\.11\.0: ERROR: "):
-        prepare("mujoco", "3.11.0", tmp_path)
+        prepare_release("mujoco", "3.11.0", tmp_path)
     assert left(tmp_path) == []
     assert not release_folder("mujoco", "3.11.0", tmp_path).is_dir()
 
@@ -45,9 +54,9 @@ def test_release_without_a_registry(tmp_path: Path, offline: None) -> None:
 def test_environment_without_a_registry(tmp_path: Path, offline: None) -> None:
     """Half an environment is thrown away."""
     with pytest.raises(EngineUnavailableError, match="torch, mujoco, warp: ERROR"):
-        frameworks.prepare(tmp_path)
+        prepare_frameworks(tmp_path)
     assert left(tmp_path) == []
-    assert find(tmp_path) is None
+    assert find_frameworks(tmp_path) is None
 
 
 def environment(folder: Path, *lines: str) -> Path:
@@ -59,7 +68,7 @@ def environment(folder: Path, *lines: str) -> Path:
 
 def every_line(tmp_path: Path) -> list[str]:
     """What an environment of this version lists, as it writes it."""
-    code = "from actspec.verify.frameworks import _contents; print('\\n'.join(_contents(())))"
+    code = "from actspec.verify.environments import _contents; print('\\n'.join(_contents(())))"
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     return done.stdout.split("\n")[:-1]
 
@@ -72,9 +81,9 @@ def test_environment_with_more_serves(tmp_path: Path) -> None:
     )
     environment(tmp_path / "frameworks-less", *lines[1:])
     (tmp_path / "frameworks-unfinished").mkdir()
-    assert find(tmp_path) is None
+    assert find_frameworks(tmp_path) is None
     more = environment(tmp_path / "frameworks-more", *EXTRA, *lines)
-    found = find(tmp_path)
+    found = find_frameworks(tmp_path)
     assert found is not None and found.folder == more
 
 

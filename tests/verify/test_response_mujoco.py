@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
 
-from actspec.verify.response import COURSES, SOFT
+from actspec.simulate.experiment import COURSES
+from actspec.verify.response import SOFT
 from tests.verify.making import SPEC, Edit, both, replaced
 from tests.verify.responding import Bench
 
@@ -113,85 +113,6 @@ def test_another_integrator_that_is_as_good_agrees(rich: Bench) -> None:
     assert [row.message for row in rich.rows("mujoco", replaced("implicitfast", "RK4")) if not row.ok] == []
 
 
-@pytest.fixture(scope="module")
-def probe() -> Any:
-    """The probe as a module."""
-    import importlib.util
-
-    from actspec.verify.engines.mujoco import RESPONSES
-
-    spec = importlib.util.spec_from_file_location("probe_mujoco_response", RESPONSES)
-    assert spec is not None and spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
-
-
-STRANGE = """<mujoco><compiler angle="degree"/>
-<option timestep="0.004" integrator="implicit" impratio="3" tolerance="1e-7">
-  <flag filterparent="disable"/></option>
-<worldbody><geom name="floor" type="plane" size="1 1 1"/><body pos="0 0 0.05"><geom size="0.1"/>
-  <joint name="a" axis="1 2 0" pos="0.1 0 0.2" range="-30 40" armature="0.02" damping="0.1 0.2 0.3" frictionloss="0.1"
-    solreffriction="0.03 1.2" solimpfriction="0.8 0.9 0.002 0.4 3" actuatorfrcrange="-7 8" actuatorgravcomp="true"
-    ref="10" stiffness="4" springref="5" margin="0.01" group="2"
-    solreflimit="0.03 1" solimplimit="0.8 0.9 0.002 0.4 3"/>
-  <body><geom size="0.1"/><joint name="b" type="slide" axis="0 0 1"/></body></body></worldbody>
-<actuator>
-  <dcmotor name="m" joint="b" nominal="24 3 20" saturation="2 0 0" inductance="0.001" input="pos"
-    controller="5 1 0.2 2 3 24"/>
-  <general name="g" joint="a" dyntype="filterexact" dynprm="0.02" gainprm="12" biastype="affine" biasprm="0.1 -11 -0.5"
-    gear="-2" ctrlrange="-1 1.5" forcerange="-3 2" actrange="-1 1" actearly="true" delay="0.008" nsample="2"
-    interp="linear" damping="0.3 0.1 0" armature="0.01" group="1"/>
-</actuator></mujoco>"""
-"""Fields that compiled files seldom have, all with numbers of their own."""
-
-
-@pytest.mark.parametrize("joint", ["a", "b"])
-def test_a_joint_alone_has_every_row_of_the_file_s_model(probe: Any, joint: str) -> None:
-    """`alone` compares them itself; the sums that depend on the body are those of the inertia that is asked for."""
-    import mujoco
-
-    whole = mujoco.MjModel.from_xml_string(STRANGE)
-    alone = probe.alone(whole, joint, 0.07, 1)
-    at = whole.joint(joint).id
-    extra = 0.02 + 4 * 0.01 if joint == "a" else 0.0
-    assert alone.dof_M0[0] == pytest.approx(0.07 + extra)
-    assert alone.nu == 1
-    assert alone.actuator_gear[0, 0] == (-2.0 if joint == "a" else 1.0)
-    assert (alone.opt.timestep, alone.opt.impratio, alone.opt.tolerance) == (0.004, 3.0, 1e-7)
-    assert alone.opt.integrator == whole.opt.integrator
-    assert alone.jnt_stiffness[0] == 0.0
-    assert np.array_equal(alone.dof_solref[0], whole.dof_solref[whole.jnt_dofadr[at]])
-
-
-def test_half_a_step_keeps_the_delay(probe: Any) -> None:
-    """8 ms are 2 steps of 4 and 4 of 2: the buffer is twice as long."""
-    import mujoco
-
-    half = probe.alone(mujoco.MjModel.from_xml_string(STRANGE), "a", 0.07, 2)
-    assert half.opt.timestep == 0.002
-    assert half.actuator_delay[0] == 0.008
-    assert half.actuator_history[0, 0] == 4
-
-
-@pytest.mark.parametrize(
-    "field", ["actuator_gainprm", "jnt_margin", "dof_solimp", "dof_frictionloss", "actuator_dynprm"]
-)
-def test_a_row_that_does_not_come_along_is_an_error(
-    probe: Any, field: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """The comparison is no formality: a number that is left behind is found."""
-    import mujoco
-
-    attribute = "solimp_friction" if field == "dof_solimp" else field.split("_")[1]
-    for table in ("JOINT", "ACTUATOR"):
-        kept = {key: row for key, row in getattr(probe, table).items() if key != attribute}
-        monkeypatch.setattr(probe, table, kept)
-    whole = mujoco.MjModel.from_xml_string(STRANGE)
-    with pytest.raises(probe.Refused, match=field):
-        probe.alone(whole, "a", 0.07, 1)
-
-
 def test_what_the_model_does_not_have_is_said(rich: Bench) -> None:
     """A joint without an actuator has no row, and a reason."""
     edit = replaced('<velocity name="lift" joint="lift"', '<velocity name="lift" joint="gripper"')
@@ -202,7 +123,7 @@ def test_what_the_model_does_not_have_is_said(rich: Bench) -> None:
 
 def test_a_file_that_mujoco_refuses_is_refused(rich: Bench) -> None:
     """With MuJoCo's own words."""
-    from actspec.verify.engines.question import EngineRefused
+    from actspec.verify.engines.asking import EngineRefused
 
     with pytest.raises(EngineRefused, match=r"(?i)gear"):
         rich.asked("mujoco", replaced('gear="1"', 'gear="x"'))
@@ -210,5 +131,5 @@ def test_a_file_that_mujoco_refuses_is_refused(rich: Bench) -> None:
 
 def test_the_lag_of_a_plan_is_in_steps(rich: Bench) -> None:
     """10 ms are 2 steps of 5; the lift has none."""
-    assert rich.told.lags == [2, 2, 2, 2, 0]
-    assert replace(rich.told, step=0.0025).lags == [4, 4, 4, 4, 0]
+    assert rich.experiment.lags == [2, 2, 2, 2, 0]
+    assert replace(rich.experiment, step=0.0025).lags == [4, 4, 4, 4, 0]

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from actspec.ir import ActuatorSet
+from actspec.simulate.excitation import HeldMotion, held_motions
+from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import Row
-from actspec.verify.engines.question import EngineAnswer
-from actspec.verify.expected import torques
-from actspec.verify.motion import Motion, motions
+from actspec.verify.engines.asking import EngineAnswer
 from actspec.verify.target import Target, alike
 from actspec.verify.torque import laws_of, torque_rows
 from tests.verify.making import SPEC, Built, build, replaced
@@ -33,14 +33,16 @@ class Bench:
         self.built = built
         self.actuators: ActuatorSet = built.compilation.actuators
         self.laws = laws_of(self.actuators)
-        self.moves = motions(list(self.laws.laws.values()), self.actuators.joints, 0.005)
+        self.moves = held_motions(list(self.laws.laws.values()), self.actuators.joints, 0.005)
 
     def answer(self, *, steps: int = 2, single: bool = False) -> dict[str, Any]:
         """Torques of the laws, each joint behind the same delay."""
         return {
             name: np.stack(
                 [
-                    torques(law, motion, column, 0.005, steps if law.delay else 0)
+                    held_torque(
+                        law, *(part[:, :, column] for part in motion.arrays), 0.005, steps if law.delay else 0
+                    )
                     for column, law in enumerate(self.laws.laws.values())
                 ],
                 axis=2,
@@ -176,7 +178,7 @@ def test_joint_without_a_drive(bench: Bench) -> None:
 
 def test_single_precision_gets_what_the_engine_gets(bench: Bench) -> None:
     """The law is asked at the rounded command, position and speed."""
-    motion: Motion = bench.moves["torque"].single()
+    motion: HeldMotion = bench.moves["torque"].single()
     assert np.array_equal(motion.command, motion.command.astype(np.float32))
 
 
@@ -219,7 +221,7 @@ def test_line_that_a_version_does_not_have(tmp_path_factory: pytest.TempPathFact
 
 
 def test_network_has_no_law(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """The torque of an actuator network is told by no law: its group is passed over, with the reason."""
+    """The torque of an actuator network follows no law: its group is passed over, with the reason."""
     from dataclasses import replace as changed
 
     from actspec.ir import Level
@@ -231,4 +233,4 @@ def test_network_has_no_law(tmp_path_factory: pytest.TempPathFactory) -> None:
     )
     laws = laws_of(changed(made.compilation.actuators, joints=joints))
     assert set(laws.laws) == {"left_hip", "right_hip", "lift"}
-    assert laws.skipped == {"knees": "level actuator_net: the torque is the network's, and no law tells it"}
+    assert laws.skipped == {"knees": "level actuator_net: the torque is the network's, which follows no law"}

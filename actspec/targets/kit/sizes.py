@@ -15,6 +15,7 @@ from typing import Any
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw, clip_command
+from actspec.simulate.excitation import command_for, own_speed, speed_scale, torque_scale
 
 GRID = 40
 """Points on either side of 0, which is among them.
@@ -40,30 +41,14 @@ def static_error(
     import numpy as np
 
     width = speed if speed is not None else 2.0 * speed_scale(law)
-    half = 2.0 * _limit(law)
+    half = 2.0 * torque_scale(law)
     # Standstill must be exact: an asymmetric curve holds its joint with the brake torque.
     parts = np.arange(-GRID, GRID + 1) / GRID
     torques, speeds = np.meshgrid(half * parts, width * parts)
     q = np.full_like(torques, position)
-    command = _command(law, torques, speeds, q)
+    command = command_for(law, torques, speeds, q)
     difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
     return float(difference.max())
-
-
-def speed_scale(law: TorqueLaw) -> float:
-    """w0: the no-load speed, else the speed at which kd alone takes the whole limit [rad/s or m/s].
-
-    1 where the law has neither: such a law is the same at every speed.
-    """
-    return _own_speed(law) or 1.0
-
-
-def _own_speed(law: TorqueLaw) -> float | None:
-    if law.curve is not None:
-        return law.curve[3]
-    if law.no_load_speed is not None:
-        return law.no_load_speed
-    return _limit(law) / law.kd if law.kd > 0 else None
 
 
 def widest_speed(law: TorqueLaw, velocity_limit: float | None) -> float | None:
@@ -75,7 +60,7 @@ def widest_speed(law: TorqueLaw, velocity_limit: float | None) -> float | None:
 
     Returns: None where neither is known: such a loss has no size.
     """
-    own = _own_speed(law)
+    own = own_speed(law)
     return velocity_limit if own is None else 2.0 * own
 
 
@@ -105,20 +90,11 @@ def held_step_error(law: TorqueLaw, *, filtered: bool = False, late: float = mat
     """
     import numpy as np
 
-    half, zero = np.array(0.5 * _limit(law)), np.array(0.0)
-    step = float(law.torque(_command(law, half, zero, zero), zero, zero))
+    half, zero = np.array(0.5 * torque_scale(law)), np.array(0.0)
+    step = float(law.torque(command_for(law, half, zero, zero), zero, zero))
     if filtered and law.filter_cutoff is not None:
         step *= -math.expm1(-2.0 * math.pi * law.filter_cutoff * late)
     return abs(step)
-
-
-def _command(law: TorqueLaw, torques: Any, speeds: Any, q: Any) -> Any:
-    """Commands for which the drive without its clamp gives these torques."""
-    if law.command is Command.POSITION:
-        return q + law.encoder_bias + ((torques + law.kd * speeds) / law.kp if law.kp > 0 else 0.0 * torques)
-    if law.command is Command.VELOCITY:
-        return torques / law.kd + speeds if law.kd > 0 else 0.0 * torques
-    return torques
 
 
 def lined(law: TorqueLaw) -> TorqueLaw:
@@ -158,13 +134,6 @@ def command_range_error(law: TorqueLaw, positions: tuple[float, float] | None) -
         return law.torque(clip_command(command, low=low, high=high), q, qd)
 
     return max(static_error(law, clamped, position=position) for position in held)
-
-
-def _limit(law: TorqueLaw) -> float:
-    if math.isfinite(law.effort_limit):
-        return law.effort_limit
-    # Without a limit, the torque of an error of one radian (metre) stands in for it.
-    return law.kp if law.kp > 0 else (law.kd if law.kd > 0 else 1.0)
 
 
 def unclipped(law: TorqueLaw) -> TorqueLaw:

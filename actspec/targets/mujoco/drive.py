@@ -23,11 +23,12 @@ from actspec.readings.joint import JointReading
 from actspec.resolution.model_values import finite_limit
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import JointView
+from actspec.simulate.excitation import speed_scale
 from actspec.simulators import text_of
 from actspec.simulators.mujoco import NATIVE_DELAY, DcMotorDialect, MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission, JointLosses
-from actspec.targets.kit.sizes import boxed, held_step_error, lined, speed_scale, static_error
+from actspec.targets.kit.sizes import boxed, held_step_error, lined, static_error
 from actspec.units import format_quantity
 
 VOLTAGE = 24.0

@@ -7,47 +7,41 @@ from pathlib import Path
 from typing import Any
 
 from actspec.ir import JointKind
+from actspec.simulate.excitation import HeldMotions
+from actspec.simulate.experiment import Experiment
 from actspec.simulators.isaaclab import isaaclab_dialect
-from actspec.verify.engines.asking import prepared, probed
-from actspec.verify.engines.question import EngineAnswer, EngineMissing, Motions, Question
-from actspec.verify.motion import as_arrays
-from actspec.verify.probing import PROBES
-from actspec.verify.response import Friction, Plan, Responded, responded
+from actspec.verify.engines.asking import (
+    BodyFriction,
+    EngineAnswer,
+    EngineMissing,
+    EngineResponse,
+    Question,
+    prepared,
+    probed,
+)
 
-PROBE = PROBES / "probe_isaaclab.py"
 
-_FIGURES = {"armature": "armature"}
-"""Field of a ledger row to the number of the class; the others depend on class and version, and are read back."""
-
-
-def ask(question: Question, motions: Motions) -> EngineAnswer:
+def ask(question: Question, motions: HeldMotions) -> EngineAnswer:
     """Torques of the written cfgs.
 
     Raises:
         EngineMissing: no release of this version can be had, or it is not prepared, or its drive is the solver's.
         EngineRefused: the package does not take the file.
     """
-    job = {
-        "columns": question.joints,
-        "commands": [a.command.value for a in question.actuators.joints],
-        "motions": list(motions),
-    }
-    release, said, torques = _probed(question, job, as_arrays(motions))
-    figures = {
-        joint: {field: found[name] for field, name in _FIGURES.items()}
-        for joint, found in said["joints"].items()
-    }
+    release, said, torques = _probed(question, *question.job(motions))
+    # The others depend on class and version, and are read back.
+    figures = {joint: {"armature": found["armature"]} for joint, found in said["joints"].items()}
     return EngineAnswer(f"isaaclab {release}", True, torques, figures)
 
 
-def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+def respond(question: Question, experiment: Experiment, friction: BodyFriction) -> EngineResponse:
     """Responses of bodies that the written cfgs' torques move; PhysX, which moves them there, is in no package.
 
     Raises: as `ask`.
     """
-    arrays = plan.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
-    release, said, out = _probed(question, plan.job() | {"step": plan.step}, arrays)
-    return responded(f"isaaclab {release}", said, out, single=True)
+    arrays = experiment.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
+    release, said, out = _probed(question, experiment.job() | {"step": experiment.step}, arrays)
+    return EngineResponse.of(f"isaaclab {release}", said, out, single=True)
 
 
 def _probed(
@@ -66,5 +60,5 @@ def _probed(
     joints = [joint.name for joint in question.robot.joints if joint.kind is not JointKind.FREE]
     module = str(Path(question.main).resolve())
     more = {"root": str(frameworks.isaaclab(release)), "module": module, "joints": joints}
-    said, out = probed(frameworks, PROBE, {**job, **more}, arrays)
+    said, out = probed(frameworks, "probe_isaaclab.py", {**job, **more}, arrays)
     return release, said, out

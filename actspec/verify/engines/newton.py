@@ -8,19 +8,23 @@ from typing import Any
 
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import JointKind
+from actspec.simulate.excitation import HeldMotions
+from actspec.simulate.experiment import Experiment
 from actspec.simulators import text_of
 from actspec.simulators.newton import RELEASES, NewtonDialect, newton_dialect
 from actspec.targets.newton.paths import lay_out
 from actspec.targets.newton.usda import path_text
-from actspec.verify.engines.asking import prepared, probed
-from actspec.verify.engines.question import EngineAnswer, EngineMissing, EngineRefused, Motions, Question
-from actspec.verify.frameworks import NEWTON
-from actspec.verify.motion import as_arrays
-from actspec.verify.probing import PROBES
-from actspec.verify.response import Friction, Plan, Responded, responded
-
-PROBE = PROBES / "probe_newton.py"
-
+from actspec.verify.engines.asking import (
+    BodyFriction,
+    EngineAnswer,
+    EngineMissing,
+    EngineRefused,
+    EngineResponse,
+    Question,
+    prepared,
+    probed,
+)
+from actspec.verify.environments import NEWTON
 
 _HEAD = """#usda 1.0
 (
@@ -47,19 +51,14 @@ _JOINT = """def {kind} "{name}" (prepend apiSchemas = ["PhysicsDriveAPI:{axis}",
 """
 
 
-def ask(question: Question, motions: Motions) -> EngineAnswer:
+def ask(question: Question, motions: HeldMotions) -> EngineAnswer:
     """Torques of the written actuators.
 
     Raises:
         EngineMissing: no release of this version is in the environment, or there is none.
         EngineRefused: the package does not take the file.
     """
-    job = {
-        "joints": question.joints,
-        "commands": [a.command.value for a in question.actuators.joints],
-        "motions": list(motions),
-    }
-    dialect, said, torques = _probed(question, job, as_arrays(motions))
+    dialect, said, torques = _probed(question, *question.job(motions))
     figures = dict(zip(question.joints, said["figures"], strict=True))
     if not dialect.joint_damping:
         # Such a release leaves them where they were.
@@ -68,14 +67,14 @@ def ask(question: Question, motions: Motions) -> EngineAnswer:
     return EngineAnswer(f"newton {said['version']}", True, torques, figures)
 
 
-def respond(question: Question, plan: Plan, friction: Friction) -> Responded:
+def respond(question: Question, experiment: Experiment, friction: BodyFriction) -> EngineResponse:
     """Responses of bodies that the written actuators' torques move; none of Newton's solvers does here.
 
     Raises: as `ask`.
     """
-    arrays = plan.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
-    _, said, out = _probed(question, plan.job() | {"joints": plan.names}, arrays)
-    return responded(f"newton {said['version']}", said, out, single=True)
+    arrays = experiment.arrays() | {"coulomb": friction[0], "viscous": friction[1]}
+    _, said, out = _probed(question, experiment.job(), arrays)
+    return EngineResponse.of(f"newton {said['version']}", said, out, single=True)
 
 
 def _probed(
@@ -96,10 +95,10 @@ def _probed(
         "path": [] if beside is None else [str(frameworks.newton(beside))],
         "overlay": str(Path(question.main).resolve()),
         "stage": stage(question, paths),
-        "joints": ["/" + "/".join(paths[joint]) for joint in job["joints"]],
+        "joints": ["/" + "/".join(paths[joint]) for joint in job["columns"]],
         "step": question.step,
     }
-    said, out = probed(frameworks, PROBE, {**job, **more}, arrays)
+    said, out = probed(frameworks, "probe_newton.py", {**job, **more}, arrays)
     return dialect, said, out
 
 

@@ -1,6 +1,7 @@
 """Ask the actuator classes of a real Isaac Lab release: `probe_isaaclab.py JOB.json IN.npz OUT.json OUT.npz`.
 
-Standalone: it runs in the frameworks' environment and imports nothing of actspec.
+Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
+else of actspec.
 
 Job:
     root: folder of the real `isaaclab` package.
@@ -25,16 +26,17 @@ from __future__ import annotations
 
 import copy
 import importlib.util
-import json
 import sys
 import types
 from collections.abc import Callable
+from functools import partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import torch
+from standalone import Body, follow, serve  # type: ignore[import-not-found]
 
 NUMBERS = (
     "effort_limit",
@@ -190,9 +192,7 @@ def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], di
     out = {name: np.full(arrays[f"{name}/q"].shape, np.nan) for name in job["motions"]}
     for key, cfg in cfgs_of(load(Path(job["module"]))).items():
         for name in job["motions"]:
-            command, q, qd = (
-                torch.tensor(arrays[f"{name}/{part}"], dtype=torch.float32) for part in ("command", "q", "qd")
-            )
+            command, q, qd = (arrays[f"{name}/{part}"] for part in ("command", "q", "qd"))
             _, mine, build = builder(cfg, job["joints"], q.shape[1], 0.0)
             there = [i for i, joint in enumerate(mine) if joint in columns]
             if not there:
@@ -204,13 +204,10 @@ def run(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], di
             actuator = build()
             # The nets of Isaac Lab take indices, the others None too.
             actuator.reset(list(range(q.shape[1])))
+            kinds = [job["commands"][column] for column in taken]
             for k in range(len(q)):
-                parts = {part: torch.zeros(q.shape[1], len(mine)) for part in PARTS.values()}
-                for i, column in zip(there, taken, strict=True):
-                    parts[PARTS[job["commands"][column]]][:, i] = command[k, :, column]
-                at, speed = (torch.zeros(q.shape[1], len(mine)) for _ in range(2))
-                at[:, there], speed[:, there] = q[k][:, taken], qd[k][:, taken]
-                out[name][k][:, taken] = step(actuator, parts, at, speed)[:, there]
+                now = (part[k][:, taken] for part in (command, q, qd))
+                out[name][k][:, taken] = torques(actuator, there, kinds, len(mine), *now)
             twice = set(mine) & set(joints) if name == job["motions"][0] else set()
             if twice:
                 raise ValueError(f"{sorted(twice)[0]} is in two groups")
@@ -236,6 +233,7 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
             actuator = build()
             actuator.reset(list(range(n_course)))
             held = numbers(actuator, mine, key)
+            kinds = [job["commands"][column] for column in taken]
             body = Body(
                 arrays["inertia"][taken] + [held[mine[i]]["armature"] for i in there],
                 arrays["coulomb"][taken],
@@ -244,23 +242,34 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
                 arrays["q"][:, taken],
                 arrays["qd"][:, taken],
             )
-            out[f"q{parts}"][0][:, taken] = body.q
-            for k in range(n_step):
-                for part in range(parts):
-                    told = {name: torch.zeros(n_course, len(mine)) for name in PARTS.values()}
-                    at, speed = (torch.zeros(n_course, len(mine)) for _ in range(2))
-                    for i, column in zip(there, taken, strict=True):
-                        command = torch.tensor(arrays["command"][k, :, column], dtype=torch.float32)
-                        told[PARTS[job["commands"][column]]][:, i] = command
-                    at[:, there], speed[:, there] = (
-                        torch.tensor(value, dtype=torch.float32) for value in (body.q, body.qd)
-                    )
-                    torque = step(actuator, told, at, speed)[:, there].astype(float)
-                    if part == 0:
-                        out[f"torque{parts}"][k][:, taken] = torque
-                    body.move(torque)
-                out[f"q{parts}"][k + 1][:, taken] = body.q
+            drive = partial(torques, actuator, there, kinds, len(mine))
+            q, torque = follow(drive, body, arrays["command"][:, :, taken], parts)
+            out[f"q{parts}"][:, :, taken], out[f"torque{parts}"][:, :, taken] = q, torque
     return {}, out
+
+
+def torques(
+    actuator: Any, there: list[int], kinds: list[str], width: int, command: Any, q: Any, qd: Any
+) -> np.ndarray[Any, Any]:
+    """Torques of one physics step at some joints of an actuator; the others are at 0.
+
+    Args:
+        actuator: The actuator.
+        there: Its joints that are asked about, the columns of the arrays.
+        kinds: What each of them is commanded by.
+        width: How many joints it has.
+        command: Commands, shape (n_env, n_column).
+        q: Positions, likewise.
+        qd: Speeds, likewise.
+    """
+    parts = {name: torch.zeros(len(q), width) for name in PARTS.values()}
+    at, speed = (torch.zeros(len(q), width) for _ in range(2))
+    command, at[:, there], speed[:, there] = (
+        torch.tensor(value, dtype=torch.float32) for value in (command, q, qd)
+    )
+    for column, (i, kind) in enumerate(zip(there, kinds, strict=True)):
+        parts[PARTS[kind]][:, i] = command[:, column]
+    return step(actuator, parts, at, speed)[:, there].astype(float)
 
 
 def divided(cfg: Any, lag: int, parts: int) -> Any:
@@ -273,43 +282,11 @@ def divided(cfg: Any, lag: int, parts: int) -> Any:
     return mine
 
 
-class Body:
-    """Joints that move by semi-implicit steps, the torque held, as a rigid-body engine moves them.
-
-    Args:
-        inertia: Armature included, shape (n_joint,).
-        coulomb: Dry friction, likewise.
-        viscous: Friction, likewise.
-        step: [s].
-        q: Positions, shape (n_course, n_joint).
-        qd: Speeds, likewise.
-    """
-
-    def __init__(self, inertia: Any, coulomb: Any, viscous: Any, step: float, q: Any, qd: Any) -> None:
-        self.inertia, self.coulomb, self.viscous, self.step = inertia, coulomb, viscous, step
-        self.q, self.qd = q.copy(), qd.copy()
-
-    def move(self, torque: Any) -> None:
-        """One step: friction takes no more of the speed than there is."""
-        free = self.qd + self.step * torque / self.inertia
-        left = np.maximum(np.abs(free) - self.step * self.coulomb / self.inertia, 0.0)
-        self.qd = np.sign(free) * left / (1.0 + self.step * self.viscous / self.inertia)
-        self.q = self.q + self.step * self.qd
-
-
-def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
-    """Answer a job; what the package refuses is told."""
-    job = json.loads(Path(job_path).read_text(encoding="utf-8"))
-    with np.load(arrays_path) as found:
-        arrays = {key: found[key] for key in found.files}
+def answer(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Motions or responses; what the package refuses is an error."""
     enable(job["root"])
-    try:
-        said, out = (respond if "parts" in job else run)(job, arrays)
-    except Exception as err:  # whatever the package or the file says is the answer
-        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
-    Path(said_path).write_text(json.dumps(said), encoding="utf-8")
-    np.savez(out_path, **out)
+    return (respond if "parts" in job else run)(job, arrays)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    serve(answer)

@@ -1,6 +1,7 @@
 """Ask a real mjlab: `probe_mjlab.py JOB.json IN.npz OUT.json OUT.npz`.
 
-Standalone: it runs in the frameworks' environment and imports nothing of actspec.
+Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
+else of actspec.
 
 Job:
     module: the file with an articulation; it is executed.
@@ -22,16 +23,14 @@ actuators do at each joint in each step, the joints put back before every one. F
 from __future__ import annotations
 
 import dataclasses
-import json
 import re
 import runpy
-import sys
-from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import torch
+from standalone import serve  # type: ignore[import-not-found]
 
 Array = np.ndarray[Any, Any]
 
@@ -245,18 +244,5 @@ def divide(names: dict[str, Any], joints: list[str], lags: dict[str, int], parts
         cfg.delay_min_lag = cfg.delay_max_lag = lag
 
 
-def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
-    """Answer a job; what mjlab refuses is told."""
-    job = json.loads(Path(job_path).read_text(encoding="utf-8"))
-    with np.load(arrays_path) as found:
-        arrays = {key: found[key] for key in found.files}
-    try:
-        said, out = (respond if "parts" in job else run)(job, arrays)
-    except Exception as err:  # whatever the package or the file says is the answer
-        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
-    Path(said_path).write_text(json.dumps(said), encoding="utf-8")
-    np.savez(out_path, **out)
-
-
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    serve(lambda job, arrays: (respond if "parts" in job else run)(job, arrays))

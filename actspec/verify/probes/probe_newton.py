@@ -1,6 +1,7 @@
 """Ask a real Newton: `probe_newton.py JOB.json IN.npz OUT.json OUT.npz`.
 
-Standalone: it runs in the frameworks' environment and imports nothing of actspec.
+Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
+else of actspec.
 
 Job:
     path: folders for sys.path, before all others: an older release.
@@ -22,13 +23,13 @@ Answers: `error` where the overlay is refused; `version`; `figures`: per column 
 
 from __future__ import annotations
 
-import json
 import os
 import sys
 import warnings
 from typing import Any
 
 import numpy as np
+from standalone import Body, follow, serve  # type: ignore[import-not-found]
 
 Array = np.ndarray[Any, Any]
 
@@ -149,7 +150,6 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
     import warp
 
     warp.config.quiet = True
-    n_step, n_course, n_joint = arrays["command"].shape
     out = {}
     for parts in job["parts"]:
         stage = composed(job["stage"], job["overlay"])
@@ -164,51 +164,36 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
         step = job["step"] / parts
         rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], step)
         armature = np.array([figures["armature"] for figures in rig.figures()])
-        q = out[f"q{parts}"] = np.full((n_step + 1, n_course, n_joint), np.nan)
-        torques = out[f"torque{parts}"] = np.full((n_step, n_course, n_joint), np.nan)
-        for course in range(n_course):
-            states = rig.states()
-            at, speed = arrays["q"][course].copy(), arrays["qd"][course].copy()
-            q[0, course] = at
-            for k in range(n_step):
-                for part in range(parts):
-                    torque, states = rig.torque(states, arrays["command"][k, course], at, speed)
-                    if part == 0:
-                        torques[k, course] = torque
-                    at, speed = moved(arrays, arrays["inertia"] + armature, step, torque, at, speed)
-                q[k + 1, course] = at
+        states = [rig.states() for _ in arrays["q"]]
+
+        def drive(command: Array, q: Array, qd: Array, rig: Rig = rig, states: list[Any] = states) -> Array:
+            # One environment, so one course after the other, each with what its actuators remember.
+            torques = []
+            for course, now in enumerate(zip(command, q, qd, strict=True)):
+                torque, states[course] = rig.torque(states[course], *now)
+                torques.append(torque)
+            return np.stack(torques)
+
+        body = Body(
+            arrays["inertia"] + armature,
+            arrays["coulomb"],
+            arrays["viscous"],
+            step,
+            arrays["q"],
+            arrays["qd"],
+        )
+        out[f"q{parts}"], out[f"torque{parts}"] = follow(drive, body, arrays["command"], parts)
     return {"version": newton.__version__}, out
 
 
-def moved(
-    arrays: dict[str, Array], inertia: Array, step: float, torque: Array, q: Array, qd: Array
-) -> tuple[Array, Array]:
-    """Positions and speeds after a semi-implicit step, the torque held; friction takes no more speed than there is."""
-    free = qd + step * torque / inertia
-    left = np.maximum(np.abs(free) - step * arrays["coulomb"] / inertia, 0.0)
-    speed = np.sign(free) * left / (1.0 + step * arrays["viscous"] / inertia)
-    return q + step * speed, speed
-
-
-def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None:
-    """Answer a job; what Newton refuses is told."""
-    with open(job_path, encoding="utf-8") as file:
-        job = json.load(file)
-    with np.load(arrays_path) as found:
-        arrays = {key: found[key] for key in found.files}
-    # Before `newton`: an older release stands beside the installed one.
+def begin(job: dict[str, Any]) -> None:
+    """Before `newton` is imported."""
+    # An older release stands beside the installed one.
     sys.path[:0] = job["path"]
     # Newton runs what a checkpoint of torch says; an overlay that names one cannot have it loaded.
     sys.modules["torch"] = None  # type: ignore[assignment]  # the documented way to make an import fail
     warnings.simplefilter("ignore")
-    try:
-        said, out = (respond if "parts" in job else run)(job, arrays)
-    except Exception as err:  # whatever Newton says of the overlay is the answer
-        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
-    with open(said_path, "w", encoding="utf-8") as file:
-        json.dump(said, file)
-    np.savez(out_path, **out)  # type: ignore[arg-type]  # numpy's stub takes them for allow_pickle
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    serve(lambda job, arrays: (respond if "parts" in job else run)(job, arrays), begin)

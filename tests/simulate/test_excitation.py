@@ -9,7 +9,16 @@ import pytest
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw
-from actspec.verify.motion import BEFORE, HELD, RAMP, Motion, commands_for, corners, motions, place
+from actspec.simulate.excitation import (
+    BEFORE,
+    HELD,
+    RAMP,
+    HeldMotion,
+    command_for,
+    corner_speeds,
+    held_motions,
+    rest_position,
+)
 from tests.verify.making import Built, build
 
 PD = TorqueLaw(Command.POSITION, 40.0, 1.5, 20.0, None, None, None, 0.02, None, 0.0)
@@ -36,19 +45,19 @@ def built(tmp_path_factory: pytest.TempPathFactory) -> Built:
 )
 def test_corners_of_the_clamp(law: TorqueLaw, speeds: list[float]) -> None:
     """The speeds at which a clamp bends are those of its lines' crossings."""
-    assert corners(law) == pytest.approx(speeds)
+    assert corner_speeds(law) == pytest.approx(speeds)
 
 
 def test_commands_ask_for_a_torque() -> None:
     """40 (u - (0.1 + 0.02)) - 1.5 * 2 = 9 N*m gives u = 0.42; with a speed command 1.5 (u - 2) = 9 gives 8."""
-    assert commands_for(PD, 9.0, 0.1, 2.0) == pytest.approx(0.42)
-    assert commands_for(replace(PD, command=Command.VELOCITY), 9.0, 0.1, 2.0) == pytest.approx(8.0)
-    assert commands_for(replace(PD, command=Command.EFFORT), 9.0, 0.1, 2.0) == pytest.approx(9.0)
+    assert command_for(PD, 9.0, 0.1, 2.0) == pytest.approx(0.42)
+    assert command_for(replace(PD, command=Command.VELOCITY), 9.0, 0.1, 2.0) == pytest.approx(8.0)
+    assert command_for(replace(PD, command=Command.EFFORT), 9.0, 0.1, 2.0) == pytest.approx(9.0)
 
 
-def grid(built: Built, law: TorqueLaw) -> dict[str, Motion]:
+def grid(built: Built, law: TorqueLaw) -> dict[str, HeldMotion]:
     """Motions of one joint, 5 ms steps."""
-    return motions([law], [built.compilation.actuators.joints[0]], 0.005)
+    return held_motions([law], [built.compilation.actuators.joints[0]], 0.005)
 
 
 def test_grid_has_corners_limits_and_both_signs(built: Built) -> None:
@@ -92,4 +101,4 @@ def test_history_is_long_enough_for_a_filter(built: Built) -> None:
 )
 def test_joint_is_where_its_command_may_be(ends: tuple[float, float] | None, middle: float) -> None:
     """A clamped command is followed inside its range, or nothing of it would be seen."""
-    assert place(replace(PD, command_range=ends)) == pytest.approx(middle)
+    assert rest_position(replace(PD, command_range=ends)) == pytest.approx(middle)

@@ -10,10 +10,19 @@ import pytest
 
 from actspec.ir import Command
 from actspec.laws import TorqueLaw
-from actspec.verify.response_reference import SOFT_RATE, SOFT_SHARE, Dry, Lane, Moved, _Numbers, _Pull, move
+from actspec.simulate.reference import (
+    SOFT_RATE,
+    SOFT_SHARE,
+    DrivenJoint,
+    PassiveFriction,
+    Trajectory,
+    _Numbers,
+    _Pull,
+    integrate,
+)
 
 STEP = 0.005
-FREE = Dry(0.0, 0.0)
+FREE = PassiveFriction(0.0, 0.0)
 
 
 def law(**changed: Any) -> TorqueLaw:
@@ -40,17 +49,19 @@ def spring(**changed: Any) -> TorqueLaw:
 
 def moved(
     one: TorqueLaw,
-    friction: Dry,
+    friction: PassiveFriction,
     inertia: float,
     command: Any,
     *,
     q: float = 0.0,
     qd: float = 0.0,
     substeps: int = 64,
-) -> Moved:
+) -> Trajectory:
     """One joint that follows its command."""
     told = np.asarray(command, dtype=float)[:, None]
-    return move([Lane(one, friction, inertia)], told, np.array([q]), np.array([qd]), STEP, substeps=substeps)
+    return integrate(
+        [DrivenJoint(one, friction, inertia)], told, np.array([q]), np.array([qd]), STEP, substeps=substeps
+    )
 
 
 def times(steps: int) -> Any:
@@ -68,7 +79,7 @@ def test_an_undamped_drive_oscillates() -> None:
 
 def test_viscous_friction_decays() -> None:
     """w = w0 exp(-b t / J) and q = w0 J / b (1 - exp): b 0.5, J 0.2."""
-    found = moved(law(), Dry(0.0, 0.5), 0.2, np.zeros(200), qd=3.0)
+    found = moved(law(), PassiveFriction(0.0, 0.5), 0.2, np.zeros(200), qd=3.0)
     decay = np.exp(-2.5 * times(200))
     assert np.abs(found.qd[:, 0] - 3.0 * decay).max() < 1e-11
     assert np.abs(found.q[:, 0] - 1.2 * (1.0 - decay)).max() < 1e-11
@@ -77,7 +88,7 @@ def test_viscous_friction_decays() -> None:
 def test_kd_is_a_drive_s_and_not_friction() -> None:
     """kd 0.5 of a velocity drive towards 0 decays as friction of 0.5 does, and has a torque; friction has none."""
     drive = moved(law(command=Command.VELOCITY, kd=0.5), FREE, 0.2, np.zeros(100), qd=3.0)
-    passive = moved(law(), Dry(0.0, 0.5), 0.2, np.zeros(100), qd=3.0)
+    passive = moved(law(), PassiveFriction(0.0, 0.5), 0.2, np.zeros(100), qd=3.0)
     assert np.allclose(drive.q, passive.q, rtol=0, atol=1e-12)
     assert drive.torque[0, 0] == -1.5
     assert passive.torque[0, 0] == 0.0
@@ -85,7 +96,7 @@ def test_kd_is_a_drive_s_and_not_friction() -> None:
 
 def test_dry_friction_stops_a_joint_for_good() -> None:
     """w0 J / tau_c = 3 x 0.1 / 0.21 = 1.42857 s, within a substep, after w0 / 2 of that: 2.142857 rad."""
-    found = moved(law(), Dry(0.21, 0.0), 0.1, np.zeros(400), qd=3.0)
+    found = moved(law(), PassiveFriction(0.21, 0.0), 0.1, np.zeros(400), qd=3.0)
     stop = 3.0 * 0.1 / 0.21
     before = times(400) < stop
     assert np.abs(found.qd[before, 0] - (3.0 - 2.1 * times(400)[before])).max() < 1e-11
@@ -94,9 +105,9 @@ def test_dry_friction_stops_a_joint_for_good() -> None:
 
 
 def test_a_joint_that_stands_stays_until_more_than_friction_pulls() -> None:
-    """0.2 N*m against 0.2 does not move it, 0.21 accelerates it by 0.01 / 0.1 rad/s^2 from the third step on."""
+    """0.2 N*m against 0.2 does not integrate it, 0.21 accelerates it by 0.01 / 0.1 rad/s^2 from the third step on."""
     command = np.r_[[0.2] * 3, [0.21] * 97]
-    found = moved(law(), Dry(0.2, 0.0), 0.1, command)
+    found = moved(law(), PassiveFriction(0.2, 0.0), 0.1, command)
     t = np.maximum(times(100) - 3 * STEP, 0.0)
     assert (found.q[:4] == 0.0).all()
     assert np.abs(found.q[:, 0] - 0.5 * 0.1 * t**2).max() < 1e-13
@@ -104,15 +115,17 @@ def test_a_joint_that_stands_stays_until_more_than_friction_pulls() -> None:
 
 def test_break_away_friction_is_larger_than_sliding_friction() -> None:
     """0.29 N*m does not break 0.3 away; 0.31 does, and then only 0.2 is left: 0.11 / 0.1 rad/s^2."""
-    held = moved(law(), Dry(0.2, 0.0, static=0.3), 0.1, np.full(50, 0.29))
-    found = moved(law(), Dry(0.2, 0.0, static=0.3), 0.1, np.full(50, -0.31))
+    held = moved(law(), PassiveFriction(0.2, 0.0, static=0.3), 0.1, np.full(50, 0.29))
+    found = moved(law(), PassiveFriction(0.2, 0.0, static=0.3), 0.1, np.full(50, -0.31))
     assert (held.q == 0.0).all()
     assert np.abs(found.q[:, 0] + 0.5 * 1.1 * times(50) ** 2).max() < 1e-13
 
 
 def test_the_stribeck_effect_fades_with_speed() -> None:
     """A joint that is pushed with 0.25 from 1 rad/s: J w' = 0.25 - 0.2 - 0.1 exp(-w^2 / 0.5^2), by fine Euler steps."""
-    found = moved(law(), Dry(0.2, 0.0, static=0.3, stribeck_velocity=0.5), 0.1, np.full(40, 0.25), qd=1.0)
+    found = moved(
+        law(), PassiveFriction(0.2, 0.0, static=0.3, stribeck_velocity=0.5), 0.1, np.full(40, 0.25), qd=1.0
+    )
     w = 1.0
     for _ in range(200_000):
         w += 1e-6 / 0.1 * (0.05 - 0.1 * math.exp(-((w / 0.5) ** 2)))
@@ -122,7 +135,7 @@ def test_the_stribeck_effect_fades_with_speed() -> None:
 
 def test_a_spring_with_dry_friction_loses_the_same_each_half_swing() -> None:
     """Each turn is 2 tau_c / kp = 0.16 rad nearer; from 1 rad turns at -0.84, 0.68 …, and it stands within 0.08."""
-    found = moved(spring(), Dry(2.0, 0.0), 0.1, np.zeros(300), q=1.0)
+    found = moved(spring(), PassiveFriction(2.0, 0.0), 0.1, np.zeros(300), q=1.0)
     half = math.pi / math.sqrt(250.0)
     # Between turns it is a cosine about -+0.08; the third half swing goes from 0.68 to -0.52 about 0.08.
     k = int(2.5 * half / STEP)
@@ -159,7 +172,9 @@ def test_a_filter_goes_on_between_the_steps() -> None:
 def test_a_filter_breaks_a_joint_away_between_the_steps() -> None:
     """It reaches 0.5 N*m after tau ln 2 = 22.06 ms, no multiple of a step, and only then moves."""
     tau = 1.0 / (2.0 * math.pi * 5.0)
-    found = moved(law(filter_cutoff=5.0), Dry(0.5, 0.0), 0.1, np.r_[0.0, np.ones(20)], substeps=6400)
+    found = moved(
+        law(filter_cutoff=5.0), PassiveFriction(0.5, 0.0), 0.1, np.r_[0.0, np.ones(20)], substeps=6400
+    )
     start = STEP + tau * math.log(2.0)
     end = 8 * STEP
     # J w = integral of 1 - exp(-s / tau) - 0.5 from tau ln 2 on.
@@ -183,7 +198,7 @@ def test_commands_are_clamped_before_delay_and_filter() -> None:
 
 def test_soft_friction_creeps() -> None:
     """Under 0.1 N*m it ends where d (tau + J r v) = tau: v = tau (1 - d) / (d J r) = 1.0556e-3 rad/s for J 0.1."""
-    found = moved(law(), Dry(0.2, 0.0, soft=True), 0.1, np.full(200, 0.1))
+    found = moved(law(), PassiveFriction(0.2, 0.0, soft=True), 0.1, np.full(200, 0.1))
     creep = 0.1 * (1.0 - SOFT_SHARE) / (SOFT_SHARE * 0.1 * SOFT_RATE)
     assert abs(creep - 1.05556e-3) < 1e-8
     assert abs(found.qd[-1, 0] - creep) < 1e-9
@@ -202,8 +217,8 @@ def test_soft_friction_is_mujoco_s(tmp_path: Any, monkeypatch: pytest.MonkeyPatc
     )
     data = mujoco.MjData(model)
     data.qpos[0] = 0.3
-    found = moved(spring(), Dry(0.6, 0.05, soft=True), 0.1, np.zeros(100), q=0.3)
-    hard = moved(spring(), Dry(0.6, 0.05), 0.1, np.zeros(100), q=0.3)
+    found = moved(spring(), PassiveFriction(0.6, 0.05, soft=True), 0.1, np.zeros(100), q=0.3)
+    hard = moved(spring(), PassiveFriction(0.6, 0.05), 0.1, np.zeros(100), q=0.3)
     got = [0.3]
     for _ in range(100):
         mujoco.mj_step(model, data, 500)
@@ -240,30 +255,30 @@ def test_the_drive_is_the_law(seed: int) -> None:
         ]
         qd = np.r_[rng.uniform(-80.0, 80.0, 200), speeds]
         q, command = rng.uniform(-2.0, 2.0, (2, len(qd)))
-        lanes = [Lane(one, FREE, 1.0)] * len(qd)
+        lanes = [DrivenJoint(one, FREE, 1.0)] * len(qd)
         (pull,) = _Pull.all(lanes, command[None], STEP)
         found = _Numbers.of(lanes).drive(pull.at(0.0), q, qd)
         assert np.abs(found - one.torque(command, q, qd)).max() < 1e-11 * 40.0 * 80.0
 
 
 def test_lanes_of_all_kinds_do_not_touch_each_other() -> None:
-    """Together they move as each alone."""
+    """Together they integrate as each alone."""
     rng = np.random.default_rng(7)
     frictions = [
         FREE,
-        Dry(0.3, 0.1),
-        Dry(0.3, 0.0, soft=True),
-        Dry(0.2, 0.0, static=0.4, stribeck_velocity=0.2),
+        PassiveFriction(0.3, 0.1),
+        PassiveFriction(0.3, 0.0, soft=True),
+        PassiveFriction(0.2, 0.0, static=0.4, stribeck_velocity=0.2),
     ]
     lanes = [
-        Lane(one, frictions[i % 4], 0.1 + 0.05 * i)
+        DrivenJoint(one, frictions[i % 4], 0.1 + 0.05 * i)
         for i, one in enumerate([*laws(rng), spring(filter_cutoff=8.0, delay=0.01)])
     ]
     command = np.tile(np.where(np.arange(60) < 20, 0.5, -0.3)[:, None], (1, len(lanes)))
     start = np.full(len(lanes), 0.05)
-    together = move(lanes, command, start, -start, STEP)
+    together = integrate(lanes, command, start, -start, STEP)
     for i, lane in enumerate(lanes):
-        alone = move([lane], command[:, [i]], start[[i]], -start[[i]], STEP)
+        alone = integrate([lane], command[:, [i]], start[[i]], -start[[i]], STEP)
         assert np.abs(alone.q[:, 0] - together.q[:, i]).max() < 1e-12
 
 
@@ -273,6 +288,6 @@ def test_half_the_substep_changes_nothing_that_is_judged() -> None:
         kd=0.4, effort_limit=6.0, stall_torque=8.0, no_load_speed=12.0, filter_cutoff=20.0, delay=0.01
     )
     command = np.where(np.arange(200) % 80 < 40, 0.5, -0.5)
-    coarse, fine = (moved(one, Dry(0.5, 0.02), 0.05, command, substeps=n) for n in (64, 128))
+    coarse, fine = (moved(one, PassiveFriction(0.5, 0.02), 0.05, command, substeps=n) for n in (64, 128))
     assert np.ptp(fine.q) > 1.0
     assert np.abs(coarse.q - fine.q).max() < 1e-6

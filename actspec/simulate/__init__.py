@@ -1,0 +1,35 @@
+"""Simulation of single joints, for verification, identification and learning.
+
+- `excitation`: courses of a command (`stepped`, `ramped`, `chirp`, `command_for`), and states that joints are held at.
+- `reference`: the law held (`held_torque`) and moving (`integrate`), with exact stick-slip.
+- `experiment`: joints that are let go, each on a body of its own, with courses sized by their own laws (`design`).
+- `rollout`: the same in MuJoCo, in this process or in a release of its own (`Rig`, `rollout`, `isolated`).
+- `standalone`: what scripts in other simulators' environments share with us (`Body`, `follow`, `serve`).
+
+Arrays are numpy's, joint side and SI; time runs along the first axis, joints along the last. Nothing here knows
+specs, robot files or targets; it stands on `ir` and `laws`. MuJoCo is imported by `rollout` alone, inside functions.
+"""
+
+from __future__ import annotations
+
+from actspec.simulate.excitation import HeldMotion, chirp, command_for, held_motions, ramped, stepped
+from actspec.simulate.experiment import COURSES, Experiment, closed_loop_rate, design
+from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory, held_torque, integrate
+
+__all__ = [
+    "COURSES",
+    "DrivenJoint",
+    "Experiment",
+    "HeldMotion",
+    "PassiveFriction",
+    "Trajectory",
+    "chirp",
+    "closed_loop_rate",
+    "command_for",
+    "design",
+    "held_motions",
+    "held_torque",
+    "integrate",
+    "ramped",
+    "stepped",
+]

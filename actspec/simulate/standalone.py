@@ -1,0 +1,97 @@
+"""What scripts in simulators' environments share with us: numpy alone.
+
+`actspec.verify` sends this file along with each script, which imports it by its bare name: nothing of actspec is
+in those environments, so that an agreement is one between two programs.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+
+Array = np.ndarray[Any, Any]
+Answered = tuple[Any, Mapping[str, Array]]
+"""What goes to OUT.json and OUT.npz."""
+
+
+def serve(
+    answer: Callable[[Any, dict[str, Array]], Answered], begin: Callable[[Any], None] | None = None
+) -> None:
+    """Answer the job of the command line, `SCRIPT JOB.json IN.npz OUT.json OUT.npz`; an error is an answer.
+
+    Args:
+        answer: Job and arrays to what is written.
+        begin: Called with the job first.
+    """
+    job_path, arrays_path, said_path, out_path = sys.argv[1:]
+    with open(job_path, encoding="utf-8") as file:
+        job = json.load(file)
+    with np.load(arrays_path) as found:
+        arrays = {key: found[key] for key in found.files}
+    if begin is not None:
+        begin(job)
+    said: Any
+    out: Mapping[str, Array]
+    try:
+        said, out = answer(job, arrays)
+    except Exception as err:  # whatever the package or the file says is the answer
+        said, out = {"error": f"{type(err).__name__}: {err}"}, {}
+    with open(said_path, "w", encoding="utf-8") as file:
+        json.dump(said, file)
+    np.savez(out_path, **out)  # type: ignore[arg-type]  # numpy's stub takes them for allow_pickle
+
+
+class Body:
+    """Joints that move by semi-implicit steps, the torque held, as a rigid-body engine moves them.
+
+    Args:
+        inertia: Armature included > 0 [kg*m^2 or kg], shape (n_joint,).
+        coulomb: Dry friction >= 0 [N*m or N], likewise.
+        viscous: b >= 0 [N*m*s/rad or N*s/m], likewise.
+        step: [s].
+        q: Positions [rad or m], shape (n_course, n_joint).
+        qd: Speeds [rad/s or m/s], likewise.
+    """
+
+    def __init__(
+        self, inertia: Array, coulomb: Array, viscous: Array, step: float, q: Array, qd: Array
+    ) -> None:
+        self.inertia, self.coulomb, self.viscous, self.step = inertia, coulomb, viscous, step
+        self.q, self.qd = q.copy(), qd.copy()
+
+    def move(self, torque: Array) -> None:
+        """One step: friction takes no more of the speed than there is; torque [N*m or N], (n_course, n_joint)."""
+        free = self.qd + self.step * torque / self.inertia
+        left = np.maximum(np.abs(free) - self.step * self.coulomb / self.inertia, 0.0)
+        self.qd = np.sign(free) * left / (1.0 + self.step * self.viscous / self.inertia)
+        self.q = self.q + self.step * self.qd
+
+
+def follow(
+    drive: Callable[[Array, Array, Array], Array], body: Body, command: Array, parts: int
+) -> tuple[Array, Array]:
+    """Let bodies follow their commands, each step in so many parts.
+
+    Args:
+        drive: Command, positions and speeds, (n_course, n_joint) each, to the torque of one part of a step.
+        body: Where they begin; its step is that of a part.
+        command: One a step, shape (n_step, n_course, n_joint).
+        parts: Of a step.
+
+    Returns:
+        Positions at the start of each step and at the end, (n_step + 1, n_course, n_joint), and torques at the start
+        of each step, (n_step, n_course, n_joint).
+    """
+    q, torques = [body.q], []
+    for now in command:
+        for part in range(parts):
+            torque = drive(now, body.q, body.qd)
+            if part == 0:
+                torques.append(torque)
+            body.move(torque)
+        q.append(body.q)
+    return np.stack(q), np.stack(torques)
