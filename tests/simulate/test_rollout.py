@@ -29,7 +29,7 @@ def two() -> Any:
 
 
 def test_a_rollout_is_the_reference_to_the_first_order(two: Any) -> None:
-    """The hinge steps to 0.5 rad, its limit of 4 N*m acting: half the step halves the distance to the exact response."""
+    """A step of 0.5 rad, its limit of 4 N*m acting: half the time step halves the distance to the exact response."""
     command = np.full((300, 1), 0.5)
     law = TorqueLaw(Command.POSITION, 25.0, 0.5, 4.0, None, None, None, 0.0, None, 0.0)
     exact = integrate(
