@@ -40,15 +40,19 @@ class FaultError(LostError):
 class IsolatedCall(Generic[_T]):
     """A function that is called in another process, one for all calls until a call ends it."""
 
-    def __init__(self, function: Callable[..., _T], limit: float = TIME_LIMIT) -> None:
+    def __init__(
+        self, function: Callable[..., _T], limit: float = TIME_LIMIT, library: str = "MuJoCo"
+    ) -> None:
         """Nothing is started before the first call.
 
         Args:
             function: Of a module, so that a spawned process finds it. Its answers can be pickled.
             limit: Most time for one call [s].
+            library: What the call is made for, and is at fault where it ends the process.
         """
         self._function = function
         self._limit = limit
+        self._library = library
         self._until = 0.0
         self._process: BaseProcess | None = None
         self._pipe: Connection[Any, Any] | None = None
@@ -93,9 +97,9 @@ class IsolatedCall(Generic[_T]):
                 if fault is None:
                     return answer  # type: ignore[no-any-return]
                 raise FaultError(fault)
-            reason = f"MuJoCo took longer than {self._limit:g} s for it"
+            reason = f"{self._library} took longer than {self._limit:g} s for it"
         except (EOFError, OSError):
-            reason = _death(self._process)
+            reason = _death(self._process, self._library)
         self.__exit__()
         raise LostError(reason)
 
@@ -248,12 +252,12 @@ def _end_with_parent() -> Callable[[int], object]:
     return signal.alarm
 
 
-def _death(process: BaseProcess) -> str:
+def _death(process: BaseProcess, library: str) -> str:
     """How a process ended whose pipe has closed."""
     process.join(1.0)
     code = process.exitcode
     if code is None or code >= 0:
-        return "MuJoCo ended the process that read it"
+        return f"{library} ended the process that read it"
     if -code == getattr(signal, "SIGKILL", None):
         return f"the process that read it was killed (signal {-code}), perhaps for its use of memory"
-    return f"MuJoCo crashed on it (signal {-code})"
+    return f"{library} crashed on it (signal {-code})"

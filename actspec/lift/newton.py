@@ -78,7 +78,7 @@ def lift_newton(
 
 
 def _unfollowed(layer: UsdaLayer) -> Iterator[str]:
-    for word in dict.fromkeys(word for word, _ in layer.unfollowed):
+    for word in layer.unfollowed:
         yield f"{word} are not followed: what they bring in is not here"
 
 

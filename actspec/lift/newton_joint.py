@@ -16,8 +16,7 @@ from actspec.ir import Command, Delay, JointActuator, JointKind, Level, Network,
 from actspec.lift.config_joint import NONE_FROM
 from actspec.lift.newton_prims import NewtonJoint
 from actspec.readings.quantities import Units, assumed, stated, tidy, unknown
-from actspec.robot.usda import Asset, UsdaAttribute, UsdaPrim
-from actspec.robot.usda_values import NUMERIC
+from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaPrim
 
 PD, PID, NEURAL = "NewtonPDControlAPI", "NewtonPIDControlAPI", "NewtonNeuralControlAPI"
 MAX_EFFORT, DC_MOTOR = "NewtonMaxEffortClampingAPI", "NewtonDCMotorClampingAPI"
@@ -145,10 +144,12 @@ class NewtonDrive:
 
     def _number(self, found: UsdaAttribute | None) -> float | None:
         """An attribute's number; None where it has none."""
-        if found is None or not isinstance(found.value, int | float) or math.isnan(found.value):
+        if found is None or found.value is None:
             return None
-        if found.type not in NUMERIC:
+        if found.type not in NUMERIC or not isinstance(found.value, int | float):
             self.notes.append(f"{found.name} is of type {found.type}: Newton takes a number")
+            return None
+        if math.isnan(found.value):
             return None
         if found.value < 0.0 and found.name != "newton:constEffort":
             self.notes.append(f"{found.name} is {found.value:g}: Newton takes no negative number")
@@ -164,8 +165,8 @@ class NewtonDrive:
         if factor == 1.0 or self._kind is not JointKind.HINGE:
             return stated(value, unit, found.span)
         written = unit.replace("rad", "deg")
-        # As many digits as are left of a number with twelve of them after a factor and back.
-        return stated(float(f"{value * factor:.10g}"), unit, found.span, formula=f"{value:g} {written}")
+        # As many digits as single precision has, in which USD keeps it.
+        return stated(float(f"{value * factor:.7g}"), unit, found.span, formula=f"{value:g} {written}")
 
     def _velocity_limit(self) -> Quantity:
         found = self._own("newton:velocityLimit", self._units.speed, _DEGREE)

@@ -1,11 +1,48 @@
-"""A layer of USD's text form as data: its prims with their types, API schemas, attributes and relationships."""
+"""Layers of USD's text form (`.usda`), as far as overlays of a robot's stage go, read by `usd-core`.
+
+One layer is read as it stands, and no stage is made of it: references, payloads, sublayers and inherits are listed in
+`UsdaLayer.unfollowed` and no other file is opened. Variants, time samples and connections are refused. USD crashes on
+text that is nested deeply enough, so it reads in another process.
+Source: usd-core 26.11.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import os
+import re
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from importlib.util import find_spec
+from typing import Any
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, one_line, shortened
+from actspec.processes import IsolatedCall, LostError
+
+MAX_BYTES = 1024 * 1024
+"""Largest layer. Chosen: an overlay of 40 joints has 40 kB; meshes are in other layers."""
+TIME_LIMIT = 20.0
+"""Chosen: seconds for one layer; one of 40 joints takes 0.4 s, USD's import included."""
+
+SYNTAX = "USDA001"
+"""The text is not of the form."""
+NOT_READ = "USDA002"
+"""USD has a meaning for it that is not read here."""
+LOST = "USDA003"
+"""It is too large, or USD breaks off on it."""
+MISSING = "USDA004"
+"""`usd-core` is not installed."""
+
+NUMERIC = ("float", "double", "half", "timecode", "int", "int64", "uint", "uint64", "uchar")
+"""Types of one number."""
+
+_COMPOSITION = {
+    "references": "references",
+    "payload": "payload",
+    "inheritPaths": "inherits",
+    "specializes": "specializes",
+    "relocates": "relocates",
+}
+"""Fields that bring in other prims to their words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +63,7 @@ class UsdaAttribute:
         type: `float`, `token[]`, ...; `rel` of a relationship.
         name: With its namespaces, `newton:kp`.
         value: Arrays and tuples as a tuple, of a relationship its paths as texts; None: it has none, or is blocked.
+            Numbers of single precision have the fewest digits that stand for them.
         span: Where it is written.
     """
 
@@ -71,10 +109,200 @@ class UsdaLayer:
         path: The file as the user named it.
         prims: By path, in the file's order.
         head: Comments before anything else, without their marks.
-        unfollowed: Words of the layer that bring in others (`subLayers`, `references`), and their places.
+        unfollowed: Words of the layer that bring in others: `subLayers`, `references`.
     """
 
     path: str
     prims: Mapping[str, UsdaPrim]
     head: tuple[str, ...] = ()
-    unfollowed: tuple[tuple[str, Span], ...] = ()
+    unfollowed: tuple[str, ...] = ()
+
+
+def read_usda(data: bytes, path: str) -> UsdaLayer:
+    """Read a layer, in another process.
+
+    Args:
+        data: The file.
+        path: Its name, for places.
+
+    Raises: RobotError: `usd-core` is not installed; the file is no layer in text form, has something that is not
+        read, or USD breaks off on it.
+    """
+    if find_spec("pxr") is None:
+        message = "a .usda layer is read with usd-core, which is not installed"
+        raise _refusal(MISSING, message, Span(path), "pip install 'actspec[usd]'")
+    if len(data) > MAX_BYTES:
+        raise _refusal(LOST, f"the layer has {len(data)} bytes, more than {MAX_BYTES}", Span(path))
+    with IsolatedCall(_read, TIME_LIMIT, "USD") as call:
+        try:
+            found = call(data, path)
+        except LostError as err:
+            raise _refusal(LOST, str(err), Span(path)) from err
+    if isinstance(found, Diagnostic):
+        raise RobotError([found])
+    return found
+
+
+def _read(data: bytes, path: str) -> UsdaLayer | Diagnostic:
+    """In the other process, whose warnings nobody wants."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), 2)
+    try:
+        return layer_of(data, path)
+    except RobotError as err:
+        return err.diagnostics[0]
+
+
+def layer_of(data: bytes, path: str) -> UsdaLayer:
+    """Read a layer that nobody hostile has written, in this process.
+
+    Raises: RobotError: as `read_usda`.
+    """
+    from pxr import Sdf, Tf
+
+    if not data.startswith(b"#usda "):
+        binary = data.startswith((b"PXR-USDC", b"PK\x03\x04"))
+        message = "a layer in text form begins with '#usda 1.0'" + (
+            ", and this one is binary" if binary else ""
+        )
+        raise _refusal(
+            SYNTAX, message, Span(path, 1), "usdcat -o FILE.usda writes it as text" if binary else None
+        )
+    try:
+        text = data.decode("utf-8")
+    except UnicodeDecodeError as err:
+        line = data[: err.start].count(b"\n") + 1
+        message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
+        raise _refusal(SYNTAX, message, Span(path, line)) from err
+    # Anonymous: it has no folder from which another file could be named.
+    layer = Sdf.Layer.CreateAnonymous(".usda")
+    try:
+        layer.ImportFromString(text)
+    except Tf.ErrorException as err:
+        raise _syntax(str(err), text, path) from err
+    places = dict(_places(text, path))
+    prims: dict[str, UsdaPrim] = {}
+    unfollowed: dict[str, None] = {"subLayers": None} if layer.subLayerPaths else {}
+    stack = [(spec, True) for spec in reversed(list(layer.rootPrims))]
+    while stack:
+        spec, on = stack.pop()
+        prim = _prim(spec, on, path, places)
+        prims[prim.path] = prim
+        unfollowed.update((word, None) for key, word in _COMPOSITION.items() if spec.HasInfo(key))
+        stack += [(child, prim.active) for child in reversed(list(spec.nameChildren))]
+    return UsdaLayer(path, prims, tuple(_head(text)), tuple(unfollowed))
+
+
+def _prim(spec: Any, on: bool, path: str, places: Mapping[tuple[str, str], Span]) -> UsdaPrim:
+    from pxr import Sdf
+
+    where = str(spec.path)
+    if spec.variantSets:
+        message = f"{shortened(where)} has a variantSet, which is not read"
+        raise _refusal(NOT_READ, message, places.get((where, ""), Span(path)))
+    attributes = {}
+    for item in spec.attributes:
+        span = places.get((where, item.name), Span(path))
+        for key, word in (
+            ("timeSamples", "timeSamples"),
+            ("connectionPaths", "connect"),
+            ("spline", "spline"),
+        ):
+            if item.HasInfo(key):
+                message = f"{word} of {shortened(item.name)}, and only plain values are read"
+                raise _refusal(NOT_READ, message, span)
+        kind = str(item.typeName)
+        attributes[item.name] = UsdaAttribute(kind, item.name, _value(item.default, kind), span)
+    for item in spec.relationships:
+        targets = item.GetInfo("targetPaths").ApplyOperations([]) if item.HasInfo("targetPaths") else []
+        span = places.get((where, item.name), Span(path))
+        attributes[item.name] = UsdaAttribute("rel", item.name, tuple(map(str, targets)), span)
+    apis = spec.GetInfo("apiSchemas").ApplyOperations([]) if spec.HasInfo("apiSchemas") else ()
+    word = {Sdf.SpecifierDef: "def", Sdf.SpecifierOver: "over"}.get(spec.specifier, "class")
+    span = places.get((where, ""), Span(path))
+    return UsdaPrim(where, word, spec.typeName, tuple(apis), attributes, bool(spec.active) and on, span)
+
+
+def _value(value: Any, kind: str) -> Value:
+    import numpy as np
+    from pxr import Sdf
+
+    if value is None or isinstance(value, Sdf.ValueBlock):
+        return None
+    if isinstance(value, Sdf.AssetPath):
+        return Asset(value.path)
+    if isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        single = np.float16 if kind.startswith("half") else np.float32
+        return value if kind.startswith(("double", "timecode")) else float(str(single(value)))
+    try:
+        return tuple(_value(item, kind) for item in value)
+    except TypeError:  # a quaternion, a time code
+        return str(value)
+
+
+def _head(text: str) -> Iterator[str]:
+    for line in text.splitlines()[1:]:
+        if not line.startswith("#"):
+            return
+        yield line[1:].strip()
+
+
+_TOKEN = re.compile(
+    r'''"""(?:\\.|[^\\])*?"""|\'\'\'(?:\\.|[^\\])*?\'\'\'|"(?:\\.|[^"\\])*"|'(?:\\.|[^'\\])*\''''
+    r"|@@@.*?@@@|@[^@\n]*@|<[^>\n]*>|(?:#|//)[^\n]*|/\*.*?\*/|\w[\w:.]*|[^\S\n]+|.",
+    re.DOTALL,
+)
+
+
+def _places(text: str, path: str) -> Iterator[tuple[tuple[str, str], Span]]:
+    """Where the statements of a layer that USD has taken begin: of (prim, attribute), and of (prim, "")."""
+    prims = [""]
+    coming, inside, line, begin = "", 0, 1, 0
+    words: list[tuple[str, Span]] = []
+    for match in _TOKEN.finditer(text):
+        token = match[0]
+        if token in "([":
+            inside += 1
+        elif token in ")]":
+            inside -= 1
+        elif not inside:
+            if token == "{":
+                prims.append(coming)
+            elif token == "}":
+                prims.pop()
+            elif re.match(r"\w", token):
+                words.append((token, Span(path, line, match.start() - begin + 1)))
+            elif token[0] in "\"'" and words and words[0][0] in ("def", "over", "class"):
+                coming = f"{prims[-1]}/{token[1:-1]}"
+                yield (coming, ""), words[0][1]
+                words = []
+            elif token == "=" and words:
+                yield (prims[-1], words[-1][0].partition(".")[0]), words[0][1]
+                words = []
+            elif token in "\n;":
+                words = []
+        if "\n" in token:
+            line += token.count("\n")
+            begin = match.start() + token.rindex("\n") + 1
+
+
+def _syntax(error: str, text: str, path: str) -> RobotError:
+    """What USD says against a layer: its own words, and the place that they name or show."""
+    said = one_line(error).partition(" : '")[2] or one_line(error)
+    place = re.match(r"[^:]*:(\d+):(\d+): ", said)
+    reason = (said[place.end() :] if place else said).partition(" in </")[0]
+    span = Span(path)
+    shown = reason.rpartition(" at '")[2].removesuffix("'").strip()
+    if place:
+        span = Span(path, int(place[1]), int(place[2]))
+    elif shown and text.count(shown) == 1:
+        before = text[: text.index(shown)]
+        span = Span(path, before.count("\n") + 1, len(before) - before.rfind("\n"))
+    # Names of its grammar's templates say nothing to anybody.
+    reason = re.sub(r"pxrInternal[^',]*::|, pxrInternal.*?(?= at ')", "", reason)
+    return _refusal(SYNTAX, f"USD refuses the layer: {shortened(reason, 200)}", span)
+
+
+def _refusal(code: str, message: str, span: Span, help: str | None = None) -> RobotError:
+    return RobotError([Diagnostic(code, Severity.ERROR, message, "", span, help)])

@@ -89,7 +89,7 @@ class Skip:
         what: `torque`, `responses`, or `fields`.
         reason: Why.
         help: What would change that; None: nothing would.
-        setup: Whether `actspec verify --setup` would.
+        setup: Whether something is missing that can be installed: by `actspec verify --setup`, or as `help` says.
     """
 
     target: str

@@ -1,4 +1,4 @@
-"""What a written Newton overlay says of each joint, read back without USD."""
+"""What a written Newton overlay says of each joint, read back with `usd-core`."""
 
 from __future__ import annotations
 
@@ -12,8 +12,7 @@ from actspec.lift import lift_newton
 from actspec.lift.newton_joint import READ
 from actspec.lift.newton_prims import TARGETS, NewtonJoint, newton_joints
 from actspec.readings.compare import Figure
-from actspec.robot.read_usda import MAX_BYTES, read_usda
-from actspec.robot.usda import Asset, UsdaAttribute, UsdaLayer
+from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import RobotView
 from actspec.targets.base import TargetOptions
 from actspec.targets.newton.paths import Layout, converted_actuators, lay_out
@@ -37,6 +36,8 @@ def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robo
         options: Where its joints are in the stage.
         actuators: What the spec asks for; its step is that of the delays.
         robot: The robot.
+
+    Raises: RobotError: `usd-core` is not installed.
     """
     said = Collector()
     layout = lay_out(actuators, robot, options, said)
@@ -45,6 +46,8 @@ def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robo
     try:
         layer = read_usda(read_regular(path, MAX_BYTES), path)
     except ActspecError as err:
+        if err.diagnostics[0].code == MISSING:
+            raise
         return Reading(path, str(err.diagnostics[0]).removeprefix(f"{path}:"))
     except (NotRegular, TooLarge, OSError, ValueError) as err:
         return Reading(path, str(err))

@@ -12,7 +12,7 @@ from dataclasses import replace
 from functools import partial
 from importlib import import_module
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector, Diagnostic, RobotError, Span
 from actspec.ir import ActuatorSet
 from actspec.readings.compare import Figure
 from actspec.robot.view import RobotView
@@ -88,7 +88,7 @@ def verify(
         if progress is not None:
             progress(done, len(targets) + 2)
 
-    readings = _read(targets, actuators, robot)
+    readings, unread = _read(targets, actuators, robot)
     step()
     laws = laws_of(actuators)
     moves: HeldMotions = {}
@@ -136,6 +136,10 @@ def verify(
         if not isinstance(told.get(target.name), EngineAnswer):
             rows += code_rows(target)
         rows += other_rows(target)
+    skipped += [Skip(name, "", "fields", one.message, one.help, True) for name, one in unread.items()]
+    if unread and not rows:
+        # Nothing is compared at all, which is no agreement.
+        raise VerifyError([replace(one, where=f"targets.{name}", span=None) for name, one in unread.items()])
     losses = tuple(loss for target in targets for loss in target.losses)
     files = {target.name: Span(target.path(target.files[0])) for target in targets}
     rows = [row if row.ok or row.place else replace(row, place=files[row.target]) for row in rows]
@@ -201,8 +205,8 @@ def relative(agreement: Agreement, folder: str) -> Agreement:
 
 def _read(
     targets: Sequence[Target], actuators: ActuatorSet, robot: RobotView
-) -> dict[str, tuple[Reading, Reading]]:
-    """What actspec writes for each target, and what is verified, read back."""
+) -> tuple[dict[str, tuple[Reading, Reading]], dict[str, Diagnostic]]:
+    """What actspec writes for each target, and what is verified, read back; why nobody here can read a target's."""
     chosen = [target for target in targets if target.options.kind in READ]
     asked = []
     for target in chosen:
@@ -212,12 +216,17 @@ def _read(
         ]
     found = read_back(asked, actuators, robot)
     readings = {target.name: (found[2 * i], found[2 * i + 1]) for i, target in enumerate(chosen)}
+    unread: dict[str, Diagnostic] = {}
     for target in (target for target in targets if target.options.kind == "newton"):
         ours, theirs = (os.path.join(folder, target.files[0]) for folder in (target.fresh, target.folder))
-        fresh = read_overlay(ours, target.options, actuators, robot)
-        built = fresh if ours == theirs else read_overlay(theirs, target.options, actuators, robot)
-        readings[target.name] = (fresh, built)
-    return readings
+        try:
+            fresh = read_overlay(ours, target.options, actuators, robot)
+            built = fresh if ours == theirs else read_overlay(theirs, target.options, actuators, robot)
+        except RobotError as err:
+            unread[target.name] = err.diagnostics[0]
+        else:
+            readings[target.name] = (fresh, built)
+    return readings, unread
 
 
 def _questions(

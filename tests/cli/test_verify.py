@@ -56,6 +56,28 @@ def test_agreement(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     assert sorted(path.name for path in folder.iterdir()) == ["rich.xml", "rich.yaml"]
 
 
+def test_without_usd_core(
+    capsys: pytest.CaptureFixture[str], folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """An overlay that nobody can read is a gap beside other targets, and an error where there is nothing else."""
+    monkeypatch.setattr("actspec.robot.usda.find_spec", lambda name: None)
+    (folder / "rich.yaml").write_text(SPEC[: SPEC.index("targets:")] + "targets: {deploy: {}, newton: {}}\n")
+    reason, help = "a .usda layer is read with usd-core, which is not installed", "pip install 'actspec[usd]'"
+    assert run() == 0
+    out = capsys.readouterr().out
+    missed = [" ".join(line.split()) for line in out.splitlines() if reason in line]
+    assert missed == [f"newton, fields {reason} {help}"]
+    assert out.splitlines()[-1].startswith("1 target agrees with the spec; ")
+    assert run("-t", "newton") == 2
+    found = capsys.readouterr()
+    assert found.out == ""
+    assert found.err.splitlines() == [
+        f"USDA004 targets.newton: {reason}", f"  help: {help}", "1 error"
+    ]  # fmt: skip
+    assert run("--require-engines") == 2
+    assert f"VFY002 targets.newton: {reason}" in capsys.readouterr().err
+
+
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     """Rows with torque and fields, skips, approximations; a loss without size is in no number."""
     assert run("--output-format", "json") == 0

@@ -12,6 +12,9 @@ from actspec.targets.base import Approximation
 
 EXACT = 1e-9
 """Relative."""
+SINGLE = 1e-6
+"""Relative: of numbers that a file keeps in single precision, and of what is made of a few."""
+
 CANONICAL = 1e-5
 """Relative: MjSpec writes six digits."""
 

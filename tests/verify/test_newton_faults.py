@@ -207,7 +207,8 @@ def test_reason_why_it_cannot_be_read(built: Built) -> None:
     (row,) = built.verified("newton", replaced("delaySteps = 2", "delaySteps = two")).faults
     text = (built.folder / "edited" / "rich_newton.usda").read_text("utf-8")
     line = text[: text.index("= two")].count("\n") + 1
-    assert row.message.endswith(f" cannot be read: {line}:37: USDA001: a value belongs here, got 'two'")
+    assert f" cannot be read: {line}:37: USDA001: USD refuses the layer: " in row.message
+    assert row.message.endswith(" at 'two  # steps of 5 ms: 10 ms, authored'")
 
 
 def test_overlay_that_is_gone(built: Built, tmp_path: Path) -> None:

@@ -36,7 +36,7 @@ class EngineMissing(Exception):
     Attributes:
         reason: Why.
         help: What would change that; None: nothing would.
-        setup: Whether `actspec verify --setup` would.
+        setup: Whether it can be installed: by `actspec verify --setup`, or as `help` says.
     """
 
     def __init__(self, reason: str, help: str | None = None, *, setup: bool = False) -> None:
