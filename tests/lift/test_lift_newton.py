@@ -12,6 +12,8 @@ from actspec.robot.usda import layer_of
 from actspec.robot.view import RobotView
 from tests.compiling import view_of
 
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
 HIP = """over "hip" (prepend apiSchemas = ["NewtonJointAPI", "PhysicsDriveAPI:angular"]) {
 float drive:angular:physics:stiffness = 0
 float drive:angular:physics:maxForce = 20

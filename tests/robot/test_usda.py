@@ -13,6 +13,8 @@ from actspec.diagnostics import RobotError
 from actspec.robot import usda
 from actspec.robot.usda import MAX_BYTES, Asset, UsdaLayer, layer_of, read_usda
 
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
 HEAD = "#usda 1.0\n"
 
 

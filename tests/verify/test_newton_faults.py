@@ -10,6 +10,8 @@ import pytest
 from actspec.verify.run import verify
 from tests.verify.making import SPEC, Built, Edit, both, build, matched, replaced, swapped
 
+pytest.importorskip("pxr", reason="usd-core is not installed")
+
 TARGETS = """targets:
   newton: {version: "1.8"}
   old: {target: newton, version: "1.3"}
