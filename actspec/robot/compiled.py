@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
@@ -47,8 +47,8 @@ class Control:
 
     Attributes:
         kind: As `ActuatorView.control`.
-        kp: [N*m/rad before the gear]; negative where the file has the wrong sign, nan where the control or a
-            plugin decides on it, as in a muscle.
+        kp: [N*m/rad before the gear]; negative where the file has the wrong sign, nan where it is not known: where
+            the control or a plugin decides on it, as in a muscle.
         kd: [N*m*s/rad before the gear]; nan likewise, as in a damper.
         gain: gainprm[0] as compiled.
         time_constant: Of the activation's filter [s]; 0 without one.
@@ -66,103 +66,150 @@ class Control:
     line: tuple[float, float] | None = None
     back_emf: float = 0.0
 
+    def at_joint(self, gear: float) -> dict[str, Any]:
+        """The fields of an `ActuatorView` that it tells, at the joint where they are there."""
+        line = None if self.line is None or not gear else (abs(gear) * self.line[0], self.line[1] / abs(gear))
+        return {
+            "control": self.kind,
+            "gear": gear,
+            "kp": gear**2 * self.kp,
+            "kd": gear**2 * self.kd,
+            "gain": self.gain,
+            "time_constant": self.time_constant,
+            "offset": self.offset,
+            "line": line,
+            "back_emf": gear**2 * self.back_emf,
+        }
+
+
+_CLOSED = frozenset({"pos", "vel", "ff"})
+
+
+def _no_gain() -> list[float]:
+    return [1.0] + [0.0] * 9
+
+
+@dataclass(slots=True)
+class ActuatorLaw:
+    """Parameters of an actuator, compiled or as the text makes them.
+
+    Attributes:
+        gain, bias, dynamics: Parameters, as many as are used here.
+        gain_type, bias_type, dynamics_type: Keywords of the file format.
+        inputs: Controls of a `pid`, a `dcmotor` or a `general`.
+        mode: Input mode of a dcmotor in the dialect of 3.7 to 3.11; None in the later one.
+        states: Whether a dcmotor has states (current, slew, integral, heat, bristles).
+    """
+
+    gain: list[float] = field(default_factory=_no_gain)
+    bias: list[float] = field(default_factory=lambda: [0.0] * 10)
+    dynamics: list[float] = field(default_factory=_no_gain)
+    gain_type: str = "fixed"
+    bias_type: str = "none"
+    dynamics_type: str = "none"
+    inputs: frozenset[str] = frozenset()
+    mode: str | None = None
+    states: bool = False
+
+    def control(self, tag: str) -> Control:
+        """Classify the actuator.
+
+        Args:
+            tag: Its XML tag; only `cylinder`, `adhesion` and `plugin` are not known by their numbers.
+        """
+        gain, bias = self.gain, self.bias
+        tau = self.dynamics[0] if self.dynamics_type in ("filter", "filterexact") else 0.0
+        offset = bias[0] if self.bias_type == "affine" else 0.0
+
+        def is_(kind: str, kp: float = 0.0, kd: float = 0.0) -> Control:
+            # `+ 0.0` turns the -0.0 of a negated zero into 0.0.
+            return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset)
+
+        if tag == "plugin":
+            return is_("plugin", NAN, NAN)
+        if self.gain_type == "dcmotor":
+            return self._motor_control(tau, offset)
+        if self.gain_type == "pid":
+            return is_("pid", -bias[1], -bias[2])
+        told = self.gain_type == "fixed" and self.bias_type in ("none", "affine")
+        feedback = (-bias[1], -bias[2]) if self.bias_type == "affine" else (0.0, 0.0)
+        other = is_("other", *(feedback if told else (NAN, NAN)))
+        if tag in ("cylinder", "adhesion") or self.dynamics_type in ("muscle", "user"):
+            return other
+        integrated = self.dynamics_type == "integrator"
+        # A class may leave numbers in biasprm that no biastype uses.
+        if self.bias_type == "none":
+            if self.gain_type == "fixed" and not integrated:
+                return is_("motor")
+            if self.gain_type == "affine" and gain[0] == gain[1] == 0.0:
+                return is_("damper", 0.0, NAN)
+        elif self.bias_type == "affine" and self.gain_type == "fixed":
+            kp, kd = feedback
+            if integrated:
+                return is_("intvelocity" if gain[0] == kp else "other", kp, kd)
+            if kp == 0.0:
+                velocity = kd != 0.0 and gain[0] == kd
+                return is_("velocity" if velocity else "motor", 0.0, kd)
+            # A gain that is not kp is a position servo with the wrong equilibrium: `gain` tells.
+            return is_("position", kp, kd)
+        return other
+
+    def _motor_control(self, tau: float, offset: float) -> Control:
+        """A dcmotor in the linear region, gains in torque.
+
+        Its line, stall torque K V/R and no-load speed V/K, is there where it is a PD within its voltage: with one
+        input, a position, a velocity without any stiffness left, or a torque without any gain.
+        """
+        resistance, constant, kp, integral, kd, voltage = (self.gain[i] for i in (0, 1, 4, 5, 6, 7))
+        ratio = constant / resistance if resistance else NAN
+        own = constant * ratio
+        back_emf = 0.0
+        # From 3.12 on controller gains are torques, and there is no mode any more.
+        if self.mode == "position":
+            kp, kd = kp * ratio, kd * ratio + own
+        elif self.mode == "velocity":
+            kp, kd = 0.0, kp * ratio + own
+        elif not self.inputs & _CLOSED:
+            kp, kd, back_emf = 0.0, own, own
+        line = None
+        pd = self.mode == "position" or self.inputs == {"pos"} or (self.inputs == {"vel"} and kp == 0.0)
+        pd = pd or (self.inputs == {"ff"} and kp == kd == 0.0)
+        more = integral or self.states or any(self.bias)
+        if pd and min(resistance, constant, voltage) > 0.0 and not more:
+            line = (constant * voltage / resistance, voltage / constant)
+        return Control("dcmotor", kp, kd, resistance, tau, offset, line, back_emf)
+
 
 def control(model: ModelLists, index: int, tag: str) -> Control:
-    """Classify one actuator.
+    """Classify one compiled actuator.
 
     Args:
         model: Compiled.
         index: Of the actuator.
-        tag: Its XML tag; only `cylinder` and `adhesion` are not known by their numbers.
+        tag: Its XML tag; "" when unknown.
     """
     import mujoco
 
-    gain_type = _name(mujoco.mjtGain, model.actuator_gaintype[index])
-    bias_type = _name(mujoco.mjtBias, model.actuator_biastype[index])
-    dynamics = _name(mujoco.mjtDyn, model.actuator_dyntype[index])
-    gain: list[float] = model.actuator_gainprm[index]
-    bias: list[float] = model.actuator_biasprm[index]
-    filtered = dynamics in ("mjDYN_FILTER", "mjDYN_FILTEREXACT")
-    tau = model.actuator_dynprm[index][0] if filtered else 0.0
-
-    offset = bias[0] if bias_type == "mjBIAS_AFFINE" else 0.0
-
-    def is_(kind: str, kp: float = 0.0, kd: float = 0.0) -> Control:
-        # `+ 0.0` turns the -0.0 of a negated zero into 0.0.
-        return Control(kind, kp + 0.0, kd + 0.0, gain[0], tau, offset)
-
-    if model.actuator_plugin[index] >= 0:
-        return is_("plugin", NAN, NAN)
-    if gain_type == "mjGAIN_DCMOTOR":
-        kp, kd, back_emf = _dcmotor_gains(model, index, gain)
-        line = _dcmotor_line(model, index, gain, bias)
-        return replace(is_("dcmotor", kp, kd), line=line, back_emf=back_emf)
-    if gain_type == "mjGAIN_PID":
-        return is_("pid", -bias[1], -bias[2])
-    told = gain_type == "mjGAIN_FIXED" and bias_type in ("mjBIAS_NONE", "mjBIAS_AFFINE")
-    feedback = (-bias[1], -bias[2]) if bias_type == "mjBIAS_AFFINE" else (0.0, 0.0)
-    other = ("other", *(feedback if told else (NAN, NAN)))
-    if tag in ("cylinder", "adhesion") or dynamics in ("mjDYN_MUSCLE", "mjDYN_USER"):
-        return is_(*other)
-    integrated = dynamics == "mjDYN_INTEGRATOR"
-    # A class may leave numbers in biasprm that no biastype uses.
-    if bias_type == "mjBIAS_NONE":
-        if gain_type == "mjGAIN_FIXED" and not integrated:
-            return is_("motor")
-        if gain_type == "mjGAIN_AFFINE" and gain[0] == gain[1] == 0.0:
-            return is_("damper", 0.0, NAN)
-    elif bias_type == "mjBIAS_AFFINE" and gain_type == "mjGAIN_FIXED":
-        kp, kd = feedback
-        if integrated:
-            return is_("intvelocity" if gain[0] == kp else "other", kp, kd)
-        if kp == 0.0:
-            velocity = kd != 0.0 and gain[0] == kd
-            return is_("velocity" if velocity else "motor", 0.0, kd)
-        # A gain that is not kp is a position servo with the wrong equilibrium: `gain` tells.
-        return is_("position", kp, kd)
-    return is_(*other)
-
-
-def _dcmotor_gains(model: ModelLists, index: int, gain: list[float]) -> tuple[float, float, float]:
-    """kp and kd in torque of a dcmotor in the linear region, and how much of kd is back-EMF without a controller."""
-    import mujoco
-
-    resistance, constant = gain[0], gain[1]
-    ratio = constant / resistance if resistance else 0.0
-    back_emf = constant * ratio
-    # From 3.12 on controller gains are torques, and gainprm[8] is no mode any more.
-    if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
-        inputs = mujoco.mjtCtrlInput
-        closed = int(inputs.mjINPUT_POS) | int(inputs.mjINPUT_VEL) | int(inputs.mjINPUT_FF)
-        if model.actuator_ctrlspec[index] & closed:
-            return gain[4], gain[6], 0.0
-        return 0.0, back_emf, back_emf
-    if gain[8] == 1.0:
-        return gain[4] * ratio, gain[6] * ratio + back_emf, 0.0
-    if gain[8] == 2.0:
-        return 0.0, gain[4] * ratio + back_emf, 0.0
-    return 0.0, back_emf, back_emf
-
-
-def _dcmotor_line(
-    model: ModelLists, index: int, gain: list[float], bias: list[float]
-) -> tuple[float, float] | None:
-    """Stall torque K V/R and no-load speed V/K of a dcmotor that is a PD within its voltage, nothing else."""
-    import mujoco
-
-    resistance, constant, integral, voltage = gain[0], gain[1], gain[5], gain[7]
-    if min(resistance, constant, voltage) <= 0.0 or integral or any(bias) or model.actuator_actnum[index]:
-        return None
-    if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
-        # One input: a position, a velocity without any stiffness left, or a torque without any gain.
-        inputs = model.actuator_ctrlspec[index]
-        speed = inputs == int(mujoco.mjtCtrlInput.mjINPUT_VEL) and gain[4] == 0.0
-        torque = inputs == int(mujoco.mjtCtrlInput.mjINPUT_FF) and gain[4] == gain[6] == 0.0
-        if inputs != int(mujoco.mjtCtrlInput.mjINPUT_POS) and not speed and not torque:
-            return None
-    elif gain[8] != 1.0:
-        return None
-    return constant * voltage / resistance, voltage / constant
+    law = ActuatorLaw(
+        model.actuator_gainprm[index],
+        model.actuator_biasprm[index],
+        model.actuator_dynprm[index],
+        _name(mujoco.mjtGain, model.actuator_gaintype[index]).removeprefix("mjGAIN_").lower(),
+        _name(mujoco.mjtBias, model.actuator_biastype[index]).removeprefix("mjBIAS_").lower(),
+        _name(mujoco.mjtDyn, model.actuator_dyntype[index]).removeprefix("mjDYN_").lower(),
+    )
+    if law.gain_type == "dcmotor":
+        law.states = bool(model.actuator_actnum[index])
+        if hasattr(mujoco.mjtGain, "mjGAIN_PID"):
+            bits, inputs = model.actuator_ctrlspec[index], mujoco.mjtCtrlInput
+            law.inputs = frozenset(
+                name.removeprefix("mjINPUT_").lower()
+                for name, bit in inputs.__members__.items()
+                if bits & int(bit)
+            )
+        else:
+            law.mode = {1.0: "position", 2.0: "velocity"}.get(law.gain[8])
+    return law.control("plugin" if model.actuator_plugin[index] >= 0 else tag)
 
 
 def transmission(model: ModelLists, index: int) -> tuple[str, str]:

@@ -12,7 +12,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.robot.compiled import Control
+from actspec.robot.compiled import NAN, ActuatorLaw, Control
 from actspec.robot.xml_tree import Element
 
 _NUMBER = re.compile(
@@ -34,10 +34,6 @@ _OF_TAG = (
     "inherits", "states",
 )  # fmt: skip
 """What an element hands on to one of its own tag only."""
-_CLOSED = frozenset({"pos", "vel", "ff"})
-
-NAN = math.nan
-"""A number that the text does not tell; it makes what is computed from it nan too."""
 
 
 def numbers(text: str | None, most: int) -> tuple[float, ...]:
@@ -53,33 +49,20 @@ def numbers(text: str | None, most: int) -> tuple[float, ...]:
 
 
 @dataclass(slots=True)
-class ActuatorText:
-    """What MuJoCo would keep of an actuator, as far as the text tells.
+class ActuatorText(ActuatorLaw):
+    """What MuJoCo would keep of an actuator, as far as the text tells; nan is a number that it does not tell.
 
     Attributes:
         tag: The shortcut that the gains belong to; `general` for none.
-        gain, bias, dynamics: Parameters, as many as are used here.
-        gain_type, bias_type, dynamics_type: Keywords of the file format.
-        inputs: Controls of a `pid`, a `dcmotor` or a `general`.
-        mode: Input mode of a dcmotor in the dialect of 3.7 to 3.11; None in the later one.
         ranges: `ctrlrange` and `forcerange`.
         limited: `ctrllimited` and `forcelimited`; None: automatic.
         gear, damping, armature, delay, group: As in the file.
         inherits: `inheritrange`.
         transmission, target: As in `ActuatorView`.
-        states: Whether a dcmotor has states (current, slew, integral, heat, bristles).
         above: What the class above its class holds.
     """
 
     tag: str = "general"
-    gain: list[float] = field(default_factory=lambda: [1.0] + [0.0] * 9)
-    bias: list[float] = field(default_factory=lambda: [0.0] * 10)
-    dynamics: list[float] = field(default_factory=lambda: [1.0] + [0.0] * 9)
-    gain_type: str = "fixed"
-    bias_type: str = "none"
-    dynamics_type: str = "none"
-    inputs: frozenset[str] = frozenset()
-    mode: str | None = None
     ranges: dict[str, tuple[float, ...]] = field(default_factory=dict)
     limited: dict[str, bool | None] = field(default_factory=dict)
     gear: float = 1.0
@@ -90,7 +73,6 @@ class ActuatorText:
     inherits: float = 0.0
     transmission: str = "other"
     target: str = ""
-    states: bool = False
     above: ActuatorText | None = None
 
     def below(self) -> ActuatorText:
@@ -289,70 +271,18 @@ class ActuatorText:
         self.gain[0] = NAN
 
     def control(self, tag: str) -> Control:
-        """The same as `classify.control` on the compiled actuator.
+        """What the actuator is; nan stands for what the text does not tell.
 
         Args:
             tag: Of the actuator's own element.
-
-        Returns: nan stands for what the text does not tell.
         """
-        gain, bias = self.gain, self.bias
-        filtered = self.dynamics_type in ("filter", "filterexact")
-        tau = self.dynamics[0] if filtered else 0.0
-        offset = bias[0] if self.bias_type == "affine" else 0.0
-        kp, kd = -bias[1] + 0.0, -bias[2] + 0.0
+        bias = list(self.bias)
         # A positive number in the place of -kv is a damping ratio, where the gain is kp.
-        if bias[2] > 0.0 and (gain[0] == kp or self.gain_type == "pid"):
-            kd = NAN
-
-        def is_(kind: str, kp: float = 0.0, kd: float = 0.0) -> Control:
-            return Control(kind, kp, kd, gain[0], tau, offset)
-
-        if tag == "plugin":
-            return is_("plugin", NAN, NAN)
-        if self.gain_type == "dcmotor":
-            return self._dcmotor_control(tau, offset)
-        if self.gain_type == "pid":
-            return is_("pid", kp, kd)
-        told = self.gain_type == "fixed" and self.bias_type in ("none", "affine")
-        feedback = (kp, kd) if self.bias_type == "affine" else (0.0, 0.0)
-        other = is_("other", *(feedback if told else (NAN, NAN)))
-        if tag in ("cylinder", "adhesion") or self.dynamics_type in ("muscle", "user"):
-            return other
-        if self.bias_type == "none":
-            if self.gain_type == "fixed" and self.dynamics_type != "integrator":
-                return is_("motor")
-            if self.gain_type == "affine" and gain[0] == gain[1] == 0.0:
-                return is_("damper", 0.0, NAN)
-        elif self.bias_type == "affine" and self.gain_type == "fixed":
-            if self.dynamics_type == "integrator":
-                return is_("intvelocity" if gain[0] == kp else "other", kp, kd)
-            if kp == 0.0:
-                return is_("velocity" if kd != 0.0 and gain[0] == kd else "motor", 0.0, kd)
-            return is_("position", kp, kd)
-        return other
-
-    def _dcmotor_control(self, tau: float, offset: float) -> Control:
-        resistance, constant, kp, ki, kd, voltage = (self.gain[i] for i in (0, 1, 4, 5, 6, 7))
-        ratio = constant / resistance if resistance else NAN
-        own = constant * ratio
-        back_emf = 0.0
-        if self.mode == "position":
-            kp, kd = kp * ratio, kd * ratio + own
-        elif self.mode == "velocity":
-            kp, kd = 0.0, kp * ratio + own
-        elif not self.inputs & _CLOSED:
-            kp, kd, back_emf = 0.0, own, own
-        line = None
-        pd = self.mode == "position" or self.inputs == {"pos"} or (self.inputs == {"vel"} and kp == 0.0)
-        pd = pd or (self.inputs == {"ff"} and kp == kd == 0.0)
-        if (
-            pd
-            and min(resistance, constant, voltage) > 0.0
-            and not (ki or self.states or self.dynamics[0] or any(self.bias))
-        ):
-            line = (constant * voltage / resistance, voltage / constant)
-        return Control("dcmotor", kp, kd, resistance, tau, offset, line, back_emf)
+        if bias[2] > 0.0 and (self.gain[0] == -bias[1] or self.gain_type == "pid"):
+            bias[2] = NAN
+        return ActuatorLaw.control(
+            replace(self, bias=bias, states=self.states or self.dynamics[0] != 0.0), tag
+        )
 
 
 def _nominal_constant(nominal: Sequence[float], resistance: float, viscous: float) -> float:

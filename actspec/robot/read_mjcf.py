@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, fields, replace
-from math import isnan, nan
+from dataclasses import dataclass, fields
+from math import isnan
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed
@@ -339,11 +339,10 @@ def _actuator(
     invented: bool,
 ) -> ActuatorView:
     tag = element.tag if element is not None else ""
-    kind = control(model, index, tag)
-    if invented:
-        kind = replace(kind, kd=nan)
+    seen = control(model, index, tag).at_joint(model.actuator_gear[index][0])
+    unknown = frozenset(name for name in ("kp", "kd") if isnan(seen[name]) or (invented and name == "kd"))
+    seen.update(dict.fromkeys(unknown, 0.0))
     transmitted, target = transmission(model, index)
-    gear = model.actuator_gear[index][0]
     # From 3.11 on an actuator may have several controls, and its own are found by address.
     address = model.actuator_ctrladr[index] if hasattr(model.model, "actuator_ctrladr") else index
     stated, places = stated_attributes(element, written, document) if element is not None else (set(), {})
@@ -358,24 +357,16 @@ def _actuator(
         tag=tag,
         transmission=transmitted,
         target=target,
-        control=kind.kind,
-        gear=gear,
-        kp=0.0 if isnan(kind.kp) else gear**2 * kind.kp,
-        kd=0.0 if isnan(kind.kd) else gear**2 * kind.kd,
-        gain=kind.gain,
+        **seen,
         force_range=_pair(model.actuator_forcerange[index]) if model.actuator_forcelimited[index] else None,
         control_range=_pair(model.actuator_ctrlrange[address]) if limited else None,
         damping=(model.actuator_damping[index], *_pair(model.actuator_dampingpoly[index])),
         armature=model.actuator_armature[index],
-        time_constant=kind.time_constant,
         delay=model.actuator_delay[index],
         group=group,
-        offset=kind.offset,
-        line=None if kind.line is None or not gear else (abs(gear) * kind.line[0], kind.line[1] / abs(gear)),
-        back_emf=gear**2 * kind.back_emf,
         stated=frozenset(stated),
         places=places,
-        unknown=frozenset(name for name in ("kp", "kd") if isnan(getattr(kind, name))),
+        unknown=unknown,
         disabled="ACTUATION" in switched_off or group in _off_groups(model.model),
         moves=tuple(name for name in reached if name),
     )

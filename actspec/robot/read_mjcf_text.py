@@ -260,7 +260,6 @@ def _actuator(
 ) -> ActuatorView:
     text = actuator_text(class_text(written.defaults_of(element).actuators), element)
     kind = text.control(element.tag)
-    gear = text.gear
     stated, places = stated_attributes(element, written, document)
 
     def limits(name: str) -> tuple[float, float] | None:
@@ -275,7 +274,6 @@ def _actuator(
         unknown.add("delay")
     if text.gain_type == "dcmotor" and text.inputs == {"none"}:
         text.ranges.pop("ctrlrange", None)
-    line = kind.line
     view = ActuatorView(
         name=element.get("name") or "",
         index=index,
@@ -283,21 +281,13 @@ def _actuator(
         tag=element.tag,
         transmission=text.transmission,
         target=text.target,
-        control=kind.kind,
-        gear=gear,
-        kp=gear**2 * kind.kp,
-        kd=gear**2 * kind.kd,
-        gain=kind.gain,
+        **kind.at_joint(text.gear),
         force_range=limits("force"),
         control_range=limits("ctrl") if switches.clamp else None,
         damping=(text.damping[0], text.damping[1], text.damping[2]),
         armature=text.armature,
-        time_constant=kind.time_constant,
         delay=text.delay,
         group=text.group,
-        offset=kind.offset,
-        line=None if line is None or not gear else (abs(gear) * line[0], line[1] / abs(gear)),
-        back_emf=gear**2 * kind.back_emf,
         stated=frozenset(stated),
         places=places,
         disabled=not switches.actuation or text.group in switches.off,
