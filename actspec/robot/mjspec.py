@@ -32,6 +32,7 @@ from actspec.robot.assets import (
     usable_file,
 )
 from actspec.robot.view import ModelFile, ModelFormat
+from actspec.robot.xml import XmlDocument, open_document, parse_document
 
 if TYPE_CHECKING:
     import mujoco
@@ -86,7 +87,11 @@ def quiet() -> Iterator[list[str]]:
 
 
 def open_spec(
-    files: Sequence[ModelFile], *, format: ModelFormat, real_assets: bool = False, parsed: bool = False
+    files: Sequence[ModelFile],
+    *,
+    format: ModelFormat,
+    real_assets: bool = False,
+    document: XmlDocument | None = None,
 ) -> mujoco.MjSpec:
     """Open a model from its files' bytes, uncompiled.
 
@@ -98,9 +103,9 @@ def open_spec(
         format: MJCF or URDF; MuJoCo tells them apart by the root tag.
         real_assets: Read mesh files from the main file's folder where they exist; other assets,
             which no number of an actuator depends on, are stand-ins in any case.
-        parsed: `parse_document` has taken these very files.
+        document: The same files parsed, if the caller has it.
 
-    Raises: RobotError: MuJoCo refuses the text.
+    Raises: RobotError: the text cannot be parsed, or MuJoCo refuses it.
     """
     import mujoco
 
@@ -116,7 +121,7 @@ def open_spec(
                 )
             ]
         )
-    text = splice(files, parsed=parsed)
+    text = splice(document if document is not None else parse_document(files))
     folder = os.path.dirname(os.path.abspath(files[0].path))
     opened = _opened_while_parsing(text, folder, format)
     with quiet(), _engine(text.span):
@@ -133,12 +138,10 @@ def _opened_while_parsing(text: SplicedText, folder: str, format: ModelFormat) -
         if tag == "flexcomp":
             found[_key(name)] = stand_in("mesh", name)
             continue
-        from actspec.robot.xml import read_model_files
-
         # An attached model is checked like the main one; MuJoCo finds it by its base name.
         # The output folder that a written path climbs out of may not exist yet.
         path = os.path.normpath(os.path.join(folder, name))
-        found[_key(name)] = splice(read_model_files(path)).data
+        found[_key(name)] = splice(open_document(path)).data
     return found
 
 
@@ -188,7 +191,7 @@ def compile_spec(
     """
 
     def place(line: int) -> Span | None:
-        return splice(files).span(line) if files else None
+        return splice(parse_document(files)).span(line) if files else None
 
     with quiet() as warned, _engine(place):
         model = spec.compile()
@@ -237,7 +240,7 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
 MOST_COPIES = 100_000
 """Chosen: nested `replicate` counts beyond this exhaust the memory before MuJoCo can refuse them."""
 
-_MARKS = (b"<include", b"<replicate", b"<flexcomp", b"<model")
+_MARKS = (b"<replicate", b"<flexcomp", b"<model")
 """What makes more of a file than its text."""
 
 
@@ -266,126 +269,64 @@ class SplicedText:
         return Span(path, first + line - self.starts[index])
 
 
-def splice(files: Sequence[ModelFile], *, parsed: bool = False) -> SplicedText:
+def splice(document: XmlDocument) -> SplicedText:
     """Put the text of every include in the place of its element.
 
     MuJoCo's own in-memory includes are found by base name alone, so `a/leg.xml` and `b/leg.xml` collide, and it
     reports every error in one as "line 0".
 
     Args:
-        files: The main file, then its includes in document order, as `read_model_files` gives them.
-        parsed: `parse_document` has taken these very files, so that a plain one needs no second look.
+        document: The model's files.
 
-    Raises: RobotError: a file is not UTF-8 or not well-formed, holds a DOCTYPE, has an include
-        without its file, or replicates beyond `MOST_COPIES`.
+    Raises: RobotError: the model replicates beyond `MOST_COPIES`.
     """
-    if parsed and len(files) == 1 and not any(mark in files[0].data for mark in _MARKS):
-        data = files[0].data.removeprefix(b"\xef\xbb\xbf") + b"\n"
-        return SplicedText(data, (1,), ((files[0].path, 1),), ())
+    files = document.files
     pieces: list[bytes] = []
     starts: list[int] = []
     origins: list[tuple[str, int]] = []
-    opened: list[tuple[str, str]] = []
-    rest = iter(files[1:])
     line = 1
 
-    def put(piece: bytes, path: str, first: int) -> None:
+    def put(index: int, begin: int, end: int) -> None:
         nonlocal line
+        data = files[index].data
+        piece = data[begin:end].removeprefix(b"\xef\xbb\xbf") + b"\n"
         starts.append(line)
-        origins.append((path, first))
+        origins.append((files[index].path, 1 + data.count(b"\n", 0, begin)))
         pieces.append(piece)
         line += piece.count(b"\n")
 
-    def put_file(file: ModelFile, whole: bool, depth: int) -> None:
-        if depth > 64:
-            raise _error(file.path, 0, "includes are nested more than 64 deep")
-        data = file.data.removeprefix(b"\xef\xbb\xbf")
-        marks = _marks(file.path, data)
-        opened.extend(marks.opened)
-        begin, end = (0, len(data)) if whole else marks.inner
-        for at, to in marks.includes:
-            put(data[begin:at] + b"\n", file.path, 1 + data.count(b"\n", 0, begin))
-            included = next(rest, None)
-            if included is None:
-                raise _error(file.path, 1 + data.count(b"\n", 0, at), "an include has no file")
-            put_file(included, False, depth + 1)
-            begin = to
-        put(data[begin:end] + b"\n", file.path, 1 + data.count(b"\n", 0, begin))
+    def put_file(index: int, begin: int, end: int) -> None:
+        for include in document.includes:
+            if include.element.file == index:
+                put(index, begin, include.element.start)
+                put_file(include.index, include.root.open_end, include.root.close)
+                begin = include.element.end
+        put(index, begin, end)
 
-    put_file(files[0], True, 0)
-    return SplicedText(b"".join(pieces), tuple(starts), tuple(origins), tuple(opened))
+    put_file(0, 0, len(files[0].data))
+    return SplicedText(b"".join(pieces), tuple(starts), tuple(origins), _opened(document))
 
 
-@dataclass(slots=True)
-class _Marks:
-    inner: tuple[int, int]
-    includes: list[tuple[int, int]]
-    opened: list[tuple[str, str]]
-
-
-def _marks(path: str, data: bytes) -> _Marks:
-    """Byte offsets of a file's root content and of its include elements."""
-    from xml.parsers import expat
-
-    parser = expat.ParserCreate("utf-8")
-    marks = _Marks((0, 0), [], [])
-    depth = 0
-    copies = [1]
-    include_at = 0
-    includes = True
-
-    def start(tag: str, attributes: dict[str, str]) -> None:
-        nonlocal depth, include_at, includes
-        at = parser.CurrentByteIndex
-        if depth == 0:
-            marks.inner = (_tag_end(data, at), 0)
-            # A URDF has no includes, whatever its tags are called.
-            includes = tag != "robot"
-        elif tag == "include" and includes:
-            include_at = at
-        elif tag == "replicate":
-            copies.append(copies[-1] * _count(attributes.get("count", "")))
-            if copies[-1] > MOST_COPIES:
-                raise _error(path, parser.CurrentLineNumber, f"more than {MOST_COPIES} copies by replicate")
-        elif attributes.get("file") and tag in ("flexcomp", "model"):
-            marks.opened.append((tag, attributes["file"]))
-        depth += 1
-
-    def end(tag: str) -> None:
-        nonlocal depth
-        depth -= 1
-        at = parser.CurrentByteIndex
-        if depth == 0:
-            # A root `<mujoco/>` ends where it starts: there is nothing inside.
-            marks.inner = (marks.inner[0], max(marks.inner[0], at))
-        elif tag == "include" and includes:
-            # At the end of `<include/>` expat stands behind it already; at that of `</include>` before it.
-            closing = data.startswith(b"</include", at)
-            marks.includes.append((include_at, _tag_end(data, at) if closing else at))
-        elif tag == "replicate":
-            copies.pop()
-
-    def doctype(*_: object) -> None:
-        raise _error(path, parser.CurrentLineNumber, "a DOCTYPE is refused")
-
-    parser.StartElementHandler = start
-    parser.EndElementHandler = end
-    parser.StartDoctypeDeclHandler = doctype
-    try:
-        data.decode("utf-8")
-        parser.Parse(data, True)
-    except UnicodeDecodeError as err:
-        place = data.count(b"\n", 0, err.start) + 1
-        raise _error(path, place, "the file is not UTF-8, which is all that MuJoCo reads") from err
-    except expat.ExpatError as err:
-        raise _error(path, err.lineno, f"not well-formed XML: {err}") from err
-    return marks
-
-
-def _tag_end(data: bytes, at: int) -> int:
-    """Offset after the tag that starts at `at`; a quoted `>` does not end it."""
-    found = re.compile(rb"""<(?:[^<>"']|"[^"]*"|'[^']*')*>""").match(data, at)
-    return found.end() if found else at
+def _opened(document: XmlDocument) -> tuple[tuple[str, str], ...]:
+    """What MuJoCo opens while it parses; a nested `replicate` that makes too much of it is refused."""
+    if not any(mark in file.data for file in document.files for mark in _MARKS):
+        return ()
+    opened = []
+    stack = [(document.root, 1)]
+    while stack:
+        element, copies = stack.pop()
+        name = element.get("file")
+        if element.tag == "replicate":
+            copies *= _count(element.get("count") or "")
+            if copies > MOST_COPIES:
+                message = f"more than {MOST_COPIES} copies by replicate"
+                raise RobotError(
+                    [Diagnostic("ROBOT110", Severity.ERROR, message, "", document.span(element))]
+                )
+        elif name and element.tag in ("flexcomp", "model"):
+            opened.append((element.tag, name))
+        stack += [(child, copies) for child in reversed(element.children)]
+    return tuple(opened)
 
 
 def _count(text: str) -> int:
@@ -393,7 +334,3 @@ def _count(text: str) -> int:
         return max(int(text), 1)
     except ValueError:
         return 1
-
-
-def _error(path: str, line: int, message: str, help: str | None = None) -> RobotError:
-    return RobotError([Diagnostic("ROBOT110", Severity.ERROR, message, "", Span(path, line), help)])

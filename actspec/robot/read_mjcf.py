@@ -79,7 +79,7 @@ def read_mjcf(
 
     if document is None:
         document = parse_document(tuple(files))
-    compiled = _compiled(files) if shapes else _compiled_without_shapes(document)
+    compiled = _compiled(files, document) if shapes else _compiled_without_shapes(document)
     spec, model = compiled.spec, compiled.model
 
     main = Span(files[0].path)
@@ -156,13 +156,13 @@ class _Compiled:
     said: tuple[str, ...]
 
 
-def _compiled(files: Sequence[ModelFile]) -> _Compiled:
+def _compiled(files: Sequence[ModelFile], document: XmlDocument | None = None) -> _Compiled:
     from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
 
-    spec = open_spec(files, format=ModelFormat.MJCF, parsed=True)
+    spec = open_spec(files, format=ModelFormat.MJCF, document=document)
     meshes = mesh_dependence(spec)
     if meshes is not None and not meshes.missing:
-        spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True, parsed=True)
+        spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True, document=document)
     elif meshes is not None:
         give_placeholder_masses(meshes)
     # From 3.16 on compiling may write the gain into the spec.
@@ -180,7 +180,7 @@ def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
     if files is not document.files:
         with suppress(RobotError):
             return _compiled(files)
-    return _compiled(document.files)
+    return _compiled(document.files, document)
 
 
 def _unknown_ratios(

@@ -243,9 +243,13 @@ class _Assembly:
         if len(chain) == 1:
             self._direct.add(key)
         element.children.clear()
-        self.includes.append(Include(element, name, len(self.files)))
+        index = len(self.files)
+        before = len(self.includes)
         root = self.add(included, site, chain, depth)
-        return root.children if root is not None else []
+        if root is None:
+            return []
+        self.includes.insert(before, Include(element, name, index, root))
+        return root.children
 
 
 def _includes(root: Element, depth: int) -> list[tuple[Element, Element, int]]:

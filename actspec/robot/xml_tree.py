@@ -167,11 +167,13 @@ class Include:
         element: The `<include>`, in the including file; it is no child of its parent.
         name: Its `file` attribute.
         index: The included file, in `XmlDocument.files`.
+        root: Its root, whose children stand in the place of `element`.
     """
 
     element: Element
     name: str
     index: int
+    root: Element
 
 
 @dataclass(frozen=True, slots=True)

@@ -18,6 +18,7 @@ from actspec.robot.load import load_robot
 from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet, splice
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ActuatorView, ModelFile, ModelFormat, RobotView
+from actspec.robot.xml import parse_document
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 REAL = sorted(CORPUS.rglob("*.xml")) if CORPUS.is_dir() else []
@@ -190,7 +191,7 @@ def test_splice_keeps_quoted_brackets_and_comments() -> None:
         b'<mujoco model="a>b"><!-- <include file="x"/> --><include file="a>b.xml"></include><size/></mujoco>'
     )
     part = b'<mujoco a=">">\n<option/></mujoco>'
-    text = splice([ModelFile("m.xml", "", main), ModelFile("a.xml", "a>b.xml", part)])
+    text = splice(parse_document([ModelFile("m.xml", "", main), ModelFile("a.xml", "a>b.xml", part)]))
     assert text.data == (b'<mujoco model="a>b"><!-- <include file="x"/> -->\n\n<option/>\n<size/></mujoco>\n')
     # Lines of the whole: 1 main, 2-3 the part's 1-2, 4 the main's line 1 again.
     assert [(s.path, s.line) for s in map(text.span, (1, 2, 3, 4))] == [
@@ -290,7 +291,7 @@ def test_too_many_copies_are_refused() -> None:
     text = (
         f'<mujoco><worldbody>\n<replicate count="1000" euler="0 0 1">{inner}</replicate></worldbody></mujoco>'
     )
-    assert errors(text) == ["m.xml:2: ROBOT110: more than 100000 copies by replicate"]
+    assert errors(text) == ["m.xml:2:39: ROBOT110: more than 100000 copies by replicate"]
 
 
 def test_option_is_read() -> None:
@@ -652,7 +653,7 @@ def test_open_spec_is_public_for_edits() -> None:
     with pytest.raises(RobotError) as caught:
         compile_spec(spec, files)
     assert (caught.value.diagnostics[0].span, caught.value.diagnostics[0].where) == (
-        splice(files).span(2),
+        splice(parse_document(files)).span(2),
         "j",
     )
 
