@@ -10,6 +10,7 @@ from pathlib import Path
 
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, Collector
 from actspec.targets.base import TargetOptions
+from actspec.verify.agreement import VerifyError
 from actspec.verify.environments import (
     SIZE,
     TIME,
@@ -21,7 +22,6 @@ from actspec.verify.environments import (
     release_folder,
     unusable,
 )
-from actspec.verify.target import VerifyError
 
 FRAMEWORKS = ("isaaclab", "mjlab", "newton")
 """Kinds of target whose packages are in the one environment."""

@@ -1,16 +1,54 @@
-"""What a verification says: rows that agree or not, and what could not be asked."""
+"""What is verified, and what a verification reports: rows that agree or not, and what was not compared."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+import os
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from actspec.diagnostics import Span
-from actspec.targets.base import Approximation
+from actspec.diagnostics import ActspecError, Span
+from actspec.ir import ActuatorSet, JointActuator, Quantity
+from actspec.targets.base import Approximation, TargetOptions
 
 FORMAT = "actspec-verify/1"
+
+
+class VerifyError(ActspecError):
+    """A verification cannot start: a file is missing, or an engine cannot be had."""
+
+
+@dataclass(frozen=True, slots=True)
+class TargetFiles:
+    """A target's files, those that are verified and those that actspec writes today.
+
+    Attributes:
+        options: Which target.
+        folder: Where the files lie that are verified.
+        fresh: Where what actspec writes lies; the same unless another folder was named.
+        files: Their paths below either, the main one first.
+        losses: What the target is known to lose.
+    """
+
+    options: TargetOptions
+    folder: str
+    fresh: str
+    files: tuple[str, ...]
+    losses: tuple[Approximation, ...]
+
+    @property
+    def name(self) -> str:
+        """Its name in the spec."""
+        return self.options.name
+
+    def path(self, file: str) -> str:
+        """Where a file lies that is verified."""
+        return os.path.join(self.folder, file)
+
+    def losses_of(self, joint: str, fields: Sequence[str]) -> tuple[Approximation, ...]:
+        """What it loses of fields of a joint, by the names of `Approximation.field`."""
+        return tuple(loss for loss in self.losses if loss.joint in (joint, "") and loss.field in fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +93,7 @@ class Row:
         at: Of a torque: where the error is.
         approximations: Keys of the known approximations that concern the quantity.
         engine: What was asked, with its version; None: the file was read back.
-        code: What is wrong, of `actspec.verify.codes`; None where it agrees.
+        code: What is wrong, as in docs/verify.md; None where it agrees.
         message: The same in words; "" where it agrees.
         place: Where a field is written that is another one; None elsewhere.
     """
@@ -171,3 +209,27 @@ def _number(value: float | None) -> float | str | None:
 def keys(losses: Iterable[Approximation]) -> tuple[str, ...]:
     """The keys of losses, each once, in order."""
     return tuple(dict.fromkeys(loss.key for loss in losses))
+
+
+def alike(actuators: ActuatorSet) -> tuple[tuple[JointActuator, ...], ...]:
+    """The joints of each group that have the same numbers, in the robot's order; their pose may differ."""
+    found: dict[object, list[JointActuator]] = {}
+    for actuator in actuators.joints:
+        found.setdefault(_numbers(actuator), []).append(actuator)
+    return tuple(tuple(members) for members in found.values())
+
+
+def _numbers(actuator: JointActuator) -> object:
+    def value(quantity: Quantity) -> float | None:
+        return quantity.value
+
+    delay = actuator.delay
+    return (
+        actuator.group,
+        actuator.kind,
+        actuator.level,
+        actuator.command,
+        tuple((name, value(q)) for name, q in actuator.quantities() if name != "default_position"),
+        None if delay is None else (delay.low, delay.high, delay.sampling),
+        actuator.network,
+    )

@@ -6,38 +6,33 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-SAME = 1e-3
-"""Relative difference up to which a figure is what a mistake would make of it. Chosen: coarser than the tolerance,
-because people round what they copy; far finer than any two mistakes are apart."""
-
-LOST = 1e3
-"""Times the spec's limit from which on a limit limits nothing. Chosen: stand-ins are 1e6 to 1e9 [N*m]."""
-
-DEGREES = 180.0 / math.pi
-RPM = 30.0 / math.pi
-TURN = 2.0 * math.pi
-
-LIMITS = (
-    "effort_limit",
-    "velocity_limit",
-    "stall_torque",
-    "no_load_speed",
-    "solver_effort_limit",
-    "curve.drive_torque",
-    "curve.brake_torque",
-    "curve.knee_speed",
+from actspec.readings.compare import (
+    DEGREES,
+    RPM,
+    TURN,
+    gear_power,
+    is_lost,
+    near,
+    ratio_of,
+    torque_slip,
+    twice_damped,
 )
-DELAYS = ("delay", "delay_nominal", "delay_low", "delay_high")
+from actspec.readings.fields import FIELDS
+from actspec.units import Kind
+
+DELAYS = frozenset(name for name in FIELDS if name.startswith("delay"))
+DAMPINGS = ("kd", "joint_damping")
 FRICTIONS = ("frictionloss", "friction_static", "friction_setting", "dynamic_friction_setting")
-_SPEEDS = ("velocity_limit", "no_load_speed", "curve.knee_speed")
-_PER_ANGLE = ("kp", "kd", "joint_damping")
+_PER_ANGLE = frozenset(
+    name for name, field in FIELDS.items() if field.kind in (Kind.STIFFNESS, Kind.VELOCITY_GAIN)
+)
 _GEARED = ("effort_limit", "velocity_limit", "stall_torque", "no_load_speed", "armature", "kp", "kd")
 
 Values = Mapping[str, float | None]
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class WrongFigure:
     """One figure of one joint that is another one.
 
     Attributes:
@@ -65,10 +60,10 @@ class Difference:
     versioned: bool = False
 
 
-def classify(one: Difference) -> tuple[str, str]:
+def classify(one: WrongFigure) -> tuple[str, str]:
     """The code of a difference and its reason, which follows a colon.
 
-    The first that fits is told, the surest first.
+    The first that fits, the surest first.
     """
     field, expected, got = one.field, one.expected, one.got
     if one.forgotten:
@@ -77,9 +72,9 @@ def classify(one: Difference) -> tuple[str, str]:
         return "VFY109", "it is another joint's: two joints are swapped, or the order is another one"
     if field in DELAYS:
         return "VFY108", "the delay counts steps of another length, or another number of steps"
-    if expected is not None and got is not None and expected and _near(got, -expected):
+    if expected and near(got, -expected):
         return "VFY106", "the sign is wrong"
-    if _lost(one):
+    if is_lost(field, got, expected):
         return "VFY104", "the limit is lost"
     if one.geared and field in (*_GEARED, "joint_damping", "frictionloss"):
         return "VFY103", "the file has a gear at the joint, and the numbers are the joint's already"
@@ -101,26 +96,13 @@ def classify(one: Difference) -> tuple[str, str]:
     return "VFY110", "the file says something else" if got is not None else "the file does not say it"
 
 
-def _lost(one: Difference) -> bool:
-    expected, got = one.expected, one.got
-    if one.field not in LIMITS or expected is None or not 0.0 < expected < math.inf:
-        return False
-    return got is None or got == 0.0 or got >= LOST * expected
-
-
-def _near(one: float | None, other: float | None) -> bool:
-    if one is None or other is None or not (math.isfinite(one) and math.isfinite(other)):
-        return False
-    return math.isclose(one, other, rel_tol=SAME)
-
-
-def _permuted(one: Difference) -> bool:
+def _permuted(one: WrongFigure) -> bool:
     """Whether the joints with wrong figures have each other's right ones."""
     wrong = [pair for pair in one.everywhere.values() if not _same(*pair)]
     if len(wrong) < 2:
         return False
     stated = sum(bool(expected) for expected, _ in one.everywhere.values())
-    turned = sum(expected is not None and _near(got, -expected) for expected, got in wrong)
+    turned = sum(expected is not None and near(got, -expected) for expected, got in wrong)
     if turned == len(wrong) == stated:
         # Every sign is wrong: no two joints were swapped for that.
         return False
@@ -133,28 +115,26 @@ def _by_value(value: float | None) -> float:
 
 
 def _same(one: float | None, other: float | None) -> bool:
-    return one == other or _near(one, other)
+    return one == other or near(one, other)
 
 
-def _swapped(one: Difference) -> bool:
+def _swapped(one: WrongFigure) -> bool:
     if one.field not in ("kp", "kd"):
         return False
     asked, found = one.asked, one.found
-    return _near(found.get("kp"), asked.get("kd")) and _near(found.get("kd"), asked.get("kp"))
+    return near(found.get("kp"), asked.get("kd")) and near(found.get("kd"), asked.get("kp"))
 
 
-def _twice(one: Difference) -> bool:
-    if one.field not in ("kd", "joint_damping") or one.got is None:
+def _twice(one: WrongFigure) -> bool:
+    if one.field not in DAMPINGS:
         return False
-    kd, viscous = one.asked.get("kd") or 0.0, one.asked.get("joint_damping") or 0.0
-    own = one.expected or 0.0
-    parts = [own + other for other in (kd, viscous, own) if other]
-    if one.field == "joint_damping" and kd:
-        parts.append(kd)
-    return any(_near(one.got, part) for part in parts if part != own)
+    beside = [one.asked.get(name) for name in DAMPINGS]
+    # The gain may also stand in place of the friction.
+    moved = one.field == "joint_damping" and bool(beside[0]) and near(one.got, beside[0])
+    return moved or any(twice_damped(one.got, one.expected, other) for other in beside)
 
 
-def _friction(one: Difference) -> str | None:
+def _friction(one: WrongFigure) -> str | None:
     """What is wrong with a friction, if it is its unit or its place."""
     asked, got = one.asked, one.got
     if got is None or not got:
@@ -164,68 +144,52 @@ def _friction(one: Difference) -> str | None:
             "in this version the field has no unit, it is a factor on the joint's load, and this is a torque"
         )
     coulomb, viscous = asked.get("frictionloss"), asked.get("joint_damping")
-    if one.field == "joint_damping" and _near(got, coulomb):
+    if one.field == "joint_damping" and near(got, coulomb):
         return "the dry friction stands where the viscous one belongs"
     if one.field not in FRICTIONS:
         return None
-    if _near(got, viscous):
+    if near(got, viscous):
         return "the viscous friction stands where the dry one belongs"
     if one.versioned:
         return "the field is a torque in this version, and a factor without unit in others"
-    limit, expected = asked.get("effort_limit"), one.expected
-    if not expected:
-        return None
-    factors = {
-        "a share of the effort limit, without unit": None if not limit else 1.0 / limit,
-        "in mN*m": 1e3,
-        "in kN*m": 1e-3,
-        "in kgf*cm": 100.0 / 9.80665,
-        "in kgf*m": 1.0 / 9.80665,
-        "per degree": 1.0 / DEGREES,
-        "per radian of degrees": DEGREES,
-    }
-    return next(
-        (f"it is {words}" for words, factor in factors.items() if factor and _near(got / expected, factor)),
-        None,
-    )
+    limit, ratio = asked.get("effort_limit"), ratio_of(got, one.expected)
+    if limit and near(ratio, 1.0 / limit):
+        return "it is a share of the effort limit, without unit"
+    slips = {1.0 / DEGREES: "it is per degree", DEGREES: "it is per radian of degrees"}
+    unit = torque_slip(ratio, "N*m")
+    return f"it is in {unit}" if unit else next((t for f, t in slips.items() if near(ratio, f)), None)
 
 
 def _other_unit(field: str, expected: float | None, got: float | None) -> str | None:
-    if not expected or not got or not (math.isfinite(expected) and math.isfinite(got)):
+    ratio = ratio_of(got, expected)
+    if ratio is None:
         return None
-    ratio = got / expected
     if field == "filter_cutoff":
-        return next(
-            (
-                f"{words} is read in Hz"
-                for words, r in (("rad/s", TURN), ("a time", 1 / TURN))
-                if _near(ratio, r)
-            ),
-            None,
-        )
-    if field in _SPEEDS and (_near(ratio, RPM) or _near(ratio, 1.0 / RPM)):
-        return "rpm is read in rad/s" if ratio > 1.0 else "rad/s is taken for rpm"
+        if near(ratio, TURN):
+            return "rad/s is read in Hz"
+        return "a time is read in Hz" if near(ratio, 1.0 / TURN) else None
+    if field in FIELDS and FIELDS[field].kind is Kind.SPEED and (near(ratio, RPM) or near(ratio, 1.0 / RPM)):
+        return "rpm is read in rad/s" if ratio > 1.0 else "rad/s is read as rpm"
     per_angle = field in _PER_ANGLE
-    if _near(ratio, 1.0 / DEGREES if per_angle else DEGREES):
+    if near(ratio, 1.0 / DEGREES if per_angle else DEGREES):
         return "it is per degree, and per radian is read" if per_angle else "it is in degrees"
-    if _near(ratio, DEGREES if per_angle else 1.0 / DEGREES):
+    if near(ratio, DEGREES if per_angle else 1.0 / DEGREES):
         return "it is converted from degrees, and was in radians already"
     return None
 
 
-def _gear(one: Difference) -> str | None:
-    if one.field not in _GEARED or not one.expected or one.got is None:
+_POWERS = {1: "once too often", -1: "left out", 2: "squared too often", -2: "left out"}
+
+
+def _gear(one: WrongFigure) -> str | None:
+    if one.field not in _GEARED:
         return None
-    ratio = one.got / one.expected
+    ratio = ratio_of(one.got, one.expected)
     for factor in one.factors:
-        for power, words in (
-            (1, "once too often"),
-            (-1, "left out"),
-            (2, "squared too often"),
-            (-2, "left out"),
-        ):
-            if factor != 1.0 and _near(ratio, factor**power):
-                if one.field == "armature" and power in (1, -1):
-                    words = "taken to the first power, and it goes with its square"
-                return f"the gear of {factor:g} is {words}"
+        power = gear_power(ratio, factor)
+        if power is not None:
+            words = _POWERS[power]
+            if one.field == "armature" and power in (1, -1):
+                words = "taken to the first power, and it goes with its square"
+            return f"the gear of {factor:g} is {words}"
     return None

@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, Span, listed, one_line
 from actspec.ir import ActuatorSet, JointActuator
+from actspec.readings.compare import NOTHING
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
-from actspec.verify.agreement import Row
-from actspec.verify.layout import NOTHING, TOLERANCE
+from actspec.simulate.rollout import PLACES, drivers
+from actspec.verify.agreement import Row, TargetFiles
+from actspec.verify.layout import TOLERANCE
 from actspec.verify.readback import Figures
-from actspec.verify.target import Target
 
 if TYPE_CHECKING:
     import mujoco
@@ -24,14 +25,7 @@ OPTIONS = ("integrator", "disableflags", "enableflags", "disableactuator")
 KEYS = ("qpos", "qvel", "act", "ctrl")
 """Arrays of a keyframe: a robot that starts with other controls jumps."""
 
-FOLLOWING = {
-    *("jnt_bodyid", "jnt_qposadr", "jnt_dofadr", "jnt_actuatorid", "jnt_plasticadr", "jnt_user", "jnt_group"),
-    *("dof_bodyid", "dof_jntid", "dof_parentid", "dof_treeid", "dof_Madr", "dof_simplenum"),
-    *("dof_M0", "dof_invweight0", "dof_length"),
-    *("actuator_trnid", "actuator_actadr", "actuator_ctrladr", "actuator_historyadr", "actuator_outadr"),
-    *("actuator_acc0", "actuator_length0", "actuator_lengthrange", "actuator_plugin", "actuator_user"),
-    "actuator_group",
-}
+FOLLOWING = PLACES | {"jnt_group", "actuator_group", "actuator_lengthrange"}
 """Arrays that are places in the model, follow from its bodies, or are shown and no more."""
 
 LIMITED = {
@@ -45,7 +39,7 @@ LIMITED = {
 
 
 def compiled_rows(
-    target: Target, actuators: ActuatorSet, figures: Figures, told: Collection[str]
+    target: TargetFiles, actuators: ActuatorSet, figures: Figures, wrong: Collection[str]
 ) -> Iterator[Row]:
     """Rows of a model that somebody edited, held to the one that actspec writes.
 
@@ -53,13 +47,13 @@ def compiled_rows(
         target: The target, whose model MuJoCo takes.
         actuators: What the spec asks for.
         figures: What the file says, for places.
-        told: Joints of which a figure is told to be wrong already.
+        wrong: Joints of which a figure is reported to be wrong already.
     """
     ours, theirs = (_compiled(f"{folder}/{target.files[0]}") for folder in (target.fresh, target.folder))
     if ours is None or theirs is None:
         return
     for actuator in actuators.joints:
-        if actuator.joint in told or actuator.joint not in figures:
+        if actuator.joint in wrong or actuator.joint not in figures:
             continue
         asked, got = (_arrays(model, actuator.joint) for model in (ours, theirs))
         place = next((figure.place for figure in figures[actuator.joint].values()), None)
@@ -85,14 +79,9 @@ def _arrays(model: Any, joint: str) -> dict[str, list[float]]:
     import mujoco
 
     index = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_JOINT, joint)
-    trn = (int(mujoco.mjtTrn.mjTRN_JOINT), int(mujoco.mjtTrn.mjTRN_JOINTINPARENT))
     if index < 0:
         return {}
-    drives = [
-        i
-        for i in range(len(model.actuator_trntype))
-        if int(model.actuator_trntype[i]) in trn and int(model.actuator_trnid[i, 0]) == index
-    ]
+    drives = drivers(model, index)
     rows = {"jnt_": index, "dof_": int(model.jnt_dofadr[index])}
     if len(drives) == 1:
         rows["actuator_"] = drives[0]
@@ -113,7 +102,7 @@ def _unlimited(name: str, asked: Mapping[str, list[float]], got: Mapping[str, li
 
 
 def _differences(
-    target: Target,
+    target: TargetFiles,
     actuator: JointActuator,
     name: str,
     asked: list[float],
@@ -135,7 +124,7 @@ def _differences(
     )
 
 
-def _options(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
+def _options(target: TargetFiles, ours: Any, theirs: Any) -> Iterator[Row]:
     for name in OPTIONS:
         asked, got = (int(getattr(model.opt, name, 0)) for model in (ours, theirs))
         if asked != got:
@@ -174,8 +163,8 @@ def _option(name: str, value: int) -> str:
     return listed(flags) if flags else "none"
 
 
-def _keyframes(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
-    """The first number of each keyframe that is another one; keyframes are told by name, or place."""
+def _keyframes(target: TargetFiles, ours: Any, theirs: Any) -> Iterator[Row]:
+    """The first number of each keyframe that is another one; keyframes are known by name, or place."""
     place = Span(target.path(target.files[0]))
     asked, got = (_keys(model) for model in (ours, theirs))
     for key, arrays in asked.items():
@@ -193,7 +182,7 @@ def _keyframes(target: Target, ours: Any, theirs: Any) -> Iterator[Row]:
                 yield _key_row(target, key, f"{text}, and should be {values[i]:.6g}", place)
 
 
-def _key_row(target: Target, key: str, message: str, place: Span) -> Row:
+def _key_row(target: TargetFiles, key: str, message: str, place: Span) -> Row:
     return Row(
         *(target.name, "", "", 0, one_line(f"keyframe {key}"), "", None, 0.0, False),
         code="VFY110",

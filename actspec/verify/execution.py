@@ -13,8 +13,7 @@ from collections.abc import Iterator
 
 from actspec.diagnostics import Span, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.verify.agreement import Row
-from actspec.verify.target import Target
+from actspec.verify.agreement import Row, TargetFiles
 
 EXECUTED = ("isaaclab", "mjlab")
 """Kinds of target whose main file is Python that their simulator executes."""
@@ -29,14 +28,14 @@ _READ = (".xml", ".urdf", ".py", ".yaml", ".json", ".usda")
 """Ends of files that are compared by what they say."""
 
 
-def changed(target: Target) -> tuple[str, ...]:
+def changed(target: TargetFiles) -> tuple[str, ...]:
     """Files whose bytes are not those that the spec compiles to now."""
     if target.folder == target.fresh:
         return ()
     return tuple(file for file in target.files if not _same(target, file))
 
 
-def withheld(target: Target, *, run_edited: bool) -> str | None:
+def withheld(target: TargetFiles, *, run_edited: bool) -> str | None:
     """Why a simulator must not execute a target's files; None: it may.
 
     Args:
@@ -51,7 +50,7 @@ def withheld(target: Target, *, run_edited: bool) -> str | None:
     )
 
 
-def code_rows(target: Target) -> Iterator[Row]:
+def code_rows(target: TargetFiles) -> Iterator[Row]:
     """Rows of statements of a Python file that nobody executed, other than the assignments that readers understand."""
     file = target.files[0]
     if target.options.kind not in EXECUTED or file not in changed(target):
@@ -77,7 +76,7 @@ def code_rows(target: Target) -> Iterator[Row]:
                 yield _code_row(target, file, 0, "a statement that actspec writes is missing")
 
 
-def other_rows(target: Target) -> Iterator[Row]:
+def other_rows(target: TargetFiles) -> Iterator[Row]:
     """Rows of files that are no text, networks, which are right as they were named in the spec alone."""
     for file in target.files[1:]:
         if file.endswith(_READ):
@@ -91,7 +90,7 @@ def other_rows(target: Target) -> Iterator[Row]:
         )
 
 
-def _same(target: Target, file: str) -> bool:
+def _same(target: TargetFiles, file: str) -> bool:
     try:
         ours, theirs = (
             read_regular(os.path.join(folder, file), MOST_BYTES) for folder in (target.fresh, target.folder)
@@ -101,7 +100,7 @@ def _same(target: Target, file: str) -> bool:
     return ours == theirs
 
 
-def _code_row(target: Target, file: str, line: int, what: str) -> Row:
+def _code_row(target: TargetFiles, file: str, line: int, what: str) -> Row:
     return Row(
         *(target.name, "", "", 0, "code", "", None, 0.0, False),
         code="VFY110",

@@ -9,16 +9,14 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator, Level
-from actspec.readings.compare import Figure
+from actspec.readings.compare import NOTHING, Figure
 from actspec.readings.fields import FIELDS
 from actspec.simulators.isaaclab import isaaclab_dialect
-from actspec.verify.agreement import Row, keys
-from actspec.verify.classify import Difference, classify
+from actspec.verify.agreement import Row, TargetFiles, alike, keys
+from actspec.verify.classify import WrongFigure, classify
 from actspec.verify.compiled import compiled_rows
-from actspec.verify.layout import NOTHING, TOLERANCE, driven, figure_text, layout_rows
-from actspec.verify.overlay import FIELDS as OVERLAY_FIELDS
-from actspec.verify.readback import ABSENT, Figures, Reading
-from actspec.verify.target import Target, alike
+from actspec.verify.layout import TOLERANCE, driven, figure_text, layout_rows
+from actspec.verify.readback import ABSENT, OVERLAY_FIELDS, Figures, FileFigures
 
 _DRIVE = ("kp", "kd", "effort_limit", "stall_torque", "no_load_speed", "delay_low", "delay_high")
 _PASSIVE = ("joint_damping", "frictionloss", "armature")
@@ -39,31 +37,17 @@ HELD: Mapping[str, tuple[str, ...]] = {
 """Kind of target to the fields that it can hold, which are held to the spec; all others are held to what actspec
 writes. A field is held to that too where it is a known approximation, or where the spec does not know it."""
 
-LOSSES: Mapping[str, tuple[str, ...]] = {
-    "kp": ("kp",),
-    "kd": ("kd", "friction.viscous"),
-    "joint_damping": ("friction.viscous",),
-    "frictionloss": ("friction.coulomb",),
-    "friction_static": ("friction.static", "friction.coulomb"),
-    "armature": ("armature",),
-    "effort_limit": ("effort_limit", "torque_speed_curve"),
-    "velocity_limit": ("velocity_limit",),
-    "stall_torque": ("torque_speed_curve",),
-    "no_load_speed": ("torque_speed_curve",),
-    **dict.fromkeys(_CURVE, ("torque_speed_curve",)),
-    "delay_nominal": ("delay",),
-    "delay_low": ("delay", "delay.range"),
-    "delay_high": ("delay", "delay.range"),
-    "filter_cutoff": ("command_filter",),
-    "command_low": ("command_range",),
-    "command_high": ("command_range",),
-    "encoder_bias": ("encoder_bias",),
-    "action_scale": ("action_scale",),
+MORE_LOSSES: Mapping[str, tuple[str, ...]] = {
+    "kd": ("friction.viscous",),
+    "friction_static": ("friction.coulomb",),
+    "effort_limit": ("torque_speed_curve",),
+    "delay_low": ("delay",),
+    "delay_high": ("delay",),
     "default_position": ("default_position",),
 }
-"""Field to the names of the approximations that change it."""
+"""Field to the names of approximations that change it beside its own, `Field.spec`."""
 
-_TOLD_ELSEWHERE = frozenset({"total_damping", "actuator_damping", "back_emf", "delay"})
+_REPORTED_ELSEWHERE = frozenset({"total_damping", "actuator_damping", "back_emf", "delay"})
 """Sums and parts of other fields."""
 
 _FACTOR = re.compile(r"[x/] ([0-9.eE+-]+) \((gear_ratio|reduction|stages?|lead|radius|factor)\w*(\^2)?\)")
@@ -106,7 +90,7 @@ class _Compared:
 
 
 def field_rows(
-    target: Target, actuators: ActuatorSet, asked: Figures, fresh: Reading, built: Reading
+    target: TargetFiles, actuators: ActuatorSet, asked: Figures, fresh: FileFigures, built: FileFigures
 ) -> Iterator[Row]:
     """Rows of all fields of a target's file.
 
@@ -132,15 +116,15 @@ def field_rows(
     ]
     yield from _rows(target, actuators, asked, built, fresh, compared, None)
     if target.options.kind == "mujoco" and target.folder != target.fresh and built.refusal is None:
-        told = {one.actuator.joint for one in compared if not one.ok}
-        yield from compiled_rows(target, actuators, built.figures, told)
+        wrong = {one.actuator.joint for one in compared if not one.ok}
+        yield from compiled_rows(target, actuators, built.figures, wrong)
 
 
 def engine_rows(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     asked: Figures,
-    fresh: Reading,
+    fresh: FileFigures,
     figures: Mapping[str, Mapping[str, float]],
     engine: str,
 ) -> Iterator[Row]:
@@ -165,7 +149,7 @@ def engine_rows(
     yield from _rows(target, actuators, asked, None, fresh, compared, engine)
 
 
-def broken(target: Target, message: str, engine: str | None = None) -> Row:
+def broken(target: TargetFiles, message: str, engine: str | None = None) -> Row:
     """The row of a file that cannot be read, or that an engine refuses."""
     return Row(
         target.name, "", "", 0, "file", "", None, 0.0, False, engine=engine, code="VFY111", message=message
@@ -173,14 +157,15 @@ def broken(target: Target, message: str, engine: str | None = None) -> Row:
 
 
 def _compare(
-    target: Target, actuator: JointActuator, asked: Figures, fresh: Figures, built: Mapping[str, Figure]
+    target: TargetFiles, actuator: JointActuator, asked: Figures, fresh: Figures, built: Mapping[str, Figure]
 ) -> Iterator[_Compared]:
     held = HELD.get(target.options.kind, ())
     spec, written = asked[actuator.joint], fresh.get(actuator.joint, {})
     for field in dict.fromkeys((*held, *written, *built)):
-        if field in _TOLD_ELSEWHERE:
+        if field in _REPORTED_ELSEWHERE:
             continue
-        lost = target.losses_of(actuator.joint, LOSSES.get(field, ()))
+        own_key = (FIELDS[field].spec,) if field in FIELDS else ()
+        lost = target.losses_of(actuator.joint, (*own_key, *MORE_LOSSES.get(field, ())))
         own = spec.get(field)
         expected = own.value if own is not None and field in held else None
         if own is not None and not own.stated and _value(written.get(field), field, ()) is None:
@@ -205,11 +190,11 @@ def _value(figure: Figure | None, field: str, held: Sequence[str]) -> float | No
 
 
 def _rows(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     asked: Figures,
-    built: Reading | None,
-    fresh: Reading,
+    built: FileFigures | None,
+    fresh: FileFigures,
     compared: Sequence[_Compared],
     engine: str | None,
 ) -> Iterator[Row]:
@@ -228,7 +213,7 @@ def _rows(
             code, reason = None, ""
             if not one.ok:
                 own = {name: figure.value for name, figure in asked[one.actuator.joint].items()}
-                difference = Difference(
+                difference = WrongFigure(
                     field=one.field,
                     expected=one.expected,
                     got=one.value,
@@ -253,7 +238,7 @@ def _size(one: _Compared) -> float:
 
 
 def _row(
-    target: Target,
+    target: TargetFiles,
     field: str,
     code: str | None,
     worst: _Compared,
@@ -304,7 +289,7 @@ def _factors(actuator: JointActuator) -> tuple[float, ...]:
     return tuple(value for value in single if value not in (0.0, 1.0))
 
 
-def _forgotten(target: Target, one: _Compared) -> bool:
+def _forgotten(target: TargetFiles, one: _Compared) -> bool:
     """Whether a mapping of a cfg leaves the joint out: the classes of Isaac Lab take 0 then."""
     got = one.got
     return (
@@ -317,12 +302,12 @@ def _forgotten(target: Target, one: _Compared) -> bool:
     )
 
 
-def _geared(joint: str, fresh: Reading, built: Reading) -> bool:
+def _geared(joint: str, fresh: FileFigures, built: FileFigures) -> bool:
     ours, theirs = fresh.gears.get(joint), built.gears.get(joint)
     return ours is not None and theirs is not None and ours != theirs
 
 
-def _versioned(target: Target) -> bool:
+def _versioned(target: TargetFiles) -> bool:
     if target.options.kind != "isaaclab":
         return False
     options = target.options
@@ -331,11 +316,11 @@ def _versioned(target: Target) -> bool:
 
 
 def without_repeats(rows: Iterable[Row]) -> tuple[Row, ...]:
-    """Rows without what an engine reports of a field that is told to be wrong in the file already."""
+    """Rows without what an engine reports of a field that is reported to be wrong in the file already."""
     every = tuple(rows)
-    told = {(row.target, row.group, row.quantity) for row in every if row.engine is None and not row.ok}
+    wrong = {(row.target, row.group, row.quantity) for row in every if row.engine is None and not row.ok}
     return tuple(
         row
         for row in every
-        if row.ok or row.engine is None or (row.target, row.group, row.quantity) not in told
+        if row.ok or row.engine is None or (row.target, row.group, row.quantity) not in wrong
     )

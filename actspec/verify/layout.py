@@ -1,26 +1,34 @@
-"""Static agreement of what is no figure of a joint: which joints there are, in which order, steps, classes."""
+"""Static agreement of what is no figure of a joint: which joints there are, their orders, steps, classes."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 from actspec.audit.dynamics import SETTING_NOUNS
 from actspec.diagnostics import one_line
+from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet
 from actspec.units import format_quantity
-from actspec.verify.agreement import Row
-from actspec.verify.readback import Reading
-from actspec.verify.target import Target, alike
+from actspec.verify.agreement import Row, TargetFiles, alike
+from actspec.verify.readback import FileFigures
 
 TOLERANCE = 1e-6
 """Relative difference of equal figures. Source: MuJoCo's own form has six digits; the others have all."""
 
-NOTHING = 1e-12
-"""What counts as 0."""
+
+MAPS = ("order", "index")
+"""Blocks of the file whose entries are lists over the joints."""
+
+MOST_BYTES = 8 << 20
+"""Chosen: as the audit's reader, which has taken the file before."""
 
 
-def layout_rows(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+def layout_rows(
+    target: TargetFiles, actuators: ActuatorSet, fresh: FileFigures, built: FileFigures
+) -> Iterator[Row]:
     """Rows of a file's joints, steps, order and settings; see `fields.field_rows`."""
     yield from _missing(target, actuators, fresh, built)
     yield from _settings(target, actuators, fresh, built)
@@ -28,7 +36,7 @@ def layout_rows(target: Target, actuators: ActuatorSet, fresh: Reading, built: R
     yield from _raw(target, actuators, fresh, built)
 
 
-def driven(joint: str, fresh: Reading, built: Reading) -> bool:
+def driven(joint: str, fresh: FileFigures, built: FileFigures) -> bool:
     """Whether a file has a joint, with a drive where actspec writes one."""
     if joint not in built.figures:
         return joint not in fresh.figures
@@ -44,7 +52,9 @@ def figure_text(value: float | None, unit: str) -> str:
     return format_quantity(value, unit) if unit else f"{value:.6g}"
 
 
-def _missing(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+def _missing(
+    target: TargetFiles, actuators: ActuatorSet, fresh: FileFigures, built: FileFigures
+) -> Iterator[Row]:
     """Joints that the file does not have, or does not drive, though actspec writes them so."""
     for members in alike(actuators):
         gone = [a for a in members if not driven(a.joint, fresh, built)]
@@ -58,7 +68,9 @@ def _missing(target: Target, actuators: ActuatorSet, fresh: Reading, built: Read
             )
 
 
-def _settings(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+def _settings(
+    target: TargetFiles, actuators: ActuatorSet, fresh: FileFigures, built: FileFigures
+) -> Iterator[Row]:
     """What concerns the whole file: its steps."""
     step, decimation = actuators.physics_dt.value, actuators.decimation
     spec = {"physics_dt": step, "decimation": None if decimation is None else float(decimation)}
@@ -81,7 +93,7 @@ def _settings(target: Target, actuators: ActuatorSet, fresh: Reading, built: Rea
         )
 
 
-def _order(target: Target, fresh: Reading, built: Reading) -> Iterator[Row]:
+def _order(target: TargetFiles, fresh: FileFigures, built: FileFigures) -> Iterator[Row]:
     """The order of the joints, on which policies and deploy code depend."""
     if not fresh.order or set(fresh.order) - set(built.order):
         return
@@ -96,7 +108,9 @@ def _order(target: Target, fresh: Reading, built: Reading) -> Iterator[Row]:
     )
 
 
-def _raw(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading) -> Iterator[Row]:
+def _raw(
+    target: TargetFiles, actuators: ActuatorSet, fresh: FileFigures, built: FileFigures
+) -> Iterator[Row]:
     """Drives and settings that are no number with a unit: class, network, scales."""
     for members in alike(actuators):
         wrong: dict[str, list[str]] = {}
@@ -117,5 +131,52 @@ def _raw(target: Target, actuators: ActuatorSet, fresh: Reading, built: Reading)
             )
 
 
-def _written(reading: Reading, joint: str) -> dict[str, object]:
+def _written(reading: FileFigures, joint: str) -> dict[str, object]:
     return {"drive": reading.controls.get(joint), **reading.raw.get(joint, {})}
+
+
+def order_rows(target: TargetFiles) -> Iterator[Row]:
+    """Rows of each order and each map between two, held to what actspec writes."""
+    ours, theirs = (
+        _blocks(os.path.join(folder, target.files[0])) for folder in (target.fresh, target.folder)
+    )
+    for name in dict.fromkeys((*ours, *theirs)):
+        asked, got = ours.get(name), theirs.get(name)
+        same = asked == got
+        message = "" if same else one_line(f"{name} is another one: {_first_difference(asked, got)}")
+        yield Row(
+            *(target.name, "", "", len(asked or ()), name, "", 0.0 if same else None, 0.0, same),
+            code=None if same else "VFY109",
+            message=message,
+        )
+
+
+def _blocks(path: str) -> dict[str, list[Any]]:
+    """Lists of the blocks, by `order.isaac`; those that cannot be read are missing."""
+    import yaml
+
+    try:
+        data = yaml.load(read_regular(path, MOST_BYTES), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    except (OSError, ValueError, NotRegular, TooLarge, yaml.YAMLError, RecursionError):
+        return {}
+    if not isinstance(data, Mapping):
+        return {}
+    return {
+        f"{block}.{name}": value
+        for block in MAPS
+        if isinstance(data.get(block), Mapping)
+        for name, value in data[block].items()
+        if isinstance(value, list)
+    }
+
+
+def _first_difference(asked: list[Any] | None, got: list[Any] | None) -> str:
+    """The first entry that differs."""
+    if asked is None or got is None:
+        return "it is missing" if got is None else "actspec writes none"
+    if len(asked) != len(got):
+        return f"it has {len(got)} entries, and should have {len(asked)}"
+    place, (want, have) = next(
+        (i, pair) for i, pair in enumerate(zip(asked, got, strict=True)) if pair[0] != pair[1]
+    )
+    return f"entry {place} is {have!s:.60}, and should be {want!s:.60}"

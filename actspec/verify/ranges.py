@@ -16,12 +16,11 @@ from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.readings.artifact import RandomizedRange
 from actspec.robot.view import RobotView
 from actspec.sampling import own_ranges
-from actspec.verify.agreement import Row
-from actspec.verify.classify import Difference, classify
+from actspec.verify.agreement import Row, TargetFiles
+from actspec.verify.classify import WrongFigure, classify
 from actspec.verify.fields import broken
 from actspec.verify.layout import TOLERANCE, figure_text
 from actspec.verify.readback import Asked, read_back
-from actspec.verify.target import Target
 
 MOST_BYTES = 16 << 20
 """Chosen: the largest such file seen has 100 kB."""
@@ -40,7 +39,7 @@ class _Unreadable(Exception):
     pass
 
 
-def range_rows(target: Target, actuators: ActuatorSet, robot: RobotView) -> list[Row]:
+def range_rows(target: TargetFiles, actuators: ActuatorSet, robot: RobotView) -> list[Row]:
     """Rows of a target's files of ranges.
 
     The JSON is held to the spec; events and functions are held to what actspec writes, whose approximations
@@ -66,7 +65,7 @@ def _read(path: str) -> bytes:
         raise _Unreadable(getattr(err, "strerror", None) or str(err)) from err
 
 
-def _json_rows(target: Target, file: str, actuators: ActuatorSet) -> Iterator[Row]:
+def _json_rows(target: TargetFiles, file: str, actuators: ActuatorSet) -> Iterator[Row]:
     text = _read(target.path(file)).decode("utf-8", "replace")
     try:
         record = json.loads(text)
@@ -113,7 +112,7 @@ def _nominal(entry: Any) -> dict[str, float | None]:
 
 
 def _nominal_rows(
-    target: Target,
+    target: TargetFiles,
     actuator: JointActuator,
     asked: Mapping[str, Mapping[str, float | None]],
     found: Mapping[str, Mapping[str, float | None]],
@@ -129,7 +128,7 @@ def _nominal_rows(
         ):
             continue
         everywhere = {name: (asked[name].get(field), found.get(name, {}).get(field)) for name in asked}
-        code, reason = classify(Difference(field, want, have, wanted, got, everywhere))
+        code, reason = classify(WrongFigure(field, want, have, wanted, got, everywhere))
         name = next((name for name, figure in FIGURES.items() if figure == field), field)
         unit = units.get(name, "")
         should = f"{figure_text(have, unit)}, and should be {figure_text(want, unit)}"
@@ -141,7 +140,7 @@ def _nominal_rows(
         )
 
 
-def _place(target: Target, file: str, text: str, joint: str, word: str) -> Span:
+def _place(target: TargetFiles, file: str, text: str, joint: str, word: str) -> Span:
     """Where a file of ours has a joint and then a word; the file where it is another one."""
     start = text.find(f'"joint": {json.dumps(joint)}')
     found = text.find(word, start)
@@ -158,7 +157,7 @@ def _rest(record: Any) -> dict[str, Any]:
     return found
 
 
-def _range_row(target: Target, actuator: JointActuator, file: str, entry: Any) -> tuple[Row, str]:
+def _range_row(target: TargetFiles, actuator: JointActuator, file: str, entry: Any) -> tuple[Row, str]:
     """A joint's row, and a word of the file at what is another one."""
     asked = own_ranges(actuator)
     try:
@@ -190,7 +189,7 @@ def _difference(want: Randomization, got: Any) -> str | None:
     return None
 
 
-def _python_rows(target: Target, file: str, actuators: ActuatorSet, robot: RobotView) -> Iterator[Row]:
+def _python_rows(target: TargetFiles, file: str, actuators: ActuatorSet, robot: RobotView) -> Iterator[Row]:
     ours, theirs = (os.path.join(folder, file) for folder in (target.fresh, target.folder))
     trees = [_tree(path) for path in (ours, theirs)]
     if trees[0] == trees[1]:
@@ -241,7 +240,7 @@ def _words(one: tuple[str, float, float, str]) -> str:
     return f"{one_line(operation)} {low:g} to {high:g} ({one_line(distribution)})"
 
 
-def _fault(target: Target, actuator: JointActuator, quantity: str, code: str, message: str) -> Row:
+def _fault(target: TargetFiles, actuator: JointActuator, quantity: str, code: str, message: str) -> Row:
     return Row(
         *(target.name, actuator.group, actuator.joint, 1, quantity, "", None, 0.0, False),
         code=code,

@@ -1,4 +1,4 @@
-"""What written files say of each joint, read back without running them: by the audit's readers."""
+"""What written files say of each joint, read back without running them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ from actspec.audit.ledger import LedgerRow
 from actspec.audit.read import read_files
 from actspec.audit.rows.config import rows_of_config
 from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
-from actspec.diagnostics import Span
+from actspec.diagnostics import ActspecError, Collector, Span
+from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
+from actspec.lift import lift_newton
+from actspec.lift.newton_joint import READ
+from actspec.lift.newton_prims import TARGETS, NewtonJoint, newton_joints
 from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
@@ -23,13 +27,22 @@ from actspec.readings.artifact import (
     RandomizedRange,
 )
 from actspec.readings.compare import Figure
+from actspec.readings.fields import is_placeholder, unit_of
 from actspec.readings.pair import Robot, matching
 from actspec.readings.versions import Versions, friction_is_torque
+from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 from actspec.targets.base import TargetOptions
+from actspec.targets.newton.paths import Layout, converted_actuators, lay_out
+from actspec.targets.newton.usda import path_text
 
-NO_LIMIT = 1e9
-"""A limit from which on a cfg means that there is none. Source: Isaac Lab's and actspec's own stand-ins."""
+OVERLAY_FIELDS = (
+    *("kp", "kd", "effort_limit", "stall_torque", "no_load_speed", "delay_low", "delay_high"),
+    *("joint_damping", "frictionloss", "armature", "encoder_bias", "velocity_limit"),
+)
+"""What an overlay of Newton can hold."""
+
+_OF_PRIM = ("newton:armature", "newton:friction", "newton:damping", "newton:velocityLimit")
 
 ABSENT = {
     "delay_nominal": 0.0,
@@ -48,14 +61,12 @@ ABSENT = {
 }
 """What a field is where there is no such thing: no delay, no filter, no clamp, no line; a joint that no pose names."""
 
-_UNITS = {"delay_nominal": "s", "delay_low": "s", "delay_high": "s", "filter_cutoff": "Hz"}
-
 Figures = Mapping[str, Mapping[str, Figure]]
 """Joint to field to what is said of it."""
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class FileFigures:
     """One file, read back.
 
     Attributes:
@@ -91,7 +102,7 @@ class Asked:
     options: TargetOptions
 
 
-def read_back(asked: Sequence[Asked], actuators: ActuatorSet, robot: RobotView) -> tuple[Reading, ...]:
+def read_back(asked: Sequence[Asked], actuators: ActuatorSet, robot: RobotView) -> tuple[FileFigures, ...]:
     """Read files of targets, all in a few processes of their own.
 
     Args:
@@ -126,50 +137,38 @@ def spec_figures(actuators: ActuatorSet, path: str) -> Figures:
 
 def _of_spec(actuator: JointActuator, path: str) -> Iterator[tuple[str, Figure]]:
     """What a spec says beyond the audit's figures; what is not there as what it amounts to."""
-
-    def figure(name: str, value: float | None, unit: str = "") -> tuple[str, Figure]:
-        place = actuator.span or Span(path)
-        return name, Figure(value, _UNITS.get(name, unit), place, True)
-
-    delay = actuator.delay
-    yield figure("delay_nominal", 0.0 if delay is None else delay.nominal.value)
-    yield figure("delay_low", 0.0 if delay is None else delay.low)
-    yield figure("delay_high", 0.0 if delay is None else delay.high)
-    bias = actuator.encoder_bias
-    yield figure("encoder_bias", bias.value, bias.unit)
-    cutoff = actuator.filter_cutoff
-    yield figure("filter_cutoff", math.inf if cutoff is None else cutoff.value)
-    ends = actuator.command_range
-    for name, index, nothing in (("command_low", 0, -math.inf), ("command_high", 1, math.inf)):
-        known = ends is not None and ends[index].value is not None
-        yield figure(name, ends[index].value if ends is not None and known else nothing)
-    torque, speed = actuator.effort_limit.unit, actuator.velocity_limit.unit
-    curve = actuator.curve
-    if curve is not None:
-        yield figure("curve.drive_torque", curve.drive_torque.value, torque)
-        yield figure("curve.brake_torque", curve.brake_torque.value, torque)
-        yield figure("curve.knee_speed", curve.knee_speed.value, speed)
-        yield figure("no_load_speed", curve.no_load_speed.value, speed)
-        yield figure("stall_torque", math.inf, torque)
-        return
-    for name in ("curve.drive_torque", "curve.brake_torque"):
-        yield figure(name, math.inf, torque)
-    yield figure("curve.knee_speed", math.inf, speed)
-    line = actuator.stall_torque, actuator.no_load_speed
-    for name, quantity, unit in zip(("stall_torque", "no_load_speed"), line, (torque, speed), strict=True):
-        yield figure(name, math.inf if quantity is None else quantity.value, unit)
+    delay, ends, curve = actuator.delay, actuator.command_range, actuator.curve
+    low, high = (None, None) if ends is None else (end.value for end in ends)
+    values = {
+        "delay_nominal": 0.0 if delay is None else delay.nominal.value,
+        "delay_low": 0.0 if delay is None else delay.low,
+        "delay_high": 0.0 if delay is None else delay.high,
+        "encoder_bias": actuator.encoder_bias.value,
+        "filter_cutoff": math.inf if actuator.filter_cutoff is None else actuator.filter_cutoff.value,
+        "command_low": -math.inf if low is None else low,
+        "command_high": math.inf if high is None else high,
+        "curve.drive_torque": math.inf if curve is None else curve.drive_torque.value,
+        "curve.brake_torque": math.inf if curve is None else curve.brake_torque.value,
+        "curve.knee_speed": math.inf if curve is None else curve.knee_speed.value,
+    }
+    stall = None if curve is not None else actuator.stall_torque
+    no_load = actuator.no_load_speed if curve is None else curve.no_load_speed
+    values["stall_torque"] = math.inf if stall is None else stall.value
+    values["no_load_speed"] = math.inf if no_load is None else no_load.value
+    for name, value in values.items():
+        yield name, Figure(value, unit_of(name, actuator.kind), actuator.span or Span(path), True)
 
 
 def _reading(
     reading: FileReading, options: TargetOptions, actuators: ActuatorSet, robot: RobotView
-) -> Reading:
+) -> FileFigures:
     if reading.reason is not None:
-        return Reading(reading.path, reading.reason)
+        return FileFigures(reading.path, reading.reason)
     kind = {ModelFormat.MJCF: FileKind.MJCF, ModelFormat.URDF: FileKind.URDF}.get(robot.format)
     spec = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     partners = [spec] if kind is None else [Artifact(robot.path, kind, robot.name, robot=robot), spec]
     versions = versions_of(options)
-    best = Reading(reading.path, "it has no robot")
+    best = FileFigures(reading.path, "it has no robot")
     for artifact in reading.artifacts:
         rows = (
             rows_of_robot(artifact, 0)
@@ -182,7 +181,7 @@ def _reading(
             own = [row for row in rows if row.joint == name]
             figures[name] = _complete(artifact, own, joint, options, actuators)
             raw[name] = dict(_raw(artifact, own))
-        found = Reading(
+        found = FileFigures(
             path=reading.path,
             refusal=artifact.text_only,
             figures=figures,
@@ -331,17 +330,19 @@ def _of_config(
     if config is None or group is None:
         return
     step = actuators.physics_dt.require()
+    own = actuators.joint(row.joint)
+    kind = None if own is None else own.kind
     for name, field_ in _SETTINGS.get(config.framework, {}).items():
         value = _number(config.framework, group, name, row.joint)
         if value is not None:
-            yield field_, Figure(value, _UNITS.get(field_, ""), group.settings[name].span, True)
+            yield field_, Figure(value, unit_of(field_, kind), group.settings[name].span, True)
     for name, field_ in _STEPS.items():
         value = _number(config.framework, group, name, row.joint)
         if value is not None:
             yield field_, Figure(value * step, "s", group.settings[name].span, True)
     for name in ("stall_torque", "no_load_speed"):
         figure = found.get(name)
-        if figure is not None and figure.value is not None and figure.value >= NO_LIMIT:
+        if figure is not None and figure.value is not None and is_placeholder(figure.value):
             yield name, replace(figure, value=math.inf)
     if config.framework is Framework.ISAACLAB and friction_is_torque(versions_of(options)):
         value = _number(config.framework, group, "friction", row.joint)
@@ -387,3 +388,99 @@ def _gears(artifact: Artifact) -> dict[str, float]:
     if artifact.robot is None:
         return {}
     return {actuator.target: actuator.gear for actuator in artifact.robot.actuators}
+
+
+def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robot: RobotView) -> FileFigures:
+    """Read an overlay.
+
+    Args:
+        path: The file.
+        options: Where its joints are in the stage.
+        actuators: What the spec asks for; its step is that of the delays.
+        robot: The robot.
+
+    Raises: RobotError: `usd-core` is not installed.
+    """
+    said = Collector()
+    layout = lay_out(actuators, robot, options, said)
+    if said.failed:
+        return FileFigures(path, said.sorted()[0].message)
+    try:
+        layer = read_usda(read_regular(path, MAX_BYTES), path)
+    except ActspecError as err:
+        if err.diagnostics[0].code == MISSING:
+            raise
+        return FileFigures(path, str(err.diagnostics[0]).removeprefix(f"{path}:"))
+    except (NotRegular, TooLarge, OSError, ValueError) as err:
+        return FileFigures(path, str(err))
+    prims = {name: path_text(parts) for name, parts in layout.joints.items()}
+    views = [view for actuator in actuators.joints if (view := robot.joint(actuator.joint)) is not None]
+    whole = lift_newton(layer, views, prims=prims, physics_dt=actuators.physics_dt.require())
+    lifted = whole.actuators
+    figures: dict[str, dict[str, Figure]] = {
+        name: {field: figure for field, figure in found.items() if field in OVERLAY_FIELDS}
+        for name, found in spec_figures(lifted, path).items()
+    }
+    joints, _ = newton_joints(layer, views, prims)
+    raw = {joint.name: dict(_overlay_raw(joint)) for joint in joints}
+    for name, prim, active in _own_actuators(layer, robot, layout):
+        raw.setdefault(name, {})[f"active of {prim}"] = active
+    for joint in joints:
+        own = lifted.joint(joint.name)
+        if own is not None:
+            figures[joint.name].update(_placed(joint, own, figures[joint.name]))
+    controls = {actuator.joint: actuator.level.value for actuator in lifted.joints}
+    for alone in whole.left_alone:
+        # There, with no drive, several, or one that Newton refuses.
+        if alone.span is not None:
+            figures[alone.joint], controls[alone.joint] = {}, "none"
+    return FileFigures(
+        path=path,
+        figures=figures,
+        controls=controls,
+        raw=raw,
+    )
+
+
+def _placed(
+    joint: NewtonJoint, actuator: JointActuator, figures: dict[str, Figure]
+) -> Iterator[tuple[str, Figure]]:
+    """Figures at the place of their attribute, and the force limit of the joint's own prim."""
+    delay = actuator.delay
+    if delay is not None and delay.nominal.span is not None:
+        for name in ("delay_low", "delay_high"):
+            yield name, replace(figures[name], place=delay.nominal.span)
+    if actuator.encoder_bias.span is not None:
+        yield "encoder_bias", replace(figures["encoder_bias"], place=actuator.encoder_bias.span)
+    for name, attribute in _of_prim(joint).items():
+        if name.endswith(":maxForce") and isinstance(attribute.value, float):
+            unit = actuator.effort_limit.unit
+            yield "solver_effort_limit", Figure(attribute.value, unit, attribute.span, True)
+
+
+def _of_prim(joint: NewtonJoint) -> dict[str, UsdaAttribute]:
+    return {} if joint.prim is None else dict(joint.prim.attributes)
+
+
+def _overlay_raw(joint: NewtonJoint) -> Iterator[tuple[str, object]]:
+    """Schemas, and attributes that are in no figure."""
+    if joint.prim is not None:
+        yield "schemas of the joint", joint.prim.apis
+    for name, attribute in _of_prim(joint).items():
+        if name not in _OF_PRIM and not name.endswith(":maxForce"):
+            yield name, attribute.value
+    for prim in joint.actuators:
+        yield "schemas of the actuator", prim.apis
+        for name, attribute in prim.attributes.items():
+            if isinstance(attribute.value, Asset):
+                yield name, attribute.value.path
+            elif name not in (TARGETS, *READ):
+                yield name, attribute.value
+
+
+def _own_actuators(layer: UsdaLayer, robot: RobotView, layout: Layout) -> Iterator[tuple[str, str, bool]]:
+    """Whether the prims of the model's own actuators, which would act beside, are left on: joint, prim, answer."""
+    targets = {actuator.name: actuator.target for actuator in robot.actuators}
+    for parts in converted_actuators(robot, layout):
+        prim = layer.prims.get(path_text(parts))
+        yield targets[parts[-1]], path_text(parts), prim is None or prim.active

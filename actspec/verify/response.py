@@ -15,9 +15,8 @@ from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
 from actspec.targets.base import Approximation
 from actspec.targets.kit.sizes import lined
-from actspec.verify.agreement import At, Row, Skip
+from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike
 from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse
-from actspec.verify.target import Target, alike
 from actspec.verify.torque import JointLaws
 
 if TYPE_CHECKING:
@@ -71,7 +70,7 @@ class ExpectedResponse:
     sized: bool
 
 
-def expected(target: Target, experiment: Experiment) -> tuple[ExpectedResponse, ...]:
+def expected(target: TargetFiles, experiment: Experiment) -> tuple[ExpectedResponse, ...]:
     """What is expected of each joint of a target."""
     return tuple(
         _expected(target, actuator, law, float(inertia))
@@ -85,7 +84,9 @@ def kept_friction(wanted: Sequence[ExpectedResponse]) -> BodyFriction:
     return [dry.coulomb for dry in found], [dry.viscous for dry in found]
 
 
-def _expected(target: Target, actuator: JointActuator, law: TorqueLaw, inertia: float) -> ExpectedResponse:
+def _expected(
+    target: TargetFiles, actuator: JointActuator, law: TorqueLaw, inertia: float
+) -> ExpectedResponse:
     losses = [loss for loss in target.losses if loss.joint in (actuator.joint, "")]
     own_body = target.options.kind in OWN_BODY
     friction = PassiveFriction.of(actuator)
@@ -161,7 +162,7 @@ def reference(experiment: Experiment, wanted: Iterable[Sequence[ExpectedResponse
 
 
 def response_rows(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     experiment: Experiment,
     wanted: Sequence[ExpectedResponse],
@@ -193,7 +194,7 @@ def response_rows(
 
 
 def response_skips(
-    target: Target, experiment: Experiment, answer: EngineResponse | None = None
+    target: TargetFiles, experiment: Experiment, answer: EngineResponse | None = None
 ) -> Iterator[Skip]:
     """Joints that cannot be let move, and those that an engine could not."""
     for group, reason in experiment.skipped.items():
@@ -203,7 +204,7 @@ def response_skips(
         yield Skip(target.name, groups[joint], "responses", shortened(f"{joint}: {reason}", 300))
 
 
-def broken_response(target: Target, why: EngineRefused) -> Row:
+def broken_response(target: TargetFiles, why: EngineRefused) -> Row:
     """The row of a file that an engine does not let move."""
     message = f"its simulator does not let it move: {why}"
     return Row(*(target.name, "", "", 0, "responses", "", None, 0.0, False), code="VFY111", message=message)
@@ -297,7 +298,7 @@ Ask = Callable[[Experiment, BodyFriction], EngineResponse]
 
 
 def responses(
-    targets: Sequence[Target], actuators: ActuatorSet, laws: JointLaws, asks: Mapping[str, Ask]
+    targets: Sequence[TargetFiles], actuators: ActuatorSet, laws: JointLaws, asks: Mapping[str, Ask]
 ) -> tuple[dict[str, list[Row]], list[Skip]]:
     """Rows by target, and what could not be asked.
 
@@ -305,7 +306,7 @@ def responses(
         targets: All of them.
         actuators: What the spec asks for.
         laws: Of its joints.
-        asks: Target to its engine, for those that there are.
+        asks: TargetFiles to its engine, for those that there are.
     """
     from actspec.processes import cores
 

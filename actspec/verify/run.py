@@ -18,7 +18,7 @@ from actspec.readings.compare import Figure
 from actspec.robot.view import RobotView
 from actspec.simulate.excitation import HeldMotions, held_motions
 from actspec.targets.base import Emission, TargetOptions
-from actspec.verify.agreement import Agreement, Row, Skip
+from actspec.verify.agreement import Agreement, Row, Skip, TargetFiles, VerifyError
 from actspec.verify.engines.asking import EngineAnswer, EngineMissing, EngineRefused, Question
 from actspec.verify.execution import (
     CONSENT,
@@ -28,11 +28,9 @@ from actspec.verify.execution import (
     withheld,
 )
 from actspec.verify.fields import broken, engine_rows, field_rows, without_repeats
-from actspec.verify.orders import order_rows
-from actspec.verify.overlay import read_overlay
-from actspec.verify.readback import Asked, Reading, read_back, spec_figures
+from actspec.verify.layout import order_rows
+from actspec.verify.readback import Asked, FileFigures, read_back, read_overlay, spec_figures
 from actspec.verify.response import responses
-from actspec.verify.target import Target, VerifyError
 from actspec.verify.torque import JointLaws, law_skips, laws_of, torque_rows
 
 ENGINES = {
@@ -60,7 +58,7 @@ Told = EngineAnswer | EngineMissing | EngineRefused
 def verify(
     actuators: ActuatorSet,
     robot: RobotView,
-    targets: Sequence[Target],
+    targets: Sequence[TargetFiles],
     *,
     spec: str,
     engines: bool = True,
@@ -146,7 +144,7 @@ def verify(
     return Agreement(without_repeats(rows), tuple(skipped), losses)
 
 
-def lay_out(emitted: Sequence[tuple[TargetOptions, Emission]], built: str | None) -> tuple[Target, ...]:
+def lay_out(emitted: Sequence[tuple[TargetOptions, Emission]], built: str | None) -> tuple[TargetFiles, ...]:
     """Write what was compiled to the targets' folders, and say which files are verified.
 
     Args:
@@ -180,7 +178,7 @@ def lay_out(emitted: Sequence[tuple[TargetOptions, Emission]], built: str | None
                         span=Span(path),
                         help=f"write it with `actspec compile -o {built}`, or leave the target out with --target",
                     )
-        found.append(Target(options, folder, options.folder, files, emission.approximations))
+        found.append(TargetFiles(options, folder, options.folder, files, emission.approximations))
     collector.raise_if_failed(VerifyError)
     return tuple(found)
 
@@ -204,8 +202,8 @@ def relative(agreement: Agreement, folder: str) -> Agreement:
 
 
 def _read(
-    targets: Sequence[Target], actuators: ActuatorSet, robot: RobotView
-) -> tuple[dict[str, tuple[Reading, Reading]], dict[str, Diagnostic]]:
+    targets: Sequence[TargetFiles], actuators: ActuatorSet, robot: RobotView
+) -> tuple[dict[str, tuple[FileFigures, FileFigures]], dict[str, Diagnostic]]:
     """What actspec writes for each target, and what is verified, read back; why nobody here can read a target's."""
     chosen = [target for target in targets if target.options.kind in READ]
     asked = []
@@ -230,8 +228,8 @@ def _read(
 
 
 def _questions(
-    targets: Sequence[Target],
-    readings: Mapping[str, tuple[Reading, Reading]],
+    targets: Sequence[TargetFiles],
+    readings: Mapping[str, tuple[FileFigures, FileFigures]],
     actuators: ActuatorSet,
     robot: RobotView,
     laws: JointLaws,
@@ -273,13 +271,13 @@ def _answer(question: Question, moves: HeldMotions) -> Told:
 
 
 def _torques(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     asked: Mapping[str, Mapping[str, Figure]],
     laws: JointLaws,
     moves: HeldMotions,
     told: Told | None,
-    fresh: Reading | None,
+    fresh: FileFigures | None,
 ) -> tuple[list[Row], list[Skip]]:
     """Rows and skips of one target's engine."""
     kind = target.options.kind
@@ -293,6 +291,6 @@ def _torques(
     if isinstance(told, EngineRefused):
         return [broken(target, f"its simulator refuses the file: {told}", kind)], skipped
     rows = list(torque_rows(target, actuators, laws, moves, told))
-    written = fresh or Reading(target.path(target.files[0]))
+    written = fresh or FileFigures(target.path(target.files[0]))
     rows += engine_rows(target, actuators, asked, written, told.figures, told.engine)
     return rows, skipped

@@ -14,9 +14,8 @@ from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
 from actspec.simulate.reference import held_torque
 from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.targets.base import Approximation
-from actspec.verify.agreement import At, Row, Skip, keys
+from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys
 from actspec.verify.engines.asking import EngineAnswer
-from actspec.verify.target import Target, alike
 
 if TYPE_CHECKING:
     import numpy as np
@@ -82,14 +81,14 @@ def laws_of(actuators: ActuatorSet) -> JointLaws:
     return JointLaws({joint: i for i, joint in enumerate(found)}, found, skipped)
 
 
-def law_skips(target: Target, laws: JointLaws) -> Iterator[Skip]:
+def law_skips(target: TargetFiles, laws: JointLaws) -> Iterator[Skip]:
     """Groups without a law, for one target."""
     for group, reason in laws.skipped.items():
         yield Skip(target.name, group, "torque", reason)
 
 
 def torque_rows(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     laws: JointLaws,
     motions: HeldMotions,
@@ -120,7 +119,7 @@ def torque_rows(
 
 
 def _judge(
-    target: Target,
+    target: TargetFiles,
     actuator: JointActuator,
     laws: JointLaws,
     quantity: str,
@@ -210,7 +209,7 @@ def lags(law: TorqueLaw, actuator: JointActuator, step: float, *, ranged: bool) 
     return (delay_steps(law.delay, step).steps,)
 
 
-def _draws(target: Target) -> bool:
+def _draws(target: TargetFiles) -> bool:
     """Whether a target draws delays from a range."""
     options = target.options
     if options.kind == "isaaclab":

@@ -9,9 +9,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from actspec import api
-from actspec.verify.agreement import Agreement
+from actspec.verify.agreement import Agreement, TargetFiles
 from actspec.verify.run import lay_out, verify
-from actspec.verify.target import Target
 
 MODEL = """<mujoco model="rich">
   <option timestep="0.002" integrator="implicitfast"/>
@@ -182,7 +181,7 @@ class Built:
     """
 
     compilation: api.Compilation
-    targets: dict[str, Target]
+    targets: dict[str, TargetFiles]
     folder: Path
 
     def verified(

@@ -31,7 +31,7 @@ class Bench:
     Attributes:
         built: The spec, compiled.
         experiment: What its joints are experiment.
-        wanted: Target to what is expected of it.
+        wanted: TargetFiles to what is expected of it.
         moved: What the laws make of it.
     """
 

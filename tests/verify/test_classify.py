@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from actspec.verify.classify import Difference, classify
+from actspec.verify.classify import WrongFigure, classify
 
 ASKED = {
     "kp": 40.0,
@@ -35,7 +35,7 @@ def of(name: str, got: float | None, /, **more: object) -> tuple[str, str]:
         "factors": (9.0,),
         **more,
     }
-    return classify(Difference(**values))  # type: ignore[arg-type]
+    return classify(WrongFigure(**values))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize(

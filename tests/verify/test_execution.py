@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from actspec.verify.agreement import TargetFiles
 from actspec.verify.execution import changed, other_rows, withheld
-from actspec.verify.target import Target
 from tests.verify.making import Built, Edit, build, replaced
 
 PYTHON = ("isaaclab", "custom", "mjlab")
@@ -98,7 +98,7 @@ def test_another_network(built: Built, tmp_path: Path) -> None:
     for folder, data in ((ours, b"net"), (theirs, b"other")):
         folder.mkdir()
         (folder / "net.pt").write_bytes(data)
-    target = Target(built.targets["isaaclab"].options, str(ours), str(ours), ("cfg.py", "net.pt"), ())
+    target = TargetFiles(built.targets["isaaclab"].options, str(ours), str(ours), ("cfg.py", "net.pt"), ())
     assert [row.ok for row in other_rows(target)] == [True]
     (row,) = other_rows(replace(target, folder=str(theirs)))
     assert (row.code, row.quantity) == ("VFY110", "file net.pt")

@@ -15,7 +15,7 @@ from actspec.ir import JointActuator
 from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction
 from actspec.targets.base import Approximation
-from actspec.verify.agreement import Row
+from actspec.verify.agreement import Row, TargetFiles
 from actspec.verify.engines.asking import EngineResponse
 from actspec.verify.response import (
     SOFT,
@@ -26,7 +26,6 @@ from actspec.verify.response import (
     response_rows,
     response_skips,
 )
-from actspec.verify.target import Target
 from actspec.verify.torque import laws_of
 from tests.verify.making import SPEC, Built, build
 
@@ -232,7 +231,7 @@ def test_joints_with_the_same_numbers_share_a_row(built: Built, experiment: Expe
 
 def test_joints_that_an_engine_could_not_move_are_skipped(built: Built, experiment: Experiment) -> None:
     """They have no row, and a line."""
-    target: Target = built.targets["mujoco"]
+    target: TargetFiles = built.targets["mujoco"]
     nothing = np.zeros((1, 4, 5))
     answer = EngineResponse("engine 1", False, nothing, nothing, nothing, {"lift": "it is stuck"})
     (skip,) = response_skips(target, experiment, answer)

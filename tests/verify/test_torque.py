@@ -13,9 +13,8 @@ from actspec.ir import ActuatorSet
 from actspec.simulate.excitation import HeldMotion, held_motions
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
-from actspec.verify.agreement import Row
+from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.engines.asking import EngineAnswer
-from actspec.verify.target import Target, alike
 from actspec.verify.torque import laws_of, torque_rows
 from tests.verify.making import SPEC, Built, build, replaced
 
@@ -51,14 +50,14 @@ class Bench:
         }
 
     def rows(
-        self, found: dict[str, Any], target: Target, *, single: bool = False
+        self, found: dict[str, Any], target: TargetFiles, *, single: bool = False
     ) -> dict[tuple[str, str], Row]:
         """Rows by joint and quantity."""
         answer = EngineAnswer("engine 1", single, found)
         rows = torque_rows(target, self.actuators, self.laws, self.moves, answer)
         return {(row.joint, row.quantity): row for row in rows}
 
-    def target(self, *lost: Approximation, name: str = "mujoco") -> Target:
+    def target(self, *lost: Approximation, name: str = "mujoco") -> TargetFiles:
         """A target with these losses alone."""
         return replace(self.built.targets[name], losses=lost)
 
