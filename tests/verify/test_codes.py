@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from actspec.verify.codes import TITLES
 from actspec.verify.engines.asking import PROBES
 from actspec.verify.engines.mujoco import ROLLOUT
 from actspec.verify.environments import SHARED
@@ -26,7 +25,6 @@ def test_every_code_is_explained() -> None:
     given = set(re.findall(r'"(VFY\d{3})"', sources))
     page = (ROOT / "docs" / "verify.md").read_text("utf-8")
     assert set(re.findall(r"^\| (VFY\d{3}) \|", page, re.MULTILINE)) == given
-    assert {code for code in given if code >= "VFY100"} == set(TITLES)
 
 
 @pytest.mark.parametrize("probe", [*sorted(PROBES.glob("*.py")), ROLLOUT, SHARED], ids=lambda path: path.stem)
