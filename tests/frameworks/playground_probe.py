@@ -26,6 +26,9 @@ JOB = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
 if JOB["mujoco"]:
     sys.path.insert(0, JOB["mujoco"])
 os.environ["JAX_PLATFORMS"] = "cpu"
+# Most of the time goes into compiling a step that runs once: without optimisation, and kept for the next session.
+os.environ["XLA_FLAGS"] = "--xla_backend_optimization_level=0 --xla_llvm_disable_expensive_passes=true"
+os.environ["JAX_COMPILATION_CACHE_DIR"] = str(Path(os.environ["WARP_CACHE_PATH"]).with_name("jax"))
 
 import mujoco  # noqa: E402
 
