@@ -114,7 +114,7 @@ class _Subprocess:
 
     def run(self, command: Sequence[str], **more: Any) -> subprocess.CompletedProcess[str]:
         """As `subprocess.run` with these arguments."""
-        packages = _packages(command[1], more["cwd"])
+        packages = _packages(command[1], str(more.get("cwd")))
         if not packages:
             return subprocess.run(command, **more)
         key = command[0], packages
@@ -130,17 +130,17 @@ class _Subprocess:
 @contextmanager
 def forking() -> Iterator[None]:
     """Have probes run in forks, where the system can; elsewhere nothing changes."""
-    from actspec.verify import probing
+    from actspec.verify import environments
 
     if not sys.platform.startswith("linux"):
         yield
         return
     stand_in = _Subprocess()
-    probing.subprocess = stand_in  # type: ignore[assignment]
+    environments.subprocess = stand_in  # type: ignore[assignment]
     try:
         yield
     finally:
-        probing.subprocess = subprocess
+        environments.subprocess = subprocess
         for forker in stand_in.forkers.values():
             forker.end()
 
