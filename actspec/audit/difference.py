@@ -1,27 +1,27 @@
-"""What is different between two robots in effective dynamics: figures of each joint, and the robot's steps."""
+"""What is different between two files in effective dynamics: figures of each joint, and the robot's steps."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator
+import os
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics
-from actspec.diagnostics import Span
-from actspec.readings.artifact import FileKind
-from actspec.readings.compare import Figure
-from actspec.readings.fields import FIELDS
-
-SAME = 1e-9
-"""Largest relative difference of equal figures. Chosen: what is left of a float after units and sums."""
+from actspec.audit.build import case_of
+from actspec.audit.case import Case
+from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
+from actspec.audit.read import read_files
+from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
+from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
+from actspec.readings.fields import DAMPING_PARTS, FIELDS, Role
+from actspec.readings.versions import Versions
 
 SAME_INERTIA = 1e-6
-"""Likewise for inertia of the links. Chosen: engines of other versions compute it from the same file to 1e-7."""
+"""Largest relative difference of equal inertia of the links. Chosen: engines of other versions compute it from the
+same file to 1e-7."""
 
-EFFECTS = {"natural_frequency": "natural frequency", "damping_ratio": "damping ratio"}
-"""What follows from the other figures and the links, and is told beside them."""
-
-_GAINS = frozenset({"kp", "kd", "back_emf", "total_damping"})
+EFFECTS = ("natural_frequency", "damping_ratio")
+"""What follows from the other figures and the links, and is reported beside them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Change:
 
     Attributes:
         joint: Whose; "" for the whole robot.
-        field: Of `FIELDS`, `SETTING_NOUNS` or `EFFECTS`, or `control`, `network`, `inertia_min`, `inertia_max`.
+        field: Of `FIELDS` or `SETTING_NOUNS`, or `control`, `network`.
         noun: The field in words.
         old: Before, in `unit`; None is unknown, or that there was none.
         new: After.
@@ -51,10 +51,9 @@ class Change:
     @property
     def ratio(self) -> float | None:
         """New over old; None where that says nothing."""
-        old, new = self.old, self.new
-        if isinstance(old, str) or isinstance(new, str) or not old or not new:
+        if isinstance(self.old, str) or isinstance(self.new, str):
             return None
-        return new / old if math.isfinite(old) and math.isfinite(new) else None
+        return ratio_of(self.new, self.old)
 
 
 @dataclass(frozen=True, slots=True)
@@ -83,7 +82,95 @@ class Difference:
         return not (self.added or self.removed or self.changes)
 
 
-def difference(old: RobotDynamics, new: RobotDynamics, tolerance: float = SAME) -> Difference:
+def compare_files(
+    old: str,
+    new: str,
+    versions: Versions,
+    robot: str | None = None,
+    texts: Mapping[str, str] | None = None,
+) -> tuple[Difference, ...]:
+    """What is different between two files, robot by robot.
+
+    Args:
+        old: The file before.
+        new: The file after.
+        versions: What the files are meant for.
+        robot: Only the robot of this name, where a file has several; None: all.
+        texts: Path to what the user called it, for messages.
+
+    Raises: AuditError: a file cannot be read, or it is not known which robots of two files are the same.
+    """
+    readings = read_all(tuple(dict.fromkeys((old, new))), texts or {})
+    case = case_of(readings, versions, {})
+    before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
+    pairs = _pairs(case, before, after, robot, tuple((texts or {}).get(path, path) for path in (old, new)))
+    return tuple(compare_robots(dynamics_of(case, one), dynamics_of(case, other)) for one, other in pairs)
+
+
+def read_all(paths: Sequence[str], texts: Mapping[str, str]) -> tuple[FileReading, ...]:
+    """Read files of which each must be readable.
+
+    Args:
+        paths: Files.
+        texts: Path to what the user called it.
+
+    Raises: AuditError: one of them is not.
+    """
+    out = Collector()
+    for path in paths:
+        if os.path.isdir(path):
+            out.error("DIF001", "is a folder: name the files", span=Span(texts.get(path, path)))
+    out.raise_if_failed(AuditError)
+    readings = read_files(paths)
+    for reading in readings:
+        shown = texts.get(reading.path, reading.path)
+        if not reading.readable:
+            reason = reading.reason or ""
+            for path, text in texts.items():
+                reason = reason.replace(path, text)
+            out.error("DIF001", f"cannot be read: {one_line(reason)}", span=Span(shown))
+        elif not reading.artifacts:
+            out.error("DIF001", "describes no robot", span=Span(shown))
+    out.raise_if_failed(AuditError)
+    return readings
+
+
+def _pairs(
+    case: Case, old: list[int], new: list[int], robot: str | None, texts: tuple[str, ...]
+) -> list[tuple[int, int]]:
+    """Which robots of two files are one: by name, or because there is one only."""
+    if robot is not None:
+        old, new = (_named(case, found, robot, text) for found, text in zip((old, new), texts, strict=True))
+    if len(old) == len(new) == 1:
+        return [(old[0], new[0])]
+    names = {case.artifacts[i].name: i for i in new}
+    pairs = [(i, names[case.artifacts[i].name]) for i in old if case.artifacts[i].name in names]
+    if pairs:
+        return pairs
+    # One robot beside several: the one that its joints and its name belong to.
+    for few, many in ((old, new), (new, old)):
+        if len(few) == 1:
+            fitting = [i for i in many if i in case.robot_of(few[0]).artifacts]
+            if len(fitting) == 1:
+                return [(few[0], fitting[0]) if few is old else (fitting[0], few[0])]
+    found = "; ".join(
+        f"{one_line(text)} has {listed(one_line(case.artifacts[i].name) for i in indices)}"
+        for indices, text in zip((old, new), texts, strict=True)
+    )
+    message = f"it is not known which robots are the same: {found}"
+    raise AuditError.of("DIF003", message, help="name one with --robot NAME")
+
+
+def _named(case: Case, indices: list[int], robot: str, text: str) -> list[int]:
+    """The robot of that name; the only one of a file has any."""
+    found = [i for i in indices if case.artifacts[i].name == robot]
+    if found or len(indices) == 1:
+        return found or indices
+    names = listed(one_line(case.artifacts[i].name) for i in indices)
+    raise AuditError.of("DIF003", f"has no robot {robot!r}", Span(text), help=f"it has {names}")
+
+
+def compare_robots(old: RobotDynamics, new: RobotDynamics, tolerance: float = EXACT) -> Difference:
     """Compare two robots.
 
     Between files of one kind, a figure that one of them lacks has changed. Between kinds it says nothing: a URDF has
@@ -119,7 +206,9 @@ def _settings(old: RobotDynamics, new: RobotDynamics, tolerance: float) -> Itera
         before, after = old.settings.get(name), new.settings.get(name)
         if (before is None or after is None) and old.kind is not new.kind:
             continue
-        if not _equal(before, after, tolerance):
+        if isinstance(before, str) or isinstance(after, str) or not same(before, after, tolerance):
+            if before == after:
+                continue
             unit = "s" if name in ("physics_dt", "control_dt") else ""
             yield Change("", name, noun, before, after, unit)
 
@@ -130,63 +219,47 @@ def _joint(
     alike = old_kind is new_kind
     if alike and old.control != new.control:
         yield Change(new.joint, "control", "drive", old.control, new.control, "", old.place, new.place)
-    found = []
-    for name, field in FIELDS.items():
-        before, after = old.figures.get(name), new.figures.get(name)
-        if not alike and not (_tells(old, before, name, old_kind) and _tells(new, after, name, new_kind)):
-            continue
-        change = _figure(new.joint, name, field.noun, before, after, tolerance)
-        if change is not None:
-            found.append(change)
-    parts = [change for change in found if change.field in ("kd", "joint_damping", "actuator_damping")]
-    for change in found:
-        # A total that is its only part says nothing new.
-        total = change.field == "total_damping"
-        if not (total and any((part.old, part.new) == (change.old, change.new) for part in parts)):
-            yield change
+    fields = [
+        name for name in FIELDS if alike or (_states(old, name, old_kind) and _states(new, name, new_kind))
+    ]
+    found = [_change(new.joint, item) for item in compare(new.figures, old.figures, fields, tolerance)]
+    parts = [(change.old, change.new) for change in found if change.field in DAMPING_PARTS]
+    # A total that is its only part says nothing new.
+    yield from (
+        change for change in found if change.field != "total_damping" or (change.old, change.new) not in parts
+    )
     if alike and old.network != new.network:
         yield Change(new.joint, "network", "network", old.network, new.network, "", old.place, new.place)
     # Over the poses, of which a spec takes more than a model.
     if alike and old.inertia is not None and new.inertia is not None:
-        ends = zip(
-            ("inertia_min", "inertia_max"), ("least", "largest"), old.inertia, new.inertia, strict=True
-        )
         unit = new.figures["armature"].unit
         largest = max(abs(end) for end in (*old.inertia, *new.inertia))
-        for name, word, low, high in ends:
+        for name, low, high in zip(("inertia_min", "inertia_max"), old.inertia, new.inertia, strict=True):
             if abs(high - low) > SAME_INERTIA * largest:
-                yield Change(new.joint, name, f"{word} inertia of the links", low, high, unit)
+                yield Change(new.joint, name, FIELDS[name].noun, low, high, unit)
 
 
-def _figure(
-    joint: str, name: str, noun: str, before: Figure | None, after: Figure | None, tolerance: float
-) -> Change | None:
-    old, new = (None if figure is None else figure.value for figure in (before, after))
-    if _equal(old, new, tolerance):
-        return None
-    unit = next((figure.unit for figure in (after, before) if figure is not None), "")
-    places = (None if figure is None else figure.place for figure in (before, after))
-    return Change(joint, name, noun, old, new, unit, *places)
+def _change(joint: str, item: Deviation) -> Change:
+    new, old = item.figure, item.reference
+    unit = next((figure.unit for figure in (new, old) if figure is not None), "")
+    places = (None if figure is None else figure.place for figure in (old, new))
+    return Change(joint, item.field, FIELDS[item.field].noun, item.expected, item.value, unit, *places)
 
 
-def _tells(joint: JointDynamics, figure: Figure | None, name: str, kind: FileKind) -> bool:
-    """Whether a file says what a figure of another kind of file can be compared with."""
+def _states(joint: JointDynamics, name: str, kind: FileKind) -> bool:
+    """Whether a file states what a figure of another kind of file can be compared with."""
+    figure: Figure | None = joint.figures.get(name)
     if figure is None or figure.value is None:
         return False
-    if joint.control in ("none", "motor") and name in _GAINS:
+    if joint.control in ("none", "motor") and FIELDS[name].role in (Role.DRIVE, Role.TOTAL):
         return False
     return figure.stated or not (joint.control == "none" or kind is FileKind.URDF)
 
 
 def _effects(old: JointDynamics, new: JointDynamics) -> Iterator[Change]:
-    for name, noun in EFFECTS.items():
+    for name in EFFECTS:
         before: float | None = getattr(old, name)
         after: float | None = getattr(new, name)
-        if before is not None and after is not None and not _equal(before, after, SAME_INERTIA):
-            yield Change(new.joint, name, noun, before, after, "rad/s" if name == "natural_frequency" else "")
-
-
-def _equal(old: float | str | None, new: float | str | None, tolerance: float) -> bool:
-    if old is None or new is None or isinstance(old, str) or isinstance(new, str):
-        return old == new
-    return math.isclose(old, new, rel_tol=tolerance, abs_tol=1e-12)
+        if before is not None and after is not None and not same(before, after, SAME_INERTIA):
+            field = FIELDS[name]
+            yield Change(new.joint, name, field.noun, before, after, field.unit(None))

@@ -15,7 +15,7 @@ from dataclasses import fields
 from typing import Any
 
 from actspec.audit.case import Case
-from actspec.audit.difference import Difference, difference
+from actspec.audit.difference import Difference, compare_robots
 from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Span, shortened
@@ -83,7 +83,9 @@ def changes(
         now = {a.name: dynamics_of(case, i) for i, a in enumerate(case.artifacts) if a.path == path}
         for robot in sorted({*entry["robots"], *now}):
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
-            found.append((name, difference(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME)))
+            found.append(
+                (name, compare_robots(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME))
+            )
     return tuple(found)
 
 

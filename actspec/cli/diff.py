@@ -5,14 +5,12 @@ from __future__ import annotations
 import argparse
 import sys
 import tempfile
-from collections.abc import Iterator, Sequence
 
-from actspec.audit.difference import Difference
+from actspec.audit.difference import compare_files
 from actspec.audit.revision import lay_out, names_revision
-from actspec.audit.sides import differences
 from actspec.cli.options import add_format, add_versions, configured_versions, describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
-from actspec.report.difference import lines, record
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.report.difference import record, report_lines
 from actspec.report.terminal import print_json
 
 FORMAT = "actspec-diff/1"
@@ -48,20 +46,10 @@ def run(arguments: argparse.Namespace) -> int:
                 path = lay_out(side, tempfile.mkdtemp(dir=folder)).path
             texts[path] = side
             paths.append(path)
-        found = differences(paths[0], paths[1], versions, arguments.robot, texts)
+        found = compare_files(paths[0], paths[1], versions, arguments.robot, texts)
     old, new = texts[paths[0]], texts[paths[1]]
     if arguments.output_format == "json":
         print_json({"format": FORMAT, "robots": [record(item, old, new) for item in found]})
     else:
-        sys.stdout.writelines(f"{line}\n" for line in told(found, old, new))
+        sys.stdout.writelines(f"{line}\n" for line in report_lines(found, old, new))
     return EXIT_CLEAN if all(item.same for item in found) else EXIT_FINDINGS
-
-
-def told(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
-    """The differences as text."""
-    changed = [item for item in found if not item.same]
-    for item in changed:
-        yield f"{one_line(old)} -> {one_line(new)} ({one_line(item.new.name)})"
-        yield from lines(item)
-    if not changed:
-        yield "no change in effective dynamics"

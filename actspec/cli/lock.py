@@ -10,8 +10,8 @@ from typing import Any
 
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
+from actspec.audit.difference import read_all
 from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
-from actspec.audit.sides import read
 from actspec.cli.options import add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -114,7 +114,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
 
 
 def _case(names: Mapping[str, str], versions: Versions) -> Case:
-    return case_of(read(tuple(names), {}), versions, {})
+    return case_of(read_all(tuple(names), {}), versions, {})
 
 
 def _old(path: str, needed: bool, figures: bool) -> dict[str, Any] | None:

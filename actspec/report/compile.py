@@ -7,11 +7,23 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Severity, listed, one_line
-from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
+from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.output import MANIFEST, Compilation, Output
+from actspec.readings.fields import BY_IR
+from actspec.report.show import number, title
 from actspec.report.tables import many, table
 from actspec.targets.base import Approximation, TargetOptions
 from actspec.units import format_quantity
+
+_FIGURES = (
+    "kp",
+    "kd",
+    "effort_limit",
+    "no_load_speed",
+    "armature",
+    "friction_coulomb",
+    "friction_viscous",
+)
 
 WIDTH = 120
 """Columns of running text. Chosen: as the heads of the written files."""
@@ -49,7 +61,7 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     step = actuators.physics_dt
     timing = f"physics {format_quantity(step.require() * 1e3, 'ms')}"
     if actuators.decimation is not None:
-        timing += f", control {1.0 / (step.require() * actuators.decimation):g} Hz"
+        timing += f", control {format_quantity(1.0 / (step.require() * actuators.decimation), 'Hz')}"
     yield (
         f"{actuators.robot}: {many(len(actuators.joints), 'joint')} in {many(groups, 'group')}, "
         f"{path}, {timing}"
@@ -83,38 +95,24 @@ def _files(
 
 def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
     """One row for the joints of a group that have the same numbers."""
-    yield (
-        "group",
-        "joints",
-        "level",
-        "command",
-        "kp",
-        "kd",
-        "effort limit",
-        "no-load speed",
-        "armature",
-        "coulomb",
-        "viscous",
-        "filter",
-        "delay",
-    )
-    yield ("", "", "", "", "N*m/rad", "N*m*s/rad", "N*m", "rad/s", "kg*m^2", "N*m", "N*m*s/rad", "", "")
+    titles, units = map(title, _FIGURES), (BY_IR[name].unit(JointKind.HINGE) for name in _FIGURES)
+    yield ("group", "joints", "level", "command", *titles, "filter", "delay")
+    yield ("", "", "", "", *units, "", "")
     merged: dict[tuple[str, ...], int] = {}
     for joint in joints:
-        delay = joint.delay
+        delay = None if joint.delay is None else joint.delay.nominal.value
+        # A curve has a speed of its own in place of the line's.
+        values = {name: getattr(joint, name) for name in _FIGURES}
+        if joint.curve is not None:
+            values["no_load_speed"] = joint.curve.no_load_speed
+        cutoff = joint.filter_cutoff
         row: tuple[str, ...] = (
             joint.group,
             joint.level.value,
             joint.command.value,
-            _number(joint.kp),
-            _number(joint.kd),
-            _number(joint.effort_limit),
-            _number(joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed),
-            _number(joint.armature),
-            _number(joint.friction_coulomb),
-            _number(joint.friction_viscous),
-            "-" if joint.filter_cutoff is None else f"{joint.filter_cutoff.value:g} Hz",
-            "-" if delay is None or delay.nominal.value is None else f"{delay.nominal.value * 1e3:g} ms",
+            *map(number, values.values()),
+            "-" if cutoff is None else format_quantity(cutoff.value, "Hz"),
+            "-" if delay is None else format_quantity(delay * 1e3, "ms"),
             joint.kind.value,
         )
         merged[row] = merged.get(row, 0) + 1
@@ -122,12 +120,6 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
     for row, count in merged.items():
         group = f"{row[0]} (slide, in N and m)" if slides and row[-1] == JointKind.SLIDE.value else row[0]
         yield (group, str(count), *row[1:-1])
-
-
-def _number(quantity: Quantity | None) -> str:
-    if quantity is None:
-        return "-"
-    return "unknown" if quantity.value is None else f"{quantity.value:.6g}"
 
 
 def _accepted(losses: Sequence[Approximation], accept: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
@@ -164,7 +156,7 @@ def _worst(losses: Iterable[Approximation]) -> str:
     if not sized:
         return ""
     worst = max(sized, key=lambda loss: loss.max_torque_error or 0.0)
-    return f"up to {worst.max_torque_error:.4g} {worst.unit}"
+    return f"up to {format_quantity(worst.max_torque_error, worst.unit, 4)}"
 
 
 def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> str:

@@ -8,45 +8,40 @@ from typing import Any
 
 from actspec.audit.difference import Change, Difference
 from actspec.diagnostics import Span, listed, one_line
+from actspec.readings.fields import FIELDS, Role
+from actspec.report.terminal import json_number
+from actspec.units import format_number
 
-_NO_RATIO = frozenset(
-    {
-        "default_position",
-        "encoder_bias",
-        "position_low",
-        "position_high",
-        "command_low",
-        "command_high",
-        "natural_frequency",
-        "damping_ratio",
-    }
-)
-"""What is measured from a zero that means nothing, or is rough."""
+_NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency", "damping_ratio")
+"""What is measured from a zero that means nothing, or is rough; so are poses."""
 
-_OPTIONAL = frozenset(
-    {
-        "kp",
-        "kd",
-        "back_emf",
-        "spring",
-        "friction_static",
-        "stribeck_velocity",
-        "stall_torque",
-        "no_load_speed",
-        "delay",
-        "delay_low",
-        "delay_high",
-        "filter_cutoff",
-        "command_low",
-        "command_high",
-        "position_low",
-        "position_high",
-        "encoder_bias",
-        "action_scale",
-        "network",
-    }
+_MAY_LACK = (
+    "spring",
+    "friction_static",
+    "stribeck_velocity",
+    "stall_torque",
+    "no_load_speed",
+    "position_low",
+    "position_high",
+    "network",
 )
-"""What a joint need not have, so that a file that says nothing has none of it."""
+"""What a joint need not have, beside drive and command, so that a file without it has none of it."""
+
+
+def report_lines(found: Sequence[Difference], old: str, new: str) -> Iterator[str]:
+    """The differences of two files as text.
+
+    Args:
+        found: One a robot.
+        old: What the old file is called.
+        new: What the new file is called.
+    """
+    changed = [item for item in found if not item.same]
+    for item in changed:
+        yield f"{one_line(old)} -> {one_line(new)} ({one_line(item.new.name)})"
+        yield from lines(item)
+    if not changed:
+        yield "no change in effective dynamics"
 
 
 def lines(found: Difference, indent: str = "  ") -> Iterator[str]:
@@ -63,15 +58,17 @@ def lines(found: Difference, indent: str = "  ") -> Iterator[str]:
         yield f"{indent}joints added: {listed(map(one_line, found.added))}"
     if found.removed:
         yield f"{indent}joints removed: {listed(map(one_line, found.removed))}"
-    for joints, told in _groups(found):
+    for joints, texts in _by_joints(found):
         yield f"{indent}{listed(map(one_line, joints))}:"
-        for line in (*told, *_effects(found, joints)):
+        for line in (*texts, *_effects(found, joints)):
             yield f"{indent}  {line}"
 
 
 def words(change: Change) -> str:
     """`total damping 4 -> 22 N*m*s/rad (x5.5)`."""
-    absent = "none" if change.field in _OPTIONAL else "unknown"
+    field = FIELDS.get(change.field)
+    optional = change.field in _MAY_LACK or (field and field.role in (Role.DRIVE, Role.COMMAND))
+    absent = "none" if optional else "unknown"
     old, new = (_shown(value, absent) for value in (change.old, change.new))
     if old == new:
         old, new = (_shown(value, absent, 10) for value in (change.old, change.new))
@@ -105,8 +102,8 @@ def _change(change: Change) -> dict[str, Any]:
     return {
         "joint": change.joint or None,
         "field": change.field,
-        "old": _number(change.old),
-        "new": _number(change.new),
+        "old": change.old if isinstance(change.old, str) else json_number(change.old),
+        "new": change.new if isinstance(change.new, str) else json_number(change.new),
         "unit": change.unit or None,
         "ratio": change.ratio,
         "old_line": _line(change.old_place),
@@ -115,26 +112,20 @@ def _change(change: Change) -> dict[str, Any]:
     }
 
 
-def _number(value: float | str | None) -> float | str | None:
-    if isinstance(value, float) and not math.isfinite(value):
-        return "Infinity" if value > 0.0 else "-Infinity"
-    return value
-
-
 def _line(place: Span | None) -> int | None:
     return None if place is None else place.line or None
 
 
-def _groups(found: Difference) -> list[tuple[list[str], list[str]]]:
+def _by_joints(found: Difference) -> list[tuple[list[str], tuple[str, ...]]]:
     """Joints with equal changes, and those changes in words."""
-    told: dict[str, list[str]] = {}
+    by_joint: dict[str, list[str]] = {}
     for change in found.changes:
         if change.joint:
-            told.setdefault(change.joint, []).append(words(change))
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for joint, texts in told.items():
-        groups.setdefault(tuple(texts), []).append(joint)
-    return [(joints, list(texts)) for texts, joints in groups.items()]
+            by_joint.setdefault(change.joint, []).append(words(change))
+    merged: dict[tuple[str, ...], list[str]] = {}
+    for joint, texts in by_joint.items():
+        merged.setdefault(tuple(texts), []).append(joint)
+    return [(joints, texts) for texts, joints in merged.items()]
 
 
 def _effects(found: Difference, joints: Sequence[str]) -> Iterator[str]:
@@ -152,7 +143,7 @@ def _effects(found: Difference, joints: Sequence[str]) -> Iterator[str]:
 
 def _range(values: Sequence[float | str | None]) -> str:
     numbers = [value for value in values if isinstance(value, float)]
-    low, high = f"{min(numbers):.2g}", f"{max(numbers):.2g}"
+    low, high = format_number(min(numbers), 2), format_number(max(numbers), 2)
     return low if low == high else f"{low} to {high}"
 
 
@@ -164,13 +155,15 @@ def _shown(value: float | str | None, absent: str, digits: int = 6) -> str:
         return one_line(value[:12] if len(value) == 64 else value)
     if math.isinf(value):
         return "none"
-    return f"{value + 0.0:.{digits}g}"
+    return format_number(value, digits)
 
 
 def _ratio(change: Change) -> str:
     ratio = change.ratio
-    if ratio is None or change.field in _NO_RATIO:
+    field = FIELDS.get(change.field)
+    if ratio is None or change.field in _NO_RATIO or (field and field.role is Role.POSE):
         return ""
     if 0.5 <= ratio <= 2.0:
-        return f" ({(ratio - 1.0) * 100.0:+.3g} %)"
-    return f" (x{ratio:.3g})"
+        percent = (ratio - 1.0) * 100.0
+        return f" ({'+' * (percent > 0.0)}{format_number(percent, 3)} %)"
+    return f" (x{format_number(ratio, 3)})"

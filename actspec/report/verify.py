@@ -11,6 +11,7 @@ from actspec.report.tables import escaped, many, markdown_table, table
 from actspec.report.terminal import style_of
 from actspec.simulate.experiment import COURSES
 from actspec.targets.base import TargetOptions
+from actspec.units import format_number, format_quantity
 from actspec.verify.agreement import Agreement, At, Row, Skip
 from actspec.verify.response import SOFT
 
@@ -84,7 +85,7 @@ def github(compilation: Compilation, agreement: Agreement, *, built: bool, stric
     Args:
         compilation: The spec, compiled.
         agreement: What was found.
-        built: Whether the files lie in the repository; else a fault is told at the spec.
+        built: Whether the files lie in the repository; else a fault is reported at the spec.
         strict: Whether an approximation that the spec does not accept is a fault.
     """
     from actspec.report.github import command
@@ -121,7 +122,7 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
             own = [row for row in fields if row.group == worst.group]
             first = index == 0
             others = [row for row in fields if not row.group] if first else []
-            told = {row.group for rows in _by_actuator(torques)[:index] for row in rows}
+            shown = {row.group for rows in _by_actuator(torques)[:index] for row in rows}
             yield (
                 label if first else "",
                 worst.group,
@@ -130,7 +131,7 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
                 _amount(worst.max_error, worst.unit),
                 _amount(worst.tolerance, worst.unit) + (" ~" if worst.approximations else ""),
                 _where(worst),
-                _agreed([*own, *others]) if worst.group not in told else "",
+                _agreed([*own, *others]) if worst.group not in shown else "",
             )
 
 
@@ -179,7 +180,7 @@ def _share(row: Row) -> float:
 def _amount(value: float | None, unit: str) -> str:
     if value is None:
         return "none"
-    return "any" if value == float("inf") else f"{value:.2g} {unit}".rstrip()
+    return "any" if value == float("inf") else format_quantity(value, unit, 2)
 
 
 def _where(row: Row) -> str:
@@ -192,12 +193,13 @@ def _where(row: Row) -> str:
 
 
 def _state(at: At, unit: str) -> str:
-    angle = "m" if unit in ("N", "m") else "rad"
+    angle, torque = ("m", "N") if unit in ("N", "m") else ("rad", "N*m")
+    speed = f"velocity {format_quantity(at.velocity, f'{angle}/s', 3)}"
     if at.time is not None and at.torque is not None:
-        torque = "N" if angle == "m" else "N*m"
-        return f"at {at.time:.3g} s, velocity {at.velocity:.3g} {angle}/s, torque {at.torque:+.2g} {torque}"
-    parts = [f"error {at.error:.3g} {angle}"] if at.error is not None else [f"command {at.command:.3g}"]
-    parts.append(f"velocity {at.velocity:.3g} {angle}/s")
+        sign = "+" if at.torque > 0.0 else ""
+        return f"at {format_quantity(at.time, 's', 3)}, {speed}, torque {sign}{format_quantity(at.torque, torque, 2)}"
+    asked = f"command {format_number(at.command, 3)}"
+    parts = [asked if at.error is None else f"error {format_quantity(at.error, angle, 3)}", speed]
     return ", ".join([*parts, *([f"step {at.step}"] if at.step else [])])
 
 
@@ -220,7 +222,9 @@ def _said(row: Row) -> str:
     where = ""
     if row.at is not None:
         what = _HISTORIES.get(row.quantity, row.quantity)
-        where = f" ({what}, {_state(row.at, row.unit)}; {row.tolerance:.2g} {row.unit} allowed)"
+        where = (
+            f" ({what}, {_state(row.at, row.unit)}; {format_quantity(row.tolerance, row.unit, 2)} allowed)"
+        )
     return one_line(f"{who}{row.message}{where}")
 
 

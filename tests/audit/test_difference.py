@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.difference import Difference
-from actspec.audit.sides import differences
+from actspec.audit.difference import Difference, compare_files
 from actspec.diagnostics import AuditError
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines
@@ -28,7 +27,7 @@ def compare(
         if name.endswith(".yaml"):
             (path.parent / "leg.xml").write_text(LEG)
         paths.append(str(path))
-    return differences(paths[0], paths[1], Versions(), robot)
+    return compare_files(paths[0], paths[1], Versions(), robot)
 
 
 def told(found: Difference) -> list[str]:
@@ -200,14 +199,14 @@ def test_robots_of_one_file_by_name(tmp_path: Path) -> None:
     (tmp_path / "third" / "leg_cfg.py").write_text(other)
     paths = (str(tmp_path / "old" / "leg_cfg.py"), str(tmp_path / "third" / "leg_cfg.py"))
     with pytest.raises(AuditError) as caught:
-        differences(*paths, Versions(), None, {paths[0]: "a.py", paths[1]: "b.py"})
+        compare_files(*paths, Versions(), None, {paths[0]: "a.py", paths[1]: "b.py"})
     (item,) = caught.value.diagnostics
     assert (item.code, item.message, item.help) == (
         "DIF003",
-        "nobody can tell which robots are one: a.py has LEG_CFG; b.py has FIRST_CFG, SECOND_CFG",
+        "it is not known which robots are the same: a.py has LEG_CFG; b.py has FIRST_CFG, SECOND_CFG",
         "name one with --robot NAME",
     )
-    (found,) = differences(*paths, Versions(), "FIRST_CFG")
+    (found,) = compare_files(*paths, Versions(), "FIRST_CFG")
     assert found.same
 
 
