@@ -80,19 +80,23 @@ def _options(spec: Spec, version: str, target: str | None) -> TargetOptions:
     from actspec.live import distribution_version
     from actspec.simulators import newest_known, text_of
     from actspec.simulators.isaaclab import RELEASES
+    from actspec.spec.models import IsaacLabTarget
     from actspec.targets.choose import choose_targets
 
     name = _target(spec, version, target)
     (options,) = choose_targets(spec, [f"{name}=={version}"], None, False, Collector())
     if name in spec.model.targets and _stated_release(spec, name) != version:
         # These go with the version that the spec states.
-        options = replace(options, isaac_sim=None, backend=None)
+        given = options.of(IsaacLabTarget)
+        options = replace(options, given=given.model_copy(update={"isaac_sim": None, "backend": None}))
     sim = distribution_version("isaacsim")
     if sim is None:
         return options
     runs_on = {text_of(release): row.sims for release, row in RELEASES.items()}.get(version)
     # Its place in the spec is not where this one comes from.
-    return replace(options, isaac_sim=newest_known(sim, runs_on) if runs_on else sim, spans={})
+    sim = newest_known(sim, runs_on) if runs_on else sim
+    given = options.of(IsaacLabTarget).model_copy(update={"isaac_sim": sim})
+    return replace(options, given=given, spans={})
 
 
 def _target(spec: Spec, version: str, asked: str | None) -> str:

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.ir import ActuatorSet
 from actspec.resolution import resolve
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.document import document_from_text
+from actspec.spec.models import KINDS
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.mujoco.emit import emit
@@ -131,3 +132,17 @@ def compile_text(
     return Compiled(
         view, resolved, emit(resolved, view, options(version or installed(), canonical=canonical))
     )
+
+
+def target_options(
+    kind: str,
+    version: str = "",
+    *,
+    name: str = "",
+    folder: str = "out",
+    siblings: tuple[TargetOptions, ...] = (),
+    **given: Any,
+) -> TargetOptions:
+    """A target with options of its kind, by the names of their class's fields; unchecked, as a caller may give them."""
+    options = KINDS[kind].model_construct(**given)
+    return TargetOptions(name or kind, kind, version, None, folder, given=options, siblings=siblings)

@@ -352,28 +352,84 @@ class DeltaAction(Strict):
     """Names of the state's parts."""
 
 
-class Target(Strict):
-    """One thing to compile to."""
+class AnyTarget(Strict):
+    """What a target of every kind may state."""
 
     target: str | None = None
     """Kind of the target; default: its key."""
+
+
+class VersionedTarget(AnyTarget):
+    """A target that is written for a version of its simulator."""
+
     version: Version | None = None
     """Version of the simulator or framework, in quotes."""
+
+
+class IsaacSimTarget(VersionedTarget):
+    """A target for Isaac Lab."""
+
     isaac_sim: Version | None = None
     """Isaac Sim version, for Isaac Lab."""
     backend: Literal["physx", "newton", "ovphysx"] | None = None
     """Physics backend, for Isaac Lab 3."""
+
+
+class IsaacLabTarget(IsaacSimTarget):
+    """Options of the Isaac Lab target."""
+
     class_: Literal["auto", "implicit", "custom"] | None = Field(default=None, alias="class")
     """Kind of actuator class, for Isaac Lab."""
+
+    @property
+    def actuator_class(self) -> str:
+        """Kind of actuator class: `auto`, `implicit` or `custom`."""
+        return self.class_ or "auto"
+
+
+class RandomizationTarget(IsaacSimTarget):
+    """Options of the randomisation target."""
+
     for_: tuple[str, ...] | None = Field(default=None, alias="for")
     """Stacks to write randomisation for."""
+
+
+class DeployTarget(AnyTarget):
+    """Options of the deploy target."""
+
     joint_order: tuple[NameOrGap, ...] | None = None
     """Joint order of the robot's SDK, `null` where it numbers no joint of the spec, for deploy."""
+
+
+class NewtonTarget(VersionedTarget):
+    """Options of the Newton target."""
+
     root: str | None = None
     """Path of the robot's prim in the USD stage, for newton."""
     joint_paths: dict[str, str] | None = None
     """Pattern of joint names to the path of their prims, below `root` or absolute, for newton; `{joint}` is the
     joint's name."""
+
+
+class Target(NewtonTarget, DeployTarget, RandomizationTarget, IsaacLabTarget):
+    """One thing to compile to."""
+
+
+KINDS: dict[str, type[AnyTarget]] = {
+    "mujoco": VersionedTarget,
+    "isaaclab": IsaacLabTarget,
+    "mjlab": VersionedTarget,
+    "deploy": DeployTarget,
+    "randomization": RandomizationTarget,
+    "urdf": AnyTarget,
+    "newton": NewtonTarget,
+}
+"""Kind of target to its options.
+
+A new target is its folder `targets/KIND/` with a function `emit` in the module `emit`, and one line here. Options that
+no other target has are a class above, which becomes a base of `Target` too: spec, schema and `emit` all read that
+class.
+"""
 
 
 class SpecModel(Strict):

@@ -48,11 +48,10 @@ def schema(name: str) -> dict[str, Any]:
         if title in by_name:
             _describe(part, by_name[title])
     if name == "spec":
-        from actspec.spec.models import SPEC_VERSION
-        from actspec.spec.rules import TARGETS
+        from actspec.spec.models import KINDS, SPEC_VERSION
 
         found["properties"]["actspec"]["const"] = SPEC_VERSION
-        definitions["Target"]["properties"]["target"]["enum"] = list(TARGETS)
+        definitions["Target"]["properties"]["target"]["enum"] = list(KINDS)
     hoisted: dict[str, Any] = {}
     found = _tidy(found, hoisted)
     definitions = _tidy({"$defs": definitions}, hoisted)["$defs"]

@@ -6,11 +6,15 @@ import hashlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import TypeVar
 
 from actspec.diagnostics import Diagnostic, Span
 from actspec.ir import Approximation
+from actspec.spec.models import AnyTarget
 
 __all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions", "relative_path"]
+
+T = TypeVar("T", bound=AnyTarget)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,13 +29,7 @@ class TargetOptions:
             `joint_paths[hip]`. What was chosen on the command line is not in it; None: nothing is written.
         folder: Folder that the files will be written to, for relative paths inside them.
         canonical: Write the simulator's own form of the model instead of the author's text (MuJoCo).
-        isaac_sim: Isaac Sim version as text, for Isaac Lab; None: that which the Isaac Lab version goes with.
-        backend: `physx`, `newton` or `ovphysx`, for Isaac Lab 3; None: the version's default.
-        actuator_class: `auto`, `implicit` or `custom`, for Isaac Lab.
-        stacks: What to write randomisation for: `isaaclab`, `mjlab`, `playground`, `json`; empty: the target's default.
-        joint_order: Joint order of the robot's SDK, None where it numbers no joint, for deploy; empty: none is stated.
-        root: Path of the robot's prim, for Newton; None: that which a converter gives it.
-        joint_paths: (pattern, path) of joints' prims, for Newton; of the others it is a converter's.
+        given: What the spec states for this kind of target; None: nothing.
         siblings: MuJoCo and Isaac Lab targets of the same spec, for randomization.
     """
 
@@ -41,14 +39,18 @@ class TargetOptions:
     spans: Mapping[str, Span] | None
     folder: str
     canonical: bool = False
-    isaac_sim: str | None = None
-    backend: str | None = None
-    actuator_class: str = "auto"
-    stacks: tuple[str, ...] = ()
-    joint_order: tuple[str | None, ...] = ()
-    root: str | None = None
-    joint_paths: tuple[tuple[str, str], ...] = ()
+    given: AnyTarget | None = None
     siblings: tuple[TargetOptions, ...] = ()
+
+    def of(self, kind: type[T]) -> T:
+        """The options of a kind of target, as its class in `spec.models` has them.
+
+        Raises: TypeError: the target is of another kind.
+        """
+        found = kind() if self.given is None else self.given
+        if not isinstance(found, kind):
+            raise TypeError(f"{self.kind} has no options of {kind.__name__}")
+        return found
 
     def where(self, option: str) -> str:
         """An option's place in the spec, for messages: `targets.isaaclab.version`."""

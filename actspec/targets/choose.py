@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, SpecError, nearest, one_line
 from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion
 from actspec.simulators.isaaclab import isaaclab_dialect
-from actspec.spec.rules import TARGETS
+from actspec.spec.models import KINDS, IsaacSimTarget
 from actspec.targets.base import Emission, TargetOptions
 
 if TYPE_CHECKING:
@@ -22,23 +22,12 @@ if TYPE_CHECKING:
 BUILD = "build"
 """Folder below the working directory that compiled files go to."""
 
-EMITTERS = {
-    "mujoco": "actspec.targets.mujoco.emit",
-    "isaaclab": "actspec.targets.isaaclab.emit",
-    "randomization": "actspec.targets.randomization.emit",
-    "mjlab": "actspec.targets.mjlab.emit",
-    "deploy": "actspec.targets.deploy.emit",
-    "urdf": "actspec.targets.urdf.emit",
-    "newton": "actspec.targets.newton.emit",
-}
-"""Kind of target to the module whose `emit` makes it; imported when it is used."""
-
 Emit = Callable[["ActuatorSet", "RobotView", TargetOptions], Emission]
 
 
 def emitter(kind: str) -> Emit:
-    """The function that makes a kind of target."""
-    emit: Emit = import_module(EMITTERS[kind]).emit
+    """The function that makes a kind of target, from the module `emit` of its folder; imported when it is used."""
+    emit: Emit = import_module(f"actspec.targets.{kind}.emit").emit
     return emit
 
 
@@ -63,6 +52,7 @@ def choose_targets(
     named = {}
     for name, entry in spec.model.targets.items():
         kind = entry.target or name
+        own = KINDS[kind]
         named[name] = TargetOptions(
             name=name,
             kind=kind,
@@ -70,13 +60,7 @@ def choose_targets(
             spans=_spans(spec, name),
             folder=os.path.join(folder, name),
             canonical=canonical,
-            isaac_sim=entry.isaac_sim,
-            backend=entry.backend,
-            actuator_class=entry.class_ or "auto",
-            stacks=entry.for_ or (),
-            joint_order=entry.joint_order or (),
-            root=entry.root,
-            joint_paths=tuple((entry.joint_paths or {}).items()),
+            given=own.model_construct(**{field: getattr(entry, field) for field in own.model_fields}),
         )
     if not named:
         named["mujoco"] = bare("mujoco")
@@ -88,10 +72,10 @@ def choose_targets(
         name, equals, version = text.partition("==")
         if name in named:
             options = named[name]
-        elif name in TARGETS:
+        elif name in KINDS:
             options = bare(name)
         else:
-            known = [*named, *(kind for kind in TARGETS if kind not in named)]
+            known = [*named, *(kind for kind in KINDS if kind not in named)]
             guess = nearest(name, known)
             collector.error(
                 "CLI001",
@@ -111,16 +95,16 @@ def choose_targets(
 def _at_version(options: TargetOptions, version: str) -> TargetOptions:
     """A target at the command line's version, without what the spec states for another one that does not fit."""
     options = replace(options, version=version, spans=_without(options.spans, "version"))
-    if options.kind not in ("isaaclab", "randomization"):
+    given = options.given
+    if not isinstance(given, IsaacSimTarget):
         return options
     for _ in ("isaac_sim", "backend"):
         try:
-            isaaclab_dialect(version, options.isaac_sim, options.backend)
+            isaaclab_dialect(version, given.isaac_sim, given.backend)
         except UnknownVersion as err:
-            if err.key == "isaac_sim":
-                options = replace(options, isaac_sim=None, spans=_without(options.spans, "isaac_sim"))
-            elif err.key == "backend":
-                options = replace(options, backend=None, spans=_without(options.spans, "backend"))
+            if err.key != "version":
+                given = given.model_copy(update={err.key: None})
+                options = replace(options, given=given, spans=_without(options.spans, err.key))
     return options
 
 

@@ -11,7 +11,7 @@ from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.readings.compare import NOTHING, Figure
 from actspec.readings.fields import FIELDS
-from actspec.simulators.isaaclab import isaaclab_dialect
+from actspec.targets.isaaclab import dialect_for
 from actspec.verify.agreement import Row, TargetFiles, alike, keys
 from actspec.verify.classify import WrongFigure, classify
 from actspec.verify.compiled import compiled_rows
@@ -311,7 +311,7 @@ def _versioned(target: TargetFiles) -> bool:
     if target.options.kind != "isaaclab":
         return False
     options = target.options
-    dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+    dialect = dialect_for(options)
     return dialect.friction.torque
 
 

@@ -199,14 +199,14 @@ def _reading(
 
 def versions_of(options: TargetOptions) -> Versions:
     """What a target's files are meant for, in the audit's words."""
-    from actspec.simulators.isaaclab import isaaclab_dialect
+    from actspec.targets.isaaclab import dialect_for
 
     if options.kind == "mujoco":
         return Versions(mujoco=options.version)
     if options.kind == "mjlab":
         return Versions(mjlab=options.version)
     if options.kind == "isaaclab":
-        dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+        dialect = dialect_for(options)
         return Versions(isaaclab=options.version, isaac_sim=dialect.sim_text, backend=dialect.backend)
     return Versions()
 

@@ -12,7 +12,7 @@ from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
 from actspec.simulate.reference import held_torque
-from actspec.simulators.isaaclab import isaaclab_dialect
+from actspec.targets.isaaclab import dialect_for
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys
 from actspec.verify.engines.asking import EngineAnswer
@@ -213,7 +213,7 @@ def _draws(target: TargetFiles) -> bool:
     """Whether a target draws delays from a range."""
     options = target.options
     if options.kind == "isaaclab":
-        return isaaclab_dialect(options.version, options.isaac_sim, options.backend).lag_range
+        return dialect_for(options).lag_range
     return options.kind == "mjlab"
 
 

@@ -19,6 +19,7 @@ from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.isaaclab.emit import emit
+from tests.compiling import target_options
 from tests.frameworks.prepare import ISAACLAB, Frameworks
 
 PROBE = Path(__file__).with_name("isaaclab_probe.py")
@@ -67,7 +68,7 @@ class Emitted:
 
 def options(version: str = "2.3", cls: str = "auto", **more: Any) -> TargetOptions:
     """The target at a version."""
-    return TargetOptions("isaaclab", "isaaclab", version, None, "out", actuator_class=cls, **more)
+    return target_options("isaaclab", version, class_=cls, **more)
 
 
 def compiled(

@@ -12,10 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from actspec.laws import law_of
-from actspec.targets.base import TargetOptions
 from actspec.targets.randomization.emit import emit
 from actspec.targets.randomization.losses import strengthened
-from tests.compiling import Compiled, compile_text
+from tests.compiling import Compiled, compile_text, target_options
 from tests.frameworks.playground_specs import ASKED, BATCHED, HIPS, JOINTS, MODEL, MOTORS, NOMINAL
 from tests.frameworks.prepare import Frameworks
 
@@ -93,7 +92,7 @@ class Job:
 def job(groups: str, version: str = "3.11", *, robot: str = "", **more: Any) -> Job:
     """Compile a spec for MuJoCo and its ranges for Playground."""
     compiled = compile_text(groups, MODEL, version, robot=robot)
-    options = TargetOptions("dr", "randomization", version, None, "out", stacks=("playground",))
+    options = target_options("randomization", version, name="dr", for_=("playground",))
     text = emit(compiled.actuators, compiled.robot, options).files[0].data.decode("utf-8")
     return Job(compiled, text, **more)
 

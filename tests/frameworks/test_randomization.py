@@ -17,7 +17,7 @@ from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.mjlab.emit import emit as emit_mjlab
 from actspec.targets.randomization.emit import emit
-from tests.compiling import view_of
+from tests.compiling import target_options, view_of
 from tests.frameworks.prepare import Frameworks
 
 HERE = Path(__file__).parent
@@ -84,12 +84,12 @@ def leg(hips: str, knees: str = "") -> tuple[ActuatorSet, RobotView]:
 
 def options(kind: str, version: str = "", **more: Any) -> TargetOptions:
     """Options of a target."""
-    return TargetOptions(kind, kind, version, None, "out", **more)
+    return target_options(kind, version, **more)
 
 
 def emitted(actuators: ActuatorSet, view: RobotView, stack: str, **more: str) -> tuple[str, Emission]:
     """The one stack's text."""
-    made = emit(actuators, view, options("randomization", stacks=(stack,), **more))
+    made = emit(actuators, view, options("randomization", for_=(stack,), **more))
     return made.files[0].data.decode("utf-8"), made
 
 

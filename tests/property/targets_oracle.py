@@ -23,8 +23,9 @@ from actspec.robot.load import listed_robot
 from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from actspec.targets.base import Approximation, Emission, TargetOptions
+from actspec.targets.base import Approximation, Emission
 from actspec.targets.choose import emitter
+from tests.compiling import target_options
 
 Array = NDArray[np.float64]
 
@@ -227,8 +228,7 @@ def resolved(
 def emitted(actuators: ActuatorSet, robot: RobotView, **options: Any) -> Emission:
     """A robot's actuators, compiled for a kind of target at a version."""
     kind = options.pop("kind")
-    chosen = TargetOptions(kind, kind, options.pop("version"), None, "out", **options)
-    return emitter(kind)(actuators, robot, chosen)
+    return emitter(kind)(actuators, robot, target_options(kind, options.pop("version"), **options))
 
 
 def compiled(groups: list[Drive], *, randomize: dict[str, Any] | None = None, **options: Any) -> Emission:

@@ -22,7 +22,7 @@ from actspec.robot.read_urdf import read_urdf
 from actspec.robot.usda import layer_of
 from actspec.robot.view import ModelFile, RobotView
 from actspec.robot.xml import parse_document
-from actspec.targets.choose import EMITTERS
+from actspec.spec.models import KINDS
 from tests.compiling import view_of
 from tests.property.lift_fields import CANONICAL, EXACT, HOLDS, NO_FIELDS, OF_THE_SET, SINGLE, UNREAD, check
 from tests.property.targets_oracle import DIALECTS, STEP, Drive, drives, emitted, resolved, robots
@@ -67,7 +67,7 @@ def test_the_table_knows_every_field(target: str) -> None:
 
 def test_the_table_knows_every_target() -> None:
     """A new kind of target has a row, or a reason why not."""
-    assert set(EMITTERS) <= set(HOLDS) | set(UNREAD)
+    assert set(KINDS) <= set(HOLDS) | set(UNREAD)
 
 
 # --- configurations -------------------------------------------------------------------------------
@@ -114,7 +114,7 @@ def test_isaaclab(place: Any, groups: list[Drive], policy: Any, dialect: Any, cl
     cls = "auto" if version == "3.0" and cls == "custom" else cls
     actuators, robot = asked_of(groups, policy)
     emission = emitted(
-        actuators, robot, kind="isaaclab", version=version, isaac_sim=sim, backend=backend, actuator_class=cls
+        actuators, robot, kind="isaaclab", version=version, isaac_sim=sim, backend=backend, class_=cls
     )
     lifted = lifted_module(place, emission.files[0].data, robot)
     check("isaaclab", actuators, lifted.actuators, emission.approximations)

@@ -64,9 +64,7 @@ def test_isaaclab_says_or_names_every_number(
     """Each field of each joint is in the module in the version's own names, or lost at the size that it has."""
     version, sim, backend, friction = dialect
     cls = "auto" if version == "3.0" and cls == "custom" else cls
-    emission = compiled(
-        groups, kind="isaaclab", version=version, isaac_sim=sim, backend=backend, actuator_class=cls
-    )
+    emission = compiled(groups, kind="isaaclab", version=version, isaac_sim=sim, backend=backend, class_=cls)
     text = emission.files[0].data.decode()
     compile(text, "module", "exec")
     names = [name for drive in groups for name in drive.joints]
@@ -194,7 +192,7 @@ def test_isaaclab_events_draw_the_spec_s_ranges(
     drive = replace(drive, command="position", armature=0.02, delay=None)
     version, sim, backend, friction = dialect
     emission = compiled([drive], kind="randomization", version=version, isaac_sim=sim, backend=backend,
-                        stacks=("isaaclab",), randomize=factors)  # fmt: skip
+                        for_=("isaaclab",), randomize=factors)  # fmt: skip
     lost = {loss.field for loss in emission.approximations}
     terms = []
     for node in ast.walk(ast.parse(emission.files[0].data)):

@@ -6,6 +6,7 @@ import pytest
 
 from actspec.diagnostics import Collector, Span
 from actspec.spec.document import document_from_text
+from actspec.spec.models import IsaacLabTarget
 from actspec.spec.validate import validate
 from actspec.targets.base import TargetOptions
 from actspec.targets.choose import choose_targets
@@ -43,7 +44,7 @@ def test_a_version_of_the_command_line_has_no_place() -> None:
     """`NAME==VERSION` takes the version's place away, and keeps the other options with theirs."""
     (lab,) = chosen("lab==2.3")
     assert (lab.version, lab.span("version")) == ("2.3", None)
-    assert (lab.isaac_sim, lab.span("isaac_sim")) == ("5.0", Span("s.yaml", 5, 54))
+    assert (lab.of(IsaacLabTarget).isaac_sim, lab.span("isaac_sim")) == ("5.0", Span("s.yaml", 5, 54))
 
 
 def test_a_target_that_the_spec_does_not_name() -> None:
@@ -70,7 +71,8 @@ def test_a_version_of_the_command_line_drops_what_does_not_fit(
     """The spec's simulator and backend belong to its own version: they go where the asked one has them not."""
     text = SPEC.replace('version: "2.2", isaac_sim: "5.0"', options)
     (lab,) = choose_targets(validate(document_from_text(text, "s.yaml")), (asked,), None, False, Collector())
-    assert (lab.isaac_sim, lab.backend) == kept
+    given = lab.of(IsaacLabTarget)
+    assert (given.isaac_sim, given.backend) == kept
     assert (lab.span("isaac_sim") is None) == (kept[0] is None)
 
 

@@ -9,7 +9,6 @@ from actspec.spec.models import SpecModel
 from actspec.spec.rules.groups import check_group
 from actspec.spec.rules.motors import check_linkages, check_motor
 from actspec.spec.rules.robot import (
-    TARGETS,
     Breaches,
     check_accept,
     check_robot,
@@ -20,7 +19,7 @@ from actspec.spec.rules.robot import (
 if TYPE_CHECKING:
     from actspec.spec.document import Document
 
-__all__ = ["TARGETS", "check_spec"]
+__all__ = ["check_spec"]
 
 
 def check_spec(

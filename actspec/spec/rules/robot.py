@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Path, dotted, nearest
 from actspec.patterns import PatternError, compile_pattern
-from actspec.spec.models import Robot, Source, Target
+from actspec.spec.models import KINDS, AnyTarget, Robot, Source, Target
 
 if TYPE_CHECKING:
     from actspec.spec.document import SourceMap
@@ -106,22 +106,6 @@ def is_folder_name(name: str) -> bool:
     )
 
 
-TARGETS = ("mujoco", "isaaclab", "mjlab", "deploy", "randomization", "urdf", "newton")
-"""Kinds of target that the spec language knows."""
-
-OPTIONS = {
-    "version": ("mujoco", "isaaclab", "mjlab", "randomization", "newton"),
-    "isaac_sim": ("isaaclab", "randomization"),
-    "backend": ("isaaclab", "randomization"),
-    "class": ("isaaclab",),
-    "for": ("randomization",),
-    "joint_order": ("deploy",),
-    "root": ("newton",),
-    "joint_paths": ("newton",),
-}
-"""Key of a target to the kinds of target that have it."""
-
-
 SPEC_ITSELF = "spec"
 """What stands for a target in keys of `accept` about what the spec itself approximates, for every target."""
 
@@ -130,13 +114,13 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
     """Every target is of a kind that there is and has that kind's options, and its name can be a folder's."""
     for name, target in targets.items():
         kind = target.target or name
-        if kind not in TARGETS:
-            guess = nearest(kind, TARGETS)
+        if kind not in KINDS:
+            guess = nearest(kind, list(KINDS))
             breaches.error(
                 "SPEC160",
                 f"no target is named '{kind}'",
                 ("targets", name, "target") if target.target else ("targets", name),
-                (f"did you mean '{guess}'? " if guess else "") + f"known targets: {', '.join(TARGETS)}",
+                (f"did you mean '{guess}'? " if guess else "") + f"known targets: {', '.join(KINDS)}",
                 key=target.target is None,
             )
         else:
@@ -155,11 +139,11 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
 
 def _check_options(name: str, kind: str, target: Target, breaches: Breaches) -> None:
     """A target's options are those of its kind: another kind's would do nothing."""
-    stated = target.model_dump(by_alias=True, exclude_none=True)
-    for option, kinds in OPTIONS.items():
-        if option not in stated or kind in kinds:
+    own = _options(KINDS[kind])
+    for option in target.model_dump(by_alias=True, exclude_none=True):
+        if option == "target" or option in own:
             continue
-        own = [other for other, of in OPTIONS.items() if kind in of]
+        kinds = [other for other, options in KINDS.items() if option in _options(options)]
         breaches.error(
             "SPEC163",
             f"a target of kind {kind} has no option `{option}`",
@@ -167,6 +151,12 @@ def _check_options(name: str, kind: str, target: Target, breaches: Breaches) -> 
             f"`{option}` is for {', '.join(kinds)}; {kind} has {', '.join(own) or 'none'}",
             key=True,
         )
+
+
+def _options(options: type[AnyTarget]) -> list[str]:
+    """The keys of a kind of target, but for `target` itself."""
+    keys = [field.alias or name for name, field in options.model_fields.items()]
+    return [key for key in keys if key != "target"]
 
 
 def check_accept(accept: Mapping[str, str], targets: Mapping[str, Target], breaches: Breaches) -> None:

@@ -14,6 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from actspec.diagnostics import Collector, EmitError, listed, nearest, shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
 from actspec.robot.view import ModelFormat, RobotView, isaac_order
+from actspec.spec.models import DeployTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.deploy.text import comment, entry, scalar
 from actspec.targets.kit.provenance import source_lines, written_by
@@ -38,7 +39,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     """
     collector = Collector()
     own = tuple(actuator.joint for actuator in actuators.joints)
-    sdk = options.joint_order or None
+    sdk = options.of(DeployTarget).joint_order or None
     if sdk is not None:
         check_sdk_order(options, own, collector)
     collector.raise_if_failed(EmitError)
@@ -233,7 +234,7 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
         collector: Takes what is wrong.
     """
     seen: set[str] = set()
-    for index, name in enumerate(options.joint_order):
+    for index, name in enumerate(options.of(DeployTarget).joint_order or ()):
         entry = f"joint_order[{index}]"
         where, span = options.where(entry), options.span(entry)
         if name is None:

@@ -8,8 +8,10 @@ from dataclasses import replace
 from actspec.diagnostics import Collector, EmitError, Span, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators.isaaclab import IsaacLabDialect, isaaclab_dialect
+from actspec.simulators.isaaclab import IsaacLabDialect
+from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_name, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
@@ -33,7 +35,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     """
     collector = Collector()
     dialect = dialect_of(
-        lambda: isaaclab_dialect(options.version, options.isaac_sim, options.backend),
+        lambda: dialect_for(options),
         "ISL001",
         options,
         collector,
@@ -47,7 +49,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         network = networks.get(actuator.group)
         if not actuator.effort_limit.known or (actuator.level is Level.ACTUATOR_NET and network is None):
             return None
-        return cfg_of(actuator, dialect, options.actuator_class, step, options.name, network)
+        return cfg_of(
+            actuator, dialect, options.of(IsaacLabTarget).actuator_class, step, options.name, network
+        )
 
     cfgs = joint_by_joint(actuators, cfg, ("ISL011",), collector)
     collector.raise_if_failed(EmitError)
@@ -72,7 +76,7 @@ def _check_class(
     actuators: ActuatorSet, dialect: IsaacLabDialect, options: TargetOptions, collector: Collector
 ) -> None:
     where, span = options.where("class"), options.span("class")
-    chosen = options.actuator_class
+    chosen = options.of(IsaacLabTarget).actuator_class
     if chosen not in CLASSES:
         collector.error(
             "ISL002",

@@ -18,6 +18,7 @@ from actspec.diagnostics import Collector, RobotError, listed, shortened
 from actspec.ir import ActuatorSet
 from actspec.patterns import resolve_patterns
 from actspec.robot.view import ModelFormat, RobotView
+from actspec.spec.models import NewtonTarget
 from actspec.targets.base import TargetOptions
 from actspec.targets.newton.usda import is_identifier, path_text, prim_path
 
@@ -75,12 +76,13 @@ def lay_out(actuators: ActuatorSet, robot: RobotView, options: TargetOptions, co
 
 def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Path:
     """The robot's prim; empty after an error."""
-    if options.root is not None:
-        found = prim_path(options.root)
+    stated = options.of(NewtonTarget).root
+    if stated is not None:
+        found = prim_path(stated)
         if found is None:
             collector.error(
                 "NWT008",
-                f"'{shortened(options.root)}' is no path of a prim",
+                f"'{shortened(stated)}' is no path of a prim",
                 where=options.where("root"),
                 span=options.span("root"),
                 help="write names behind slashes, e.g. /World/Robot",
@@ -99,8 +101,8 @@ def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Pat
 
 def _stated(names: list[str], root: Path, options: TargetOptions, collector: Collector) -> dict[str, Path]:
     """The paths that the spec states."""
-    patterns = [pattern for pattern, _ in options.joint_paths]
-    matches = resolve_patterns(patterns, names)
+    paths = options.of(NewtonTarget).joint_paths or {}
+    matches = resolve_patterns(list(paths), names)
     for problem in matches.problems:
         collector.error(
             "NWT011",
@@ -111,7 +113,7 @@ def _stated(names: list[str], root: Path, options: TargetOptions, collector: Col
         )
     by_joint: dict[str, str] = {}
     found: dict[str, Path] = {}
-    for (pattern, template), matched in zip(options.joint_paths, matches.by_pattern, strict=True):
+    for (pattern, template), matched in zip(paths.items(), matches.by_pattern, strict=True):
         where, span = options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]")
         twice = [name for name in matched if by_joint.setdefault(name, pattern) != pattern]
         if twice:

@@ -13,10 +13,11 @@ from actspec.ir import ActuatorSet, JointKind, Level
 from actspec.robot.view import RobotView
 from actspec.sampling import check_ranges
 from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion, text_of
-from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.simulators.mjlab import EVENTS, mjlab_dialect
 from actspec.simulators.mujoco import MujocoDialect, mujoco_dialect
+from actspec.spec.models import IsaacLabTarget, RandomizationTarget
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
+from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.randomization import GAINS, isaaclab_terms
 from actspec.targets.kit.provenance import written_by
 from actspec.targets.kit.python_text import WIDTH, comment_lines, environment, grouped, identifier
@@ -44,7 +45,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     Args:
         actuators: What is drawn.
         robot: The robot, for its joints' names.
-        options: `stacks` (empty: all), `version` (of the one stack that is asked for, else each stack's
+        options: `for` (nothing: all stacks), `version` (of the one stack that is asked for, else each stack's
             default), `isaac_sim` and `backend`.
 
     Raises:
@@ -62,7 +63,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 
 
 def _stacks(options: TargetOptions, collector: Collector) -> tuple[str, ...]:
-    for index, stack in enumerate(options.stacks):
+    asked = options.of(RandomizationTarget).for_ or ()
+    for index, stack in enumerate(asked):
         if stack not in STACKS:
             guess = nearest(stack, STACKS)
             option = f"for[{index}]"
@@ -73,7 +75,7 @@ def _stacks(options: TargetOptions, collector: Collector) -> tuple[str, ...]:
                 span=options.span(option),
                 help=(f"did you mean '{guess}'? " if guess else "") + f"known: {', '.join(STACKS)}",
             )
-    chosen = tuple(stack for stack in STACKS if stack in options.stacks) if options.stacks else STACKS
+    chosen = tuple(stack for stack in STACKS if stack in asked) if asked else STACKS
     versioned = [stack for stack in chosen if stack != "json"]
     if options.version and len(versioned) != 1:
         collector.error(
@@ -129,7 +131,7 @@ class _Writer:
         return self.options.version or DEFAULT_VERSIONS[stack]
 
     def isaaclab(self) -> EmittedFile | None:
-        dialect = isaaclab_dialect(self.version("isaaclab"), self.options.isaac_sim, self.options.backend)
+        dialect = dialect_for(self.options, self.version("isaaclab"))
         losses = Losses(self.options.name, "isaaclab")
         terms = isaaclab_terms(self.actuators, self.names, dialect, losses, self.collector)
         if not terms:
@@ -137,7 +139,10 @@ class _Writer:
                 self.nothing("isaaclab", losses)
             return None
         late = any(term.func == GAINS and term.mode != "startup" for term in terms)
-        implicit = any(o.kind == "isaaclab" and o.actuator_class == "implicit" for o in self.options.siblings)
+        implicit = any(
+            o.kind == "isaaclab" and o.of(IsaacLabTarget).actuator_class == "implicit"
+            for o in self.options.siblings
+        )
         title = f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text}"
         notes = [
             'Gains of implicit groups are written to the simulator through the CPU: prefer mode="startup".'

@@ -9,7 +9,8 @@ from typing import Any
 from actspec.ir import JointKind
 from actspec.simulate.excitation import HeldMotions
 from actspec.simulate.experiment import Experiment
-from actspec.simulators.isaaclab import isaaclab_dialect
+from actspec.spec.models import IsaacLabTarget
+from actspec.targets.isaaclab import dialect_for
 from actspec.verify.engines.asking import (
     BodyFriction,
     EngineAnswer,
@@ -49,11 +50,11 @@ def _probed(
 ) -> tuple[str, Any, dict[str, Any]]:
     """The release, and what its probe says to a job."""
     options = question.options
-    dialect = isaaclab_dialect(options.version, options.isaac_sim, options.backend)
+    dialect = dialect_for(options)
     release = dialect.row.wheel
     if release is None:
         raise EngineMissing(f"the registry has no package of Isaac Lab {dialect.text}")
-    if options.actuator_class == "implicit":
+    if options.of(IsaacLabTarget).actuator_class == "implicit":
         raise EngineMissing("the drive of an implicit actuator is in PhysX, which is in no package")
     frameworks = prepared(f"Isaac Lab {release}")
     # A floating base is no joint of an articulation.

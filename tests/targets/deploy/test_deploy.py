@@ -16,10 +16,10 @@ from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile, isaac_order
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from actspec.targets.base import Emission, TargetOptions
+from actspec.targets.base import Emission
 from actspec.targets.deploy.emit import emit, index_map
 from actspec.targets.deploy.text import scalar
-from tests.compiling import spec_text, view_of
+from tests.compiling import spec_text, target_options, view_of
 
 # The right leg stands first, a body without a joint is between the base and the left one, and `waist` comes last.
 BIPED = """<mujoco>
@@ -70,7 +70,7 @@ def emission(
         text = text.replace("model: robot.xml, ", "")
     spec = validate(document_from_text(text, "spec.yaml"))
     view = listed_robot(spec) if listed else view_of(rest.get("model", BIPED))
-    options = TargetOptions("robot_side", "deploy", "", None, "out", joint_order=order)
+    options = target_options("deploy", name="robot_side", joint_order=order)
     return emit(resolve(spec, view), view, options)
 
 

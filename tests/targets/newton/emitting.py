@@ -15,9 +15,9 @@ from actspec.robot.load import listed_robot
 from actspec.robot.view import RobotView
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
-from actspec.targets.base import Approximation, Emission, TargetOptions
+from actspec.targets.base import Approximation, Emission
 from actspec.targets.newton.emit import emit
-from tests.compiling import MOTORS, spec_text, view_of
+from tests.compiling import MOTORS, spec_text, target_options, view_of
 
 LEG = """<mujoco model="leg">
   <compiler angle="radian"/>
@@ -143,7 +143,8 @@ def written(
 
 def emitted(actuators: ActuatorSet, view: RobotView, version: str = "1.8", **options: Any) -> Written:
     """Actuators, compiled."""
-    target = TargetOptions("newton", "newton", version, None, "out", **options)
+    options |= {"joint_paths": dict(options.get("joint_paths", ()))}
+    target = target_options("newton", version, **options)
     return Written(actuators, view, emit(actuators, view, target))
 
 

@@ -18,7 +18,7 @@ from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.randomization.emit import STACKS, emit
-from tests.compiling import view_of
+from tests.compiling import target_options, view_of
 from tests.fitting import spec_of
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -39,7 +39,7 @@ def compiled(text: str, *stacks: str, **options: Any) -> Emission:
     spec = validate(document_from_text(text, "s.yaml"))
     robot = listed_robot(spec)
     version = options.pop("version", "")
-    chosen = TargetOptions("dr", "randomization", version, None, "out", stacks=stacks, **options)
+    chosen = target_options("randomization", version, name="dr", for_=stacks, **options)
     return emit(resolve(spec, robot), robot, chosen)
 
 
@@ -272,7 +272,7 @@ def test_patterns_reach_the_drawn_joints_alone(stack: str, joints: str, more: st
                    else "name: leg, model: robot.xml")  # fmt: skip
     view = view_of((BALL % more).replace("&#10;", "_" if "toe_b" in joints else "&#10;"))
     actuators = resolve(validate(document_from_text(text, "s.yaml")), view)
-    module = emit(actuators, view, TargetOptions("dr", "randomization", "", None, "out", stacks=(stack,)))
+    module = emit(actuators, view, target_options("randomization", name="dr", for_=(stack,)))
     (names,) = (
         ast.literal_eval(keyword.value)
         for node in ast.walk(ast.parse(module.files[0].data))
@@ -391,7 +391,7 @@ def test_isaaclab_warns_of_implicit_gains_alone() -> None:
     """Gains of implicit groups go through the CPU: said where a sibling is implicit and draws them after the start."""
 
     def said(randomize: str, cls: str) -> bool:
-        other = TargetOptions("lab", "isaaclab", "2.3", None, "out", actuator_class=cls)
+        other = target_options("isaaclab", "2.3", name="lab", class_=cls)
         text = made(randomize, "isaaclab", siblings=(other,)).files[0].data.decode("utf-8")
         return "through the CPU" in text
 
@@ -465,9 +465,7 @@ def played(group: str, joint: str = "") -> Emission:
     text = spec_of(f"legs: {{joints: [hip], {group}}}", robot="name: leg, model: robot.xml")
     view = view_of(PLAYED % joint)
     actuators = resolve(validate(document_from_text(text, "s.yaml")), view)
-    return emit(
-        actuators, view, TargetOptions("dr", "randomization", "", None, "out", stacks=("playground",))
-    )
+    return emit(actuators, view, target_options("randomization", name="dr", for_=("playground",)))
 
 
 @pytest.mark.parametrize(
