@@ -13,12 +13,8 @@ from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
-<<<<<<< HEAD
-from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys
-=======
 from actspec.targets.isaaclab import dialect_for
-from actspec.verify.agreement import At, Row, Skip, keys
->>>>>>> a7728c6 (Imports follow)
+from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys
 from actspec.verify.engines.asking import EngineAnswer
 
 if TYPE_CHECKING:
