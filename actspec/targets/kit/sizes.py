@@ -46,7 +46,7 @@ def static_error(
     parts = np.arange(-GRID, GRID + 1) / GRID
     torques, speeds = np.meshgrid(half * parts, width * parts)
     q = np.full_like(torques, position)
-    command = command_for(law, torques, speeds, q)
+    command = command_for(law, torques, q, speeds)
     difference = np.abs(law.torque(command, q, speeds) - emitted(command, q, speeds))
     return float(difference.max())
 
