@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from actspec.audit.build import case_of
-from actspec.audit.dynamics import RobotDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.draft import Draft, draft
 from actspec.draft.combine import Combined, combine
 from actspec.draft.reading import read_robot_files
 from actspec.draft.sources import targets_of
+from actspec.readings.dynamics import RobotDynamics, dynamics_of
 from actspec.readings.versions import Versions
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
@@ -128,4 +128,5 @@ def dynamics(path: Path, *beside: Path, versions: Versions | None = None) -> Rob
     """What acts on the joints of the first robot of a file, a configuration's read on the joints of files beside it."""
     readings = read_files([str(path), *map(str, beside)], jobs=1)
     assert readings[0].readable, readings[0].reason
-    return dynamics_of(case_of(readings, versions or Versions(), {}), 0)
+    case = case_of(readings, versions or Versions(), {})
+    return dynamics_of(case.artifacts[0], case.rows_of(0))

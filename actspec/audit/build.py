@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 from actspec.readings.versions import Versions, meant_for
 
@@ -39,7 +39,7 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
     """A spec whose own robot could not be read, on another one."""
     if reading.kind is not FileKind.SPEC or reading.artifacts:
         return reading
-    from actspec.audit.spec_file import artifact_of, resolved_on
+    from actspec.audit.read import artifact_of, resolved_on
     from actspec.diagnostics import ActspecError
 
     for robot in (artifact.robot for other in readings for artifact in other.artifacts):
@@ -59,8 +59,8 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
 def _rows(
     artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
 ) -> tuple[LedgerRow, ...]:
-    from actspec.audit.rows.config import rows_of_config
-    from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
+    from actspec.readings.ledger import rows_of_robot, rows_of_spec
+    from actspec.readings.ledger_config import rows_of_config
 
     rows: list[LedgerRow] = []
     for index, artifact in enumerate(artifacts):

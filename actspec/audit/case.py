@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
-from actspec.audit.ledger import LedgerRow
 from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 from actspec.readings.versions import Versions, meant_for
 

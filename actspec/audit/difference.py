@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
-from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
+from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.readings.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.versions import Versions
 
@@ -104,7 +104,8 @@ def compare_files(
     case = case_of(readings, versions, {})
     before, after = ([i for i, a in enumerate(case.artifacts) if a.path == path] for path in (old, new))
     pairs = _pairs(case, before, after, robot, tuple((texts or {}).get(path, path) for path in (old, new)))
-    return tuple(compare_robots(dynamics_of(case, one), dynamics_of(case, other)) for one, other in pairs)
+    dynamics = [dynamics_of(artifact, case.rows_of(i)) for i, artifact in enumerate(case.artifacts)]
+    return tuple(compare_robots(dynamics[one], dynamics[other]) for one, other in pairs)
 
 
 def read_all(paths: Sequence[str], texts: Mapping[str, str]) -> tuple[FileReading, ...]:

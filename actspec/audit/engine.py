@@ -17,7 +17,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.globs import matches
 from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
-from actspec.audit.read import PendingFiles
+from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import selected, strength
@@ -26,6 +26,7 @@ from actspec.audit.unused import Looked, certainly_unused
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.fragments import without_fragments
+from actspec.readings.read import PendingFiles
 
 
 def audit(
@@ -46,7 +47,7 @@ def audit(
     Raises: AuditError: the baseline cannot be read.
     """
     if not isinstance(files, PendingFiles):
-        with PendingFiles(files) as pending:
+        with pending_files(files) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
     readings = without_fragments(files.finish(progress))
     case = case_of(readings, settings.versions, settings.options, spec)

@@ -16,11 +16,11 @@ from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, compare_robots
-from actspec.audit.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Span, shortened
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
 from actspec.readings.fields import FIELDS
 from actspec.readings.versions import Versions
 
@@ -46,7 +46,7 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
     files: dict[str, Any] = {}
     for index, artifact in enumerate(case.artifacts):
         robots = files.setdefault(names[artifact.path], {"kind": artifact.kind.value, "robots": {}})["robots"]
-        robots[artifact.name] = _robot(dynamics_of(case, index))
+        robots[artifact.name] = _robot(dynamics_of(artifact, case.rows_of(index)))
     versions = {
         field.name: value
         for field in fields(Versions)
@@ -80,7 +80,9 @@ def changes(
     for path, name in names.items():
         entry = lock["files"][name]
         kind = FileKind(entry["kind"])
-        now = {a.name: dynamics_of(case, i) for i, a in enumerate(case.artifacts) if a.path == path}
+        now = {
+            a.name: dynamics_of(a, case.rows_of(i)) for i, a in enumerate(case.artifacts) if a.path == path
+        }
         for robot in sorted({*entry["robots"], *now}):
             old = _dynamics(robot, name, kind, entry["robots"].get(robot))
             found.append(

@@ -1,260 +1,106 @@
-"""The files that the user named to what is in them. Nothing that is read is executed."""
+"""Files for the audit: as `readings` has them, specs loaded and fitted to the robots that they name."""
 
 from __future__ import annotations
 
 import os
-import re
-from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
-from actspec.diagnostics import ActspecError, Diagnostic, Severity, Span
-from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.processes import FaultError, LostError, Pool
-from actspec.readings.artifact import FileKind, FileReading
-from actspec.robot.view import ModelFile
-from actspec.spec.yaml_text import is_spec
-
-ROBOT = (".xml", ".urdf", ".mjcf")
-"""Endings of robot files; a file that is named may have any other."""
-PYTHON = (".py",)
-YAML = (".yaml", ".yml")
-
-MOST_YAML_BYTES = 8 * 1024 * 1024
-"""Chosen: the largest deploy file seen has 30 kB."""
-
-FAULT = "AUD008"
-"""Code of a file that was lost to a fault, and not for what is in it."""
-
-_ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
+from actspec.diagnostics import ActspecError
+from actspec.ir import ActuatorSet
+from actspec.readings import read
+from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.networks import networks_of
+from actspec.robot.view import RobotView
 
 
-@dataclass(frozen=True, slots=True)
-class NamedFile:
-    """A file to read.
+def resolved(path: str) -> ActuatorSet:
+    """What a spec means on its robot.
 
-    Attributes:
-        path: As the user named it, or below the folder that the user named.
-        folder: That folder; None when the file itself was named.
+    Args:
+        path: Of the spec.
+
+    Raises: SpecError, RobotError, ResolveError: with every error of the stage.
     """
+    from actspec.diagnostics import RobotError
+    from actspec.resolution import resolve
+    from actspec.robot.load import find_model, listed_robot, load_robot
+    from actspec.spec.validate import load_spec
 
-    path: str
-    folder: str | None = None
+    spec = load_spec(path)
+    model = spec.model.robot.model
+    if model == "none":
+        return resolve(spec, listed_robot(spec))
+    try:
+        robot = load_robot(find_model(model, os.path.dirname(path)))
+    except RobotError as err:
+        place = spec.span("robot", "model")
+        raise RobotError(
+            item if item.span is not None else replace(item, span=place) for item in err.diagnostics
+        ) from err
+    return resolve(spec, robot)
+
+
+def artifact_of(path: str, actuators: ActuatorSet) -> Artifact:
+    """A resolved spec as the audit has it, with what is known of its networks.
+
+    Args:
+        path: Of the spec.
+        actuators: What it means.
+    """
+    return Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators, networks=networks_of(actuators))
+
+
+def resolved_on(path: str, robot: RobotView) -> ActuatorSet:
+    """What a spec means on another robot than the one that it names.
+
+    Args:
+        path: Of the spec.
+        robot: That robot.
+
+    Raises: SpecError, ResolveError: the spec is wrong, or does not fit.
+    """
+    from actspec.resolution import resolve
+    from actspec.spec.validate import load_spec
+
+    return resolve(load_spec(path), robot)
+
+
+def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
+    """Read one file, here and now; see `readings.read.read_file`. A spec is resolved on its robot."""
+    reading = read.read_file(path, keep_matrices, refusal)
+    if reading.kind is not FileKind.SPEC:
+        return reading
+    from actspec.readings.robot_file import reason_of
+
+    try:
+        actuators = resolved(path)
+    except ActspecError as err:
+        return replace(reading, reason=reason_of(err.diagnostics, path), diagnostics=err.diagnostics)
+    return replace(reading, artifacts=(artifact_of(path, actuators),), diagnostics=actuators.diagnostics)
+
+
+def pending_files(
+    paths: Sequence[str],
+    *,
+    keep_matrices: bool | None = None,
+    skip_other: bool = False,
+    jobs: int | None = None,
+) -> read.PendingFiles:
+    """Begin to read files; see `readings.read.PendingFiles`. Specs are resolved."""
+    return read.PendingFiles(
+        paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=read_file
+    )
 
 
 def read_files(
     paths: Sequence[str],
     *,
     keep_matrices: bool | None = None,
-    skip_other: bool = False,
     jobs: int | None = None,
+    skip_other: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[FileReading, ...]:
-    """Read files; what cannot be read says why, and the others still are.
-
-    Files are read in other processes, so that a crash or an endless loop of MuJoCo loses only the file
-    that it was on, which is then read from its text.
-
-    Args:
-        paths: Files and folders, as the user names them. A folder stands for the files in it that have
-            something to audit; see `expand`.
-        keep_matrices: Keep the mass matrices of robot files, which rows of a configuration are made
-            from; default: where a file may be a configuration.
-        skip_other: Pass over named files that have nothing to audit, as over those in a folder.
-        jobs: Processes that read; default: one a core.
-        progress: Called with how many files are read, of how many.
-
-    Returns: One reading a file, in the order of the paths.
-    """
-    with PendingFiles(paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs) as pending:
+    """Read files and wait for them; the arguments are those of `PendingFiles` and its `finish`."""
+    with pending_files(paths, keep_matrices=keep_matrices, jobs=jobs, skip_other=skip_other) as pending:
         return pending.finish(progress)
-
-
-class PendingFiles:
-    """Files that are being read, so that the caller can do something else in the meantime."""
-
-    def __init__(
-        self,
-        paths: Sequence[str],
-        *,
-        keep_matrices: bool | None = None,
-        skip_other: bool = False,
-        jobs: int | None = None,
-    ) -> None:
-        """Begin to read.
-
-        Args:
-            paths: As in `read_files`, and so are the others.
-            keep_matrices: Likewise.
-            skip_other: Likewise.
-            jobs: Likewise.
-        """
-        self._paths = tuple(paths)
-        self._skip_other = skip_other
-        self._files = expand(paths, skip_other=skip_other)
-        if keep_matrices is None:
-            keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
-        self._tasks = [(file.path, keep_matrices) for file in self._files]
-        self._pool = Pool(read_file, self._tasks, jobs)
-
-    def __enter__(self) -> PendingFiles:
-        """The same."""
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        """Stop reading."""
-        self._pool.__exit__()
-
-    @property
-    def in_folders(self) -> frozenset[str]:
-        """Those that were found in a folder that was named."""
-        return frozenset(file.path for file in self._files if file.folder is not None)
-
-    def finish(self, progress: Callable[[int, int], None] | None = None) -> tuple[FileReading, ...]:
-        """Wait until all are read. A file that ended its process is read once more, from its text alone.
-
-        Args:
-            progress: As in `read_files`.
-
-        Returns: As of `read_files`.
-        """
-        found: dict[int, FileReading] = {}
-        again: dict[int, int] = {}
-        for task, answer in self._pool.results():
-            index = again.get(task, task)
-            path, keep_matrices = self._tasks[index]
-            if isinstance(answer, LostError):
-                if task == index and not isinstance(answer, FaultError):
-                    again[self._pool.add(path, keep_matrices, str(answer))] = index
-                    continue
-                answer = _lost(path, str(answer))
-            found[index] = answer
-            if progress is not None:
-                progress(len(found), len(self._files))
-        return tuple(_chosen(self._paths, self._files, found, self._skip_other))
-
-
-def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile, ...]:
-    """Put the files of a folder in its place: those with a known ending, by name, folders below it too.
-
-    Hidden files and folders are passed over, links to folders are not followed, and a file that was
-    there before is not taken again.
-
-    Args:
-        paths: Files and folders, as the user names them.
-        skip_other: Pass over named files with another ending too.
-    """
-    found: dict[str, NamedFile] = {}
-    for path in paths:
-        if not os.path.isdir(path):
-            if not skip_other or _has_known_ending(path) or not os.path.exists(path):
-                found.setdefault(path, NamedFile(path))
-            continue
-        for folder, folders, names in os.walk(path):
-            folders[:] = sorted(name for name in folders if not name.startswith("."))
-            for name in sorted(names):
-                if _has_known_ending(name) and not name.startswith("."):
-                    full = os.path.join(folder, name)
-                    found.setdefault(full, NamedFile(full, path))
-    return tuple(found.values())
-
-
-def _has_known_ending(path: str) -> bool:
-    return path.lower().endswith((*ROBOT, *PYTHON, *YAML))
-
-
-def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
-    """Read one file, here and now, as what its name and content say that it is.
-
-    Args:
-        path: As the user named it.
-        keep_matrices: As in `readings.robot_file.read_robot`.
-        refusal: Likewise; set when a process ended on the file.
-    """
-    lower = path.lower()
-    if lower.endswith(PYTHON):
-        from actspec.readings.python.read import read_python
-
-        return read_python(path)
-    if lower.endswith(YAML):
-        return _read_yaml(path)
-    from actspec.readings.robot_file import read_robot
-
-    return read_robot(path, keep_matrices=keep_matrices, refusal=refusal)
-
-
-def _lost(path: str, reason: str) -> FileReading:
-    """A file that would perhaps have been read, but for a fault; that is told wherever the file was found."""
-    fault = Diagnostic(FAULT, Severity.ERROR, f"the file cannot be read: {reason}", "", Span(path))
-    return FileReading(path, None, reason, diagnostics=(fault,))
-
-
-def _chosen(
-    paths: Sequence[str], files: Sequence[NamedFile], found: dict[int, FileReading], skip_other: bool
-) -> list[FileReading]:
-    """The readings without files that have nothing to do with actuators and that nobody named."""
-    chosen = []
-    told = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
-    empty = {path for path in paths if os.path.isdir(path)} - told
-    seen = Counter(file.folder for file in files)
-    for index, file in enumerate(files):
-        # A file that is not there was named by somebody.
-        named = file.folder is None and not (skip_other and os.path.exists(file.path))
-        if named or _concerns(found[index]):
-            chosen.append(found[index])
-    for path in dict.fromkeys(paths):
-        if path in empty:
-            chosen.append(_nothing_in(path, seen[path]))
-    return chosen
-
-
-def _nothing_in(folder: str, count: int) -> FileReading:
-    """A folder without anything to audit, of which that is said in place of that it cannot be read."""
-    endings = ", ".join((*ROBOT, *PYTHON, *YAML))
-    reason = f"it has no file that ends in {endings}"
-    if count:
-        files = "file that ends" if count == 1 else "files that end"
-        reason = (
-            f"of its {count} {files} in {endings} none is a robot file, configuration, deploy file or spec"
-        )
-    message = f"nothing to audit in this folder: {reason}"
-    help = "links to folders are not followed and hidden folders are passed over; name those"
-    told = Diagnostic("AUD014", Severity.ERROR, message, "", Span(folder), help)
-    return FileReading(folder, None, f"nothing to audit: {reason}", diagnostics=(told,))
-
-
-def _concerns(reading: FileReading) -> bool:
-    """Whether a file that was found in a folder has something to audit, or would have if it could be read."""
-    if reading.artifacts or reading.kind in (FileKind.MJCF, FileKind.URDF, FileKind.SPEC):
-        return True
-    if any(item.code == FAULT for item in reading.diagnostics):
-        return True
-    return reading.kind is None and any(_ROBOT_ROOT.search(file.data) for file in reading.files)
-
-
-def _read_yaml(path: str) -> FileReading:
-    """A spec by its key, else a deploy file."""
-    try:
-        data = read_regular(path, MOST_YAML_BYTES)
-    except NotRegular as err:
-        return FileReading(path, None, f"it is {err}")
-    except TooLarge:
-        return FileReading(path, None, f"it is larger than {MOST_YAML_BYTES >> 20} MiB")
-    except (OSError, ValueError) as err:
-        return FileReading(path, None, (getattr(err, "strerror", None) or "bad path").lower())
-    if not is_spec(data):
-        from actspec.readings.deploy import read_deploy
-
-        return read_deploy(path)
-    from actspec.audit.spec_file import artifact_of, resolved
-    from actspec.readings.robot_file import reason_of
-
-    files = (ModelFile(path, "", data),)
-    try:
-        actuators = resolved(path)
-    except ActspecError as err:
-        reason = reason_of(err.diagnostics, path)
-        return FileReading(path, FileKind.SPEC, reason, (), files, err.diagnostics)
-    return FileReading(
-        path, FileKind.SPEC, None, (artifact_of(path, actuators),), files, actuators.diagnostics
-    )

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 
-from actspec.audit.read import PendingFiles
+from actspec.audit.read import pending_files
 from actspec.cli.options import add_versions, describe
+from actspec.readings.read import PendingFiles
 from actspec.report import FORMATS
 
 CONFIDENCES = ("low", "medium", "high")
@@ -92,7 +93,7 @@ def _begin(arguments: argparse.Namespace) -> PendingFiles:
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
     # Without threads of numpy's linear algebra this process can be forked; it needs none.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    return PendingFiles(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)
+    return pending_files(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)
 
 
 def _codes(text: str) -> list[str]:

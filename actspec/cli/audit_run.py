@@ -11,7 +11,6 @@ from dataclasses import replace
 from actspec.audit.engine import audit
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
-from actspec.audit.read import PendingFiles
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
@@ -30,6 +29,7 @@ from actspec.diagnostics import (
 )
 from actspec.files import replace_file
 from actspec.readings.artifact import FileKind
+from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, render, renderer
 from actspec.report.terminal import Progress, print_diagnostics, style_of
 

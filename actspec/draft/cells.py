@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeGuard
 
-from actspec.audit.rules.reductions import LEAST
 from actspec.diagnostics import listed
 from actspec.draft.names import body_part
 from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of, rows_of
@@ -15,6 +14,7 @@ from actspec.draft.sources import stated
 from actspec.draft.text import figure
 from actspec.ir import JointActuator, JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import LEAST_REDUCTION
 
 SAME_POWER = 0.005
 """Relative difference up to which two products of effort and speed are one motor's. Chosen: a quarter of what the
@@ -223,7 +223,7 @@ def _same_motor(cell: Cell, base: Cell, source: str, above: Mapping[str, frozens
         return False
     effort, speed = cell.limits[source]
     least, fastest = base.limits[source]
-    if effort < LEAST * least or abs(effort * speed / (least * fastest) - 1.0) > SAME_POWER:
+    if effort < LEAST_REDUCTION * least or abs(effort * speed / (least * fastest) - 1.0) > SAME_POWER:
         return False
     return one_limb(cell, base, above)
 

@@ -12,14 +12,11 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.audit.case import Case
-from actspec.audit.rules.reductions import joints_above
 from actspec.draft.sources import Reading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
 from actspec.lift.lifted import LeftAlone
 from actspec.readings.artifact import FileKind, Framework
-from actspec.readings.pair import Robot
-from actspec.robot.view import RobotView
+from actspec.robot.view import RobotView, joints_above
 
 SAME = 1e-3
 """Relative difference up to which two files give one figure. Chosen: 0.7854 and pi/4 are one number; 23.5 and
@@ -216,10 +213,8 @@ def _view(reading: Reading) -> RobotView | None:
 
 def _above(reading: Reading) -> dict[str, frozenset[str]]:
     """Each joint of a robot file with those between it and the base."""
-    artifact = reading.lifted.artifact
-    if artifact is None:
-        return {}
-    return joints_above(Case((), (artifact,), (), ()), Robot(artifact.name, (0,)))
+    robot = _view(reading)
+    return {} if robot is None else joints_above((robot,))
 
 
 def _left_alone(

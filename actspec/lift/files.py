@@ -19,7 +19,7 @@ def lift(
     versions: Versions | None = None,
     physics_dt: float | None = None,
 ) -> Lifted:
-    """What one robot's description in one file says of its actuators; a spec says what it resolves to.
+    """What one robot's description in one file says of its actuators.
 
     Args:
         artifact: As a reader of the audit gives it.
@@ -30,8 +30,6 @@ def lift(
     if artifact.robot is not None:
         found = lift_robot(artifact.robot)
         return Lifted(found.actuators, found.left_alone, found.notes, artifact)
-    if artifact.spec is not None:
-        return Lifted(artifact.spec, artifact=artifact)
     return lift_config(artifact, joints, versions=versions, physics_dt=physics_dt)
 
 
@@ -45,10 +43,11 @@ def lift_files(paths: Sequence[str], *, versions: Versions | None = None) -> Lif
         paths: Files and folders, as the user names them.
         versions: What configurations are written for; None: nobody says.
     """
-    from actspec.audit.read import read_files
     from actspec.readings.pair import pair
+    from actspec.readings.read import PendingFiles
 
-    readings = read_files(paths, keep_matrices=False)
+    with PendingFiles(paths, keep_matrices=False) as pending:
+        readings = pending.finish()
     artifacts = tuple(artifact for reading in readings for artifact in reading.artifacts)
     robots = tuple(
         LiftedRobot(robot.name, _parts([artifacts[index] for index in robot.artifacts], versions))
@@ -71,7 +70,7 @@ def _parts(artifacts: Sequence[Artifact], versions: Versions | None) -> tuple[Li
 
 def _joints_for(artifact: Artifact, partners: Sequence[Artifact]) -> Sequence[JointView | str] | None:
     """The joints of the best robot file, else those that another file names; None: no file does."""
-    from actspec.audit.rows.config import models_of
+    from actspec.readings.config_figures import models_of
     from actspec.readings.pair import joint_names
 
     config = artifact.config

@@ -28,6 +28,9 @@ SAME_POWER = 0.02
 """Largest part by which the product of torque and speed of one motor behind two gears differs. Chosen: limits are
 rounded to three digits; those of the G1 and Go2 agree to 0.4 %."""
 
+LEAST_REDUCTION = 1.1
+"""Ratio from which a reduction is distinguished from rounding. Chosen: the least published one is 1.26 (Aliengo)."""
+
 DEGREES = 180.0 / math.pi
 RPM = 30.0 / math.pi
 TURN = 2.0 * math.pi

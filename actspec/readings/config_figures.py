@@ -6,12 +6,13 @@ legged_gym's `_compute_torques`; measured.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
-from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
-from actspec.readings.pair import matching
+from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_is_torque
 
 FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
@@ -86,6 +87,36 @@ def selected(config: RobotConfig, group: ActuatorGroup, named: Sequence[str] | N
             for joint in matching(config.framework, pattern, named):
                 found.setdefault(joint, pattern)
     return list(found.items())
+
+
+def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifact]:
+    """The robot files among partners, the one first that a configuration is for.
+
+    That is the one that it names, else that in which it selects the most, an MJCF and then the first of equals.
+
+    Args:
+        config: The configuration.
+        partners: Artifacts of the same robot.
+    """
+    return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
+
+
+def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
+    """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
+
+    Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
+    """
+    named = config.settings.get("model")
+    text = named.value if named is not None and isinstance(named.value, str) else ""
+    stem = os.path.splitext(os.path.basename(text))[0]
+
+    def key(model: Artifact) -> tuple[bool, int, bool]:
+        joints = joint_names(model) or ()
+        most = sum(len(selected(config, group, joints)) for group in config.groups)
+        other = os.path.splitext(os.path.basename(model.path))[0] != stem
+        return other, -most, model.kind is not FileKind.MJCF
+
+    return key
 
 
 def control_of(framework: Framework, *classes: str) -> str:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from typing import Any
 
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.outcome import Report, Reported
 from actspec.diagnostics import one_line
 from actspec.readings.artifact import FileReading
+from actspec.readings.ledger import LedgerRow
 from actspec.report import ReportOptions
 from actspec.report.ledger import JSON_FIELDS, JSON_FLAGS
 from actspec.report.terminal import diagnostic_record, json_number

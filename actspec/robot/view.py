@@ -7,7 +7,7 @@ target can edit the author's text without going back to the disk.
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING
@@ -306,3 +306,17 @@ def isaac_order(robot: RobotView, wanted: Sequence[str]) -> tuple[str, ...] | No
     kept = set(wanted)
     order = tuple(name for name in found if name in kept)
     return order if len(order) == len(kept) else None
+
+
+def joints_above(robots: Iterable[RobotView]) -> dict[str, frozenset[str]]:
+    """Each joint with those between it and the base, as the first of the robot's files that has it says."""
+    found: dict[str, frozenset[str]] = {}
+    for robot in robots:
+        parents = {joint.name: joint.parent for joint in robot.joints}
+        for name, parent in parents.items():
+            chain: list[str] = []
+            while parent in parents and parent not in chain:
+                chain.append(parent)
+                parent = parents[parent]
+            found.setdefault(name, frozenset(chain))
+    return found

@@ -7,10 +7,10 @@ import os
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from actspec.audit.dynamics import SETTING_NOUNS
 from actspec.diagnostics import one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet
+from actspec.readings.dynamics import SETTING_NOUNS
 from actspec.units import format_quantity
 from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.readback import FileFigures

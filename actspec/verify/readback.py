@@ -6,12 +6,6 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.audit.case import Case
-from actspec.audit.dynamics import JointDynamics, dynamics_of
-from actspec.audit.ledger import LedgerRow
-from actspec.audit.read import read_files
-from actspec.audit.rows.config import rows_of_config
-from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
 from actspec.diagnostics import ActspecError, Collector, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
@@ -27,8 +21,12 @@ from actspec.readings.artifact import (
     RandomizedRange,
 )
 from actspec.readings.compare import Figure
+from actspec.readings.dynamics import JointDynamics, dynamics_of
 from actspec.readings.fields import is_placeholder, unit_of
-from actspec.readings.pair import Robot, matching
+from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
+from actspec.readings.ledger_config import rows_of_config
+from actspec.readings.pair import matching
+from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions, friction_is_torque
 from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
@@ -113,7 +111,10 @@ def read_back(asked: Sequence[Asked], actuators: ActuatorSet, robot: RobotView) 
     Returns: One reading for each, in their order.
     """
     paths = list(dict.fromkeys(one.path for one in asked))
-    found = {reading.path: reading for reading in read_files(paths)} if paths else {}
+    found = {}
+    if paths:
+        with PendingFiles(paths) as pending:
+            found = {reading.path: reading for reading in pending.finish()}
     return tuple(_reading(found[one.path], one.options, actuators, robot) for one in asked)
 
 
@@ -125,8 +126,7 @@ def spec_figures(actuators: ActuatorSet, path: str) -> Figures:
         path: Of the spec, for places.
     """
     artifact = Artifact(path, FileKind.SPEC, actuators.robot, spec=actuators)
-    case = _case((artifact,), rows_of_spec(artifact, 0), Versions())
-    dynamics = dynamics_of(case, 0)
+    dynamics = dynamics_of(artifact, rows_of_spec(artifact, 0))
     found = {}
     for actuator in actuators.joints:
         figures = dict(dynamics.joints[actuator.joint].figures)
@@ -175,7 +175,7 @@ def _reading(
             if artifact.robot is not None
             else rows_of_config(artifact, 0, partners, versions)
         )
-        dynamics = dynamics_of(_case((artifact,), rows, versions), 0)
+        dynamics = dynamics_of(artifact, rows)
         figures, raw = {}, {}
         for name, joint in dynamics.joints.items():
             own = [row for row in rows if row.joint == name]
@@ -209,10 +209,6 @@ def versions_of(options: TargetOptions) -> Versions:
         dialect = dialect_for(options)
         return Versions(isaaclab=options.version, isaac_sim=dialect.sim_text, backend=dialect.backend)
     return Versions()
-
-
-def _case(artifacts: tuple[Artifact, ...], rows: tuple[LedgerRow, ...], versions: Versions) -> Case:
-    return Case((), artifacts, rows, (Robot("", tuple(range(len(artifacts)))),), versions)
 
 
 def _complete(

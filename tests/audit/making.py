@@ -7,10 +7,10 @@ from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 from actspec.robot.view import ModelFile
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.build import case_of
-from actspec.audit.dynamics import RobotDynamics, dynamics_of, figure
 from actspec.audit.read import read_files
+from actspec.readings.dynamics import RobotDynamics, dynamics_of, figure
 from actspec.readings.versions import Versions
 from tests.audit.making import row
 from tests.audit.robots import CFG, LEG, SPEC
@@ -19,7 +19,7 @@ def dynamics(tmp_path: Path, name: str, text: str) -> RobotDynamics:
     (tmp_path / "leg.xml").write_text(LEG)
     (tmp_path / name).write_text(text)
     case = case_of(read_files([str(tmp_path / name)]), Versions(), {})
-    return dynamics_of(case, 0)
+    return dynamics_of(case.artifacts[0], case.rows_of(0))
 
 
 def test_actuators_of_a_joint_add_up() -> None:

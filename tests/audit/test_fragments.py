@@ -8,7 +8,7 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.outcome import Report
-from actspec.audit.read import PendingFiles
+from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 
 MAIN = """<mujoco>
@@ -29,7 +29,7 @@ def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 def audited(*paths: str) -> Report:
     """The report on files."""
-    with PendingFiles(paths) as pending:
+    with pending_files(paths) as pending:
         return audit(pending, Settings(select=("LIM101",)))
 
 

@@ -11,8 +11,9 @@ from pathlib import Path
 
 import pytest
 
-from actspec.audit.read import PendingFiles, expand, read_file, read_files
+from actspec.audit.read import pending_files, read_file, read_files
 from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.read import expand
 
 GOOD = """<mujoco><worldbody><body><joint name="j"/><geom size="1"/></body></worldbody>
 <actuator><motor joint="j" gear="2"/></actuator></mujoco>"""
@@ -119,7 +120,7 @@ def test_reading_can_be_given_up() -> None:
     from multiprocessing import active_children
 
     Path("m.xml").write_text(GOOD)
-    with PendingFiles(["m.xml"]):
+    with pending_files(["m.xml"]):
         assert active_children()
     assert not active_children()
 
@@ -263,7 +264,7 @@ def dies(path: str, keep_matrices: bool = False, refusal: str | None = None) -> 
 @pytest.mark.parametrize("jobs", [1, 2], ids=["one-job", "two-jobs"])
 def test_a_crash_loses_only_its_file(jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is read once more with the reason, a file of which that is the end too is lost; a fault is not tried again."""
-    monkeypatch.setattr("actspec.audit.read.read_file", dies)
+    monkeypatch.setattr("actspec.readings.read.read_file", dies)
     paths = ["a.xml", "crash.xml", "b.xml", "always.xml", "fault.xml", "c.xml"]
     seen: list[int] = []
     found = read_files(paths, jobs=jobs, progress=lambda done, of: seen.append(done))
@@ -290,7 +291,7 @@ def breaks(*_: object) -> FileReading:
 @pytest.mark.parametrize("skip_other", [False, True], ids=["folder", "skip-other"])
 def test_a_fault_is_never_passed_over(skip_other: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """A file that was lost to a fault is told, where files without anything to audit would not be."""
-    monkeypatch.setattr("actspec.audit.read.read_file", breaks)
+    monkeypatch.setattr("actspec.readings.read.read_file", breaks)
     Path("d").mkdir()
     Path("d/leg.xml").write_text(GOOD)
     (found,) = read_files(["d/leg.xml" if skip_other else "d"], skip_other=skip_other)

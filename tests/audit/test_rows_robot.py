@@ -11,11 +11,10 @@ import mujoco
 import numpy as np
 import pytest
 
-from actspec.audit.ledger import LedgerRow
-from actspec.audit.rows.robot import rows_of_robot, rows_of_spec
 from actspec.diagnostics import RobotError
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
 from actspec.readings.robot_file import read_robot
 from actspec.robot.mjspec import compile_spec, open_spec, quiet
 from actspec.robot.view import ModelFormat

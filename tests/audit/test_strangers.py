@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.engine import audit
-from actspec.audit.read import PendingFiles
+from actspec.audit.read import pending_files
 from actspec.audit.settings import Settings
 
 MODEL = """<mujoco model="biped">
@@ -34,7 +34,7 @@ def test_another_name(
     monkeypatch.chdir(tmp_path)
     Path("biped.xml").write_text(MODEL)
     Path(name).write_text(DEPLOY.format(joints))
-    with PendingFiles(("biped.xml", name)) as pending:
+    with pending_files(("biped.xml", name)) as pending:
         report = audit(pending, Settings(select=("SRC103",)))
     found = [str(item).partition("\n")[0] for item in report.for_people()]
     message = (

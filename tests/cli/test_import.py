@@ -150,7 +150,7 @@ def mjcf(joints: str) -> str:
         ({"a.urdf": "<robot name='r'><link name='l'/></robot>"}, "DRF001", "nothing"),
         ({"a.py": "import os\nos.system('touch ran')\n"}, "DRF004", "no actuators"),
         ({"a.py": "CFG = (\n"}, "DRF004", "cannot be read"),
-        ({"a.yaml": "actspec: 1\n"}, "SPEC104", "a.yaml:1"),
+        ({"a.yaml": "actspec: 1\n"}, "DRF005", "is a spec already"),
         ({"a.yaml": "a: 1\n"}, "DRF004", "cannot be read"),
         ({"a.txt": "\x00\x01"}, "ROBOT003", "a.txt:1"),
         ({}, "DRF004", "there is no such file"),

@@ -15,9 +15,9 @@ from pathlib import Path
 import pytest
 
 from actspec import api
-from actspec.audit.dynamics import JointDynamics
 from actspec.diagnostics import ActspecError, Severity
 from actspec.ir import JointKind
+from actspec.readings.dynamics import JointDynamics
 from actspec.readings.joint import read_joint
 from actspec.resolution.model_values import finite_limit
 from actspec.robot.load import load_robot

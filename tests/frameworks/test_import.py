@@ -13,11 +13,11 @@ import pytest
 
 from actspec import api
 from actspec.audit.build import case_of
-from actspec.audit.dynamics import JointDynamics, RobotDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.diagnostics import ActspecError
 from actspec.ir import Level
 from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.dynamics import JointDynamics, RobotDynamics, dynamics_of
 from actspec.readings.python.read import read_python
 from actspec.readings.versions import Versions
 from tests.frameworks.prepare import Frameworks
@@ -92,7 +92,7 @@ def read_back(path: Path, model: Path, name: str | None = None) -> RobotDynamics
         for index, artifact in enumerate(case.artifacts)
         if artifact.config is not None and artifact.config.groups and name in (None, artifact.name)
     ]
-    return dynamics_of(case, found[0])
+    return dynamics_of(case.artifacts[found[0]], case.rows_of(found[0]))
 
 
 def apart(old: JointDynamics, new: JointDynamics) -> list[str]:

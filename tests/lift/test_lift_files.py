@@ -26,15 +26,16 @@ class LegEnvCfg(ManagerBasedRLEnvCfg):
 
 
 def test_parts_of_one_robot(tmp_path: Path) -> None:
-    """A cfg gets its joints from the MJCF and its step from the environment; a spec is what it resolves to."""
+    """A cfg gets its joints from the MJCF and its step from the environment; a spec is not read for that."""
     files = {"leg.xml": LEG, "leg_cfg.py": CFG, "leg_env_cfg.py": ENV, "leg.yaml": SPEC}
     for name, text in files.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
     found = lift_files([str(tmp_path / name) for name in files])
     (robot,) = found.robots
     kinds = [part.artifact.kind for part in robot.parts if part.artifact is not None]
-    assert kinds == [FileKind.MJCF, FileKind.CFG, FileKind.CFG, FileKind.SPEC]
-    model, cfg, env, spec = robot.parts
+    assert kinds == [FileKind.MJCF, FileKind.CFG, FileKind.CFG]
+    assert [reading.kind for reading in found.readings][-1] is FileKind.SPEC
+    model, cfg, env = robot.parts
     for part in robot.parts:
         assert [actuator.joint for actuator in part.actuators.joints] == ["hip", "knee"]
     hip = cfg.actuators.joints[0]
@@ -42,7 +43,6 @@ def test_parts_of_one_robot(tmp_path: Path) -> None:
     assert hip.delay is not None and hip.delay.nominal.value == 0.01  # 2 x 5 ms
     assert hip.position_range is not None
     assert env.actuators.physics_dt.value == 0.005
-    assert spec.actuators.joints[0].group == "legs"
     assert model.actuators.joints[0].effort_limit.value == 30.0
 
 

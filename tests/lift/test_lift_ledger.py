@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.build import case_of
-from actspec.audit.dynamics import JointDynamics, dynamics_of
 from actspec.audit.read import read_files
 from actspec.ir import JointActuator, Quantity
 from actspec.lift import lift
+from actspec.readings.dynamics import JointDynamics, dynamics_of
 from actspec.readings.versions import Versions
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).resolve().parents[3] / "shared" / "corpus"))
@@ -46,7 +46,7 @@ def test_lifted_figures_are_the_ledgers() -> None:
     for index, artifact in enumerate(case.artifacts):
         if artifact.robot is None:
             continue
-        dynamics = dynamics_of(case, index)
+        dynamics = dynamics_of(case.artifacts[index], case.rows_of(index))
         for actuator in lift(artifact).actuators.joints:
             found = dynamics.joints[actuator.joint]
             compared += 1

@@ -10,12 +10,12 @@ import mujoco
 import numpy as np
 import pytest
 
-from actspec.audit.rows.robot import rows_of_robot
 from actspec.diagnostics import EmitError
 from actspec.ir import JointActuator
 from actspec.lift import lift_robot
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.joint import read_joint
+from actspec.readings.ledger import rows_of_robot
 from tests.compiling import Compiled, compile_text, view_of
 from tests.importing import imported
 

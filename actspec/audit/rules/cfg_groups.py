@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from os.path import basename, splitext
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
 
 FRAMEWORKS = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}

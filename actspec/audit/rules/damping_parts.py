@@ -7,9 +7,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules.partners import partner_rows
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 INTENT = (FileKind.CFG, FileKind.SPEC)
 

@@ -7,13 +7,13 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 
 class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):

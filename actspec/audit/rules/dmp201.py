@@ -4,12 +4,12 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import figure
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.source_rule import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints
 from actspec.diagnostics import Severity
+from actspec.readings.dynamics import figure
 
 
 class DampingCountedTwice(RuleOver[SpecJoint]):

@@ -5,12 +5,12 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.randomized import DEVIATIONS, ends, nominal, ranges, rows_in, written
 from actspec.diagnostics import Severity
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import RandomizedRange
+from actspec.readings.ledger import LedgerRow
 from actspec.units import format_quantity
 
 _Subject = tuple[RandomizedRange, LedgerRow, Quantity, float | None]

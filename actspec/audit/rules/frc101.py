@@ -5,12 +5,12 @@ from os.path import basename
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, limiting_row
 from actspec.diagnostics import Severity
+from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
 

@@ -7,13 +7,13 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind, Framework, Setting
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, isaaclab_row
 from actspec.simulators.isaaclab import FrictionUnit as SolverUnit
 

@@ -4,12 +4,12 @@ from collections.abc import Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.cfg_groups import groups_of
 from actspec.audit.rules.joint_units import friction_unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
 
 _Subject = tuple[Versions, LedgerRow, Setting, Setting, float, float]

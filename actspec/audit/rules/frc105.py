@@ -4,10 +4,10 @@ from collections.abc import Iterator, Sequence
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 
 _Subject = tuple[Robot, list[LedgerRow], list[LedgerRow], set[str], LedgerRow]

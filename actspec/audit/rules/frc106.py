@@ -5,13 +5,13 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, limiting_row, partner_rows, top_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float, float]
 

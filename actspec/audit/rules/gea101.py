@@ -12,7 +12,7 @@ from actspec.audit.rules.reductions import (
     Figures,
     Reduction,
     figures,
-    joints_above,
+    limbs_of,
     reductions,
     same,
     states_speed,
@@ -38,7 +38,7 @@ class HiddenGear(RuleInParts):
         for robot in case.robots:
             if not states_speed(known, robot):
                 continue
-            above = joints_above(case, robot)
+            above = limbs_of(case, robot)
             # Several files may have the same reduction: one of them is enough.
             seen: set[tuple[int, str, float]] = set()
             for reference in robot.artifacts:

@@ -8,7 +8,7 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint, partner_rows
-from actspec.audit.rules.reductions import figures, joints_above, reductions, same, states_speed
+from actspec.audit.rules.reductions import figures, limbs_of, reductions, same, states_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
@@ -68,7 +68,7 @@ class NotGearSquared(RuleInParts):
         for robot in case.robots:
             if not states_speed(known, robot):
                 continue
-            above = joints_above(case, robot)
+            above = limbs_of(case, robot)
             for reference in robot.artifacts:
                 found = list(reductions(known.get(reference, {}), above))
                 for other in robot.artifacts:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from actspec.audit.ledger import LedgerRow
 from actspec.readings.fields import unit_of
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
 from actspec.units import format_quantity
 

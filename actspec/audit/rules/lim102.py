@@ -6,10 +6,10 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity
+from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, str, float]
 

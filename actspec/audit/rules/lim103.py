@@ -5,12 +5,12 @@ from collections.abc import Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import Rule
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joint_units import unit
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import numbers
 
 

@@ -5,13 +5,13 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, LedgerRow, str, Quantity, str, float, float]
 

@@ -7,12 +7,12 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.ledger import LedgerRow
 
 
 class SetpointsClipped(RuleOver[list["_Clipped"]]):

@@ -7,8 +7,8 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 
 def partner_rows(case: Case, row: LedgerRow, *kinds: FileKind) -> Iterator[LedgerRow]:

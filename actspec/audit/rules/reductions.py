@@ -7,17 +7,16 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules.partners import by_joint
 from actspec.ir import JointKind
+from actspec.readings.compare import LEAST_REDUCTION
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
+from actspec.robot import view
 
 SAME_POWER = 0.02
 """Relative difference up to which two products are one. Source: published pairs of one motor behind two gears (Unitree
 A2, Aliengo, Go1, Go2, G1 and H2) are within 1.3 %; B2 and H1, whose knees are other motors, 2.6 % and 8.7 % apart."""
-
-LEAST = 1.1
-"""Ratio from which a reduction is told from rounding. Chosen: the least published one is 1.26 (Aliengo)."""
 
 SAME = 0.05
 """Relative difference up to which two files give a joint the same figure. Chosen: 23.5 and 23.7 N*m are one motor."""
@@ -75,7 +74,7 @@ def reductions(joints: Mapping[str, Figures], above: Mapping[str, frozenset[str]
 
     Args:
         joints: Of one artifact, in its order.
-        above: From `joints_above`; empty: nobody knows the limbs.
+        above: From `limbs_of`; empty: nobody knows the limbs.
     """
     fast = [(name, joint) for name, joint in joints.items() if joint.speed is not None]
     for name, joint in fast:
@@ -99,27 +98,17 @@ def states_speed(known: Mapping[int, Mapping[str, Figures]], robot: Robot) -> bo
     )
 
 
-def joints_above(case: Case, robot: Robot) -> dict[str, frozenset[str]]:
+def limbs_of(case: Case, robot: Robot) -> dict[str, frozenset[str]]:
     """Each joint of a robot with those between it and the base, as its models have them.
 
     An ankle and an elbow of the same power may have two motors; joints of one limb seldom do.
     """
-    found: dict[str, frozenset[str]] = {}
-    for index in robot.artifacts:
-        view = case.artifacts[index].robot
-        parents = {} if view is None else {joint.name: joint.parent for joint in view.joints}
-        for name in parents:
-            chain: list[str] = []
-            parent = parents[name]
-            while parent in parents and parent not in chain:
-                chain.append(parent)
-                parent = parents[parent]
-            found.setdefault(name, frozenset(chain))
-    return found
+    views = (case.artifacts[index].robot for index in robot.artifacts)
+    return view.joints_above(one for one in views if one is not None)
 
 
 def _ratio(joint: Figures, base: Figures) -> float | None:
-    if joint.speed is None or base.speed is None or joint.effort < LEAST * base.effort:
+    if joint.speed is None or base.speed is None or joint.effort < LEAST_REDUCTION * base.effort:
         return None
     power = joint.effort * joint.speed / (base.effort * base.speed)
     return joint.effort / base.effort if abs(power - 1.0) <= SAME_POWER else None

@@ -9,12 +9,12 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import figure
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules.reductions import SAME_POWER
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.dynamics import figure
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot, joint_names
 
 PLACEHOLDER = 1e5

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import settings_of
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.dynamics import settings_of
 from actspec.units import format_quantity
 
 _NAMES = {"control_dt": "control period", "physics_dt": "physics step"}

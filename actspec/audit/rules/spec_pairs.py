@@ -8,9 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import figure, friction_setting
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
@@ -18,7 +16,9 @@ from actspec.diagnostics import Severity
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.dynamics import figure, friction_setting
 from actspec.readings.fields import FIELDS
+from actspec.readings.ledger import LedgerRow
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1

@@ -4,11 +4,11 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.dynamics import settings_of
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.dynamics import settings_of
 
 
 class Timing(RuleInParts):

@@ -9,11 +9,11 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
+from actspec.readings.ledger import LedgerRow
 from actspec.units import format_quantity
 
 _SIDES = (

@@ -6,7 +6,6 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joint_units import shown
@@ -14,6 +13,7 @@ from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
 

@@ -6,13 +6,13 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown
 from actspec.audit.rules.partners import by_joint, partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 
 
 class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):

@@ -7,12 +7,12 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
+from actspec.readings.ledger import LedgerRow
 
 _DEGREES = 180.0 / math.pi
 

@@ -6,12 +6,12 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.ledger import LedgerRow
 
 _RPM = 30.0 / math.pi
 

@@ -11,9 +11,9 @@ import jsonschema
 import pytest
 from lxml import etree
 
-from actspec.audit.ledger import CONTROLS, LedgerRow
 from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity
+from actspec.readings.ledger import CONTROLS, LedgerRow
 from actspec.report import ReportOptions, render
 from actspec.report.ledger import COLUMNS, JSON_FIELDS, JSON_FLAGS
 from actspec.report.sarif import location

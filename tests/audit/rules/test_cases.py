@@ -50,7 +50,7 @@ from actspec.audit.finding import Safety
 from actspec.audit.fix import apply_fixes
 from actspec.audit.outcome import Report, Reported
 from actspec.audit.pages import FAMILIES, family
-from actspec.audit.read import PendingFiles
+from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule, sections
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.settings import Settings
@@ -123,7 +123,7 @@ def run(
         select=select, versions=Versions(**(versions or {})), options={rule.code: options or {}}
     )
     named = named or [file for file in files if not file.endswith(".json")]
-    with PendingFiles(named, jobs=1) as pending:
+    with pending_files(named, jobs=1) as pending:
         report = audit(pending, settings)
     for file in report.case.files:
         assert file.readable, f"{file.path}: {file.reason}"

@@ -7,12 +7,12 @@ from dataclasses import replace
 from itertools import combinations
 
 from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.audit.rules import mujoco_features
 from actspec.audit.rules.partners import by_joint, joint_pairs, partner_rows, shared_joints
 from actspec.audit.rules.source_pairs import disagreements
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 
 

@@ -10,14 +10,13 @@ import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from actspec.audit.case import Case
-from actspec.audit.ledger import LedgerRow
 from actspec.diagnostics import Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure
 from actspec.readings.fields import FIELDS, Role, unit_of
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
 
@@ -82,16 +81,15 @@ class RobotDynamics:
     settings: Mapping[str, float | str] = field(default_factory=dict)
 
 
-def dynamics_of(case: Case, index: int) -> RobotDynamics:
+def dynamics_of(artifact: Artifact, own: Sequence[LedgerRow]) -> RobotDynamics:
     """The effective dynamics of one artifact.
 
     Args:
-        case: The case.
-        index: Into `Case.artifacts`.
+        artifact: The robot in one file.
+        own: Its rows of the ledger.
     """
-    artifact = case.artifacts[index]
     rows: dict[str, list[LedgerRow]] = {}
-    for row in case.rows_of(index):
+    for row in own:
         if row.joint:
             rows.setdefault(row.joint, []).append(row)
     joints = {name: _joint(artifact, found) for name, found in rows.items()}

@@ -7,13 +7,19 @@ model that it is paired with. Without one, each pattern is a row of its own.
 from __future__ import annotations
 
 import math
-import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
-from actspec.audit.ledger import LedgerRow
 from actspec.joints import InertiaRange, JointKind
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
-from actspec.readings.config_figures import Found, control_of_group, figures_of, selected, value_of
+from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
+from actspec.readings.config_figures import (
+    Found,
+    control_of_group,
+    figures_of,
+    models_of,
+    selected,
+    value_of,
+)
+from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import joint_names
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView, ModelFormat, RobotView
@@ -76,36 +82,6 @@ def rows_of_config(
         order = {name: place for place, name in enumerate(named)}
         rows.sort(key=lambda row: order.get(row.joint, len(order)))
     return tuple(rows)
-
-
-def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifact]:
-    """The robot files among partners, the one first that a configuration is for.
-
-    That is the one that it names, else that in which it selects the most, an MJCF and then the first of equals.
-
-    Args:
-        config: The configuration.
-        partners: Artifacts of the same robot.
-    """
-    return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
-
-
-def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
-    """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
-
-    Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
-    """
-    named = config.settings.get("model")
-    text = named.value if named is not None and isinstance(named.value, str) else ""
-    stem = os.path.splitext(os.path.basename(text))[0]
-
-    def key(model: Artifact) -> tuple[bool, int, bool]:
-        joints = joint_names(model) or ()
-        most = sum(len(selected(config, group, joints)) for group in config.groups)
-        other = os.path.splitext(os.path.basename(model.path))[0] != stem
-        return other, -most, model.kind is not FileKind.MJCF
-
-    return key
 
 
 def _row(

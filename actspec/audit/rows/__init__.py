@@ -1,1 +1,0 @@
-"""Ledger rows: from models and specs (`robot`), from configurations (`config`)."""

@@ -1,0 +1,366 @@
+"""The ledger: what acts on each joint, per actuator and file, in SI units at the joint.
+
+One row per actuator; a joint without an actuator has one row of control `none`. Fields of the joint
+(its passive part, limit, totals, frequency) repeat in each of its rows. None is unknown, never zero.
+
+Of a robot file, a joint is one row for each actuator that drives it directly, a bare one is one row of control
+`none`. What drives a tendon, a site, a body, a ball or a joint without a name has a row without a joint, without
+figures at a joint, after all others. How much of it reaches a joint depends on the pose: limit, total damping and
+what follows from them are unknown at a joint that it moves.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from actspec.diagnostics import Span
+from actspec.ir import Command, JointActuator, Level, Origin, Quantity
+from actspec.joints import JointKind
+from actspec.readings.artifact import Artifact
+from actspec.readings.fields import FIELDS
+from actspec.readings.joint import (
+    IMPLICIT,
+    DriveReading,
+    JointReading,
+    joint_inertias,
+    loose_actuators,
+    read_joints,
+)
+from actspec.robot.view import ActuatorView, ModelFormat
+
+CONTROLS = (
+    "position",
+    "velocity",
+    "motor",
+    "dcmotor",
+    "pid",
+    "implicit",
+    "ideal_pd",
+    "dc_motor",
+    "network",
+    "other",
+    "none",
+)
+"""What a row's `control` can be. Source: the design, §9."""
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerRow:
+    """One actuator as one file has it. Units: [N*m, rad] for a hinge, [N, m] for a slide.
+
+    Attributes:
+        file: The file as the user named it.
+        artifact: Index into `Case.artifacts`.
+        span: Where the actuator (or the bare joint) is written.
+        joint: Name of the joint; a pattern in a configuration whose robot is not at hand; "" for a tendon or site.
+        actuator: Name of the actuator, or of the cfg group.
+        control: One of `CONTROLS`.
+        drives: What it drives that is no hinge or slide with a name: `tendon spine`, `site tip`; "" for a joint.
+        kind: hinge or slide; None when nobody says.
+        kp: Drive stiffness, gear included.
+        kd: The drive's velocity gain in its linear region, gear included; back-EMF is in it.
+        kd_clamped: Whether the effort limit clamps the kd torque.
+        kd_implicit: Whether it is integrated implicitly; None when the file does not say.
+        joint_damping: Passive viscous friction of the joint.
+        joint_damping_clamped: Whether the effort limit clamps it; None when the file does not say, as a URDF, whose
+            damping some importers put into the drive.
+        joint_damping_implicit: Whether it is integrated implicitly; None when the file does not say.
+        actuator_damping: MuJoCo's actuator-level damping at the joint (gear squared).
+        actuator_damping_clamped: As of the joint's.
+        actuator_damping_implicit: Likewise.
+        back_emf: Part of `kd` that is back-EMF of a dcmotor in voltage or passive mode; 0 for others.
+        total_damping: kd of all the joint's actuators, joint and actuator damping together.
+        frictionloss: Dry friction.
+        effort_limit: Least of the clamps that act on the joint; None: unknown; inf: there is none.
+        velocity_limit: The joint's or solver's speed limit.
+        stall_torque: Torque-speed line at zero speed; None without a line.
+        no_load_speed: Torque-speed line at zero torque; None without a line.
+        armature: Joint and actuator armature together.
+        inertia_min: Least inertia over the poses, other joints held, armature included.
+        inertia_max: Largest likewise.
+        inertia_free_min: Least with the other joints free.
+        natural_frequency: sqrt(kp of all actuators / inertia at the reference pose) [rad/s].
+        damping_ratio: total_damping / (2 sqrt(kp inertia)) at the reference pose [-].
+        stability: h * Kd / inertia_free_min, with the damping that is integrated explicitly [-].
+        delay: Of the command [s].
+        command_range: Clamp of the command; None: no clamp.
+        position_range: The joint's own range; None: unlimited or unknown.
+        action_scale: Command unit per action unit.
+        default_position: Default pose.
+        places: Field to where it is written, for fields that have a place of their own.
+        stated: Fields that the file states itself; the others are an engine's default or computed.
+    """
+
+    file: str
+    artifact: int
+    span: Span
+    joint: str
+    actuator: str
+    control: str
+    drives: str = ""
+    kind: JointKind | None = None
+    kp: float | None = None
+    kd: float | None = None
+    kd_clamped: bool | None = None
+    kd_implicit: bool | None = None
+    joint_damping: float | None = None
+    joint_damping_clamped: bool | None = None
+    joint_damping_implicit: bool | None = None
+    actuator_damping: float | None = None
+    actuator_damping_clamped: bool | None = None
+    actuator_damping_implicit: bool | None = None
+    back_emf: float | None = None
+    total_damping: float | None = None
+    frictionloss: float | None = None
+    effort_limit: float | None = None
+    velocity_limit: float | None = None
+    stall_torque: float | None = None
+    no_load_speed: float | None = None
+    armature: float | None = None
+    inertia_min: float | None = None
+    inertia_max: float | None = None
+    inertia_free_min: float | None = None
+    natural_frequency: float | None = None
+    damping_ratio: float | None = None
+    stability: float | None = None
+    delay: float | None = None
+    command_range: tuple[float, float] | None = None
+    position_range: tuple[float, float] | None = None
+    action_scale: float | None = None
+    default_position: float | None = None
+    places: Mapping[str, Span] = field(default_factory=dict)
+    stated: frozenset[str] = frozenset()
+
+    def place(self, name: str) -> Span:
+        """Where a field is written; the row's own place when it has none."""
+        return self.places.get(name, self.span)
+
+
+_OF_MODEL = {name: name for name in ("position", "velocity", "motor", "dcmotor", "pid")}
+
+
+def rows_of_robot(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
+    """Rows of an MJCF or URDF.
+
+    A dcmotor's voltage is not among the clamps of a limit: it is `stall_torque` and `no_load_speed`.
+
+    A URDF has no actuator and no armature; an effort or velocity of 0 stays 0. Damping and friction that
+    a URDF does not state are 0, as in every importer.
+
+    An actuator that the file switches off has a row of control `other` without gains; only its damping and
+    armature are in the totals.
+
+    `default_position` is the first keyframe's. The command range of a servo is in joint position or speed,
+    that of a motor in torque at the joint.
+
+    Args:
+        artifact: Of kind MJCF or URDF, with its robot.
+        index: Its place in `Case.artifacts`.
+    """
+    robot = artifact.robot
+    assert robot is not None
+    posed = bool(robot.keyframes)
+    found = [
+        row
+        for reading in read_joints(robot, joint_inertias(robot)).values()
+        for row in _rows(artifact.path, index, reading, posed)
+    ]
+    found.extend(_loose(artifact.path, index, actuator) for actuator in loose_actuators(robot))
+    return tuple(found)
+
+
+def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[LedgerRow]:
+    """One for each actuator, or the bare joint's."""
+    mjcf = reading.format is ModelFormat.MJCF
+    joint, inertia = reading.joint, reading.inertia
+    implicit, places = reading.is_passive_implicit, reading.places
+    shared: dict[str, Any] = {
+        "file": file,
+        "artifact": index,
+        "span": joint.span,
+        "joint": joint.name,
+        "actuator": "",
+        "control": "none",
+        "kind": joint.kind,
+        "joint_damping": reading.joint_damping.value,
+        "joint_damping_clamped": False if mjcf else None,
+        "joint_damping_implicit": implicit,
+        "actuator_damping": 0.0 if mjcf else None,
+        "actuator_damping_clamped": False if mjcf else None,
+        "actuator_damping_implicit": implicit,
+        "total_damping": reading.total_damping,
+        "frictionloss": reading.frictionloss.value,
+        "effort_limit": reading.effort_limit.value,
+        "velocity_limit": joint.velocity_limit,
+        "armature": reading.total_armature,
+        "inertia_min": inertia.held.low if inertia is not None else None,
+        "inertia_max": inertia.held.high if inertia is not None else None,
+        "inertia_free_min": inertia.free.low if inertia is not None else None,
+        "natural_frequency": reading.natural_frequency,
+        "damping_ratio": reading.damping_ratio,
+        "stability": reading.stability,
+        "position_range": None if "range" in joint.unknown else joint.range,
+        "default_position": joint.reference_position
+        if posed and "reference_position" not in joint.unknown
+        else None,
+        "places": _elsewhere(places, joint.span),
+        "stated": frozenset(places),
+    }
+    if not reading.drives:
+        return [LedgerRow(**shared)]
+    return [LedgerRow(**{**shared, **_of_drive(reading, drive, places)}) for drive in reading.drives]
+
+
+def _of_drive(reading: JointReading, drive: DriveReading, places: Mapping[str, Span]) -> dict[str, Any]:
+    """The fields in which the row of an actuator differs from that of the bare joint."""
+    view = drive.view
+    # The joint's own attribute keeps its place: two places state such a field.
+    places = {**drive.places, **places}
+    same = {
+        "span": view.span,
+        "actuator": view.name,
+        "actuator_damping": drive.damping,
+        "places": _elsewhere(places, view.span),
+        "stated": frozenset(places),
+    }
+    if not drive.is_on:
+        return {**same, "control": "other", "kp": 0.0, "kd": 0.0, "back_emf": 0.0}
+    hidden = "force_range" in view.unknown or "effort_range" in reading.joint.unknown
+    limit = view.force_range is not None or reading.joint.effort_range is not None
+    line = view.line or (None, None)
+    return {
+        **same,
+        "control": _OF_MODEL.get(view.control, "other"),
+        "kp": drive.kp.value,
+        "kd": drive.kd.value,
+        "kd_clamped": None if hidden else limit,
+        "kd_implicit": reading.integrator in IMPLICIT if reading.integrator else None,
+        "back_emf": _known(view, "back_emf"),
+        "stall_torque": line[0],
+        "no_load_speed": line[1],
+        "delay": _known(view, "delay"),
+        "command_range": drive.command_range,
+    }
+
+
+def _elsewhere(places: Mapping[str, Span], row: Span) -> dict[str, Span]:
+    """Places that are not the row's own."""
+    # Most are on the line of the row, which is then the same object, or on another line.
+    return {
+        name: place
+        for name, place in places.items()
+        if place is not row and (place.line != row.line or place != row)
+    }
+
+
+def _loose(file: str, index: int, actuator: ActuatorView) -> LedgerRow:
+    """The row of an actuator whose joint has no name, or that drives something else."""
+    return LedgerRow(
+        file=file,
+        artifact=index,
+        span=actuator.span,
+        joint="",
+        actuator=actuator.name,
+        control=_OF_MODEL.get(actuator.control, "other"),
+        drives=f"{actuator.transmission} {actuator.target}".rstrip(),
+        delay=_known(actuator, "delay"),
+    )
+
+
+def _known(actuator: ActuatorView, name: str) -> float | None:
+    """A field of an actuator; None where the text does not tell."""
+    value: float = getattr(actuator, name)
+    return None if name in actuator.unknown else value
+
+
+_OF_LEVEL = {Level.IDEAL_PD: "ideal_pd", Level.DC_MOTOR: "dc_motor", Level.ACTUATOR_NET: "network"}
+
+_FIELDS = {
+    name: field.ir
+    for name, field in FIELDS.items()
+    if field.ir in JointActuator.__dataclass_fields__
+    and name in LedgerRow.__dataclass_fields__
+    and name != "delay"
+}
+"""Field of a row to that of the actuator."""
+
+_STATED = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
+
+
+def rows_of_spec(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
+    """One row for each joint that the spec manages, in the robot's order.
+
+    The spec's viscous friction is joint damping, and there is no damping at the actuator. How a target
+    integrates kd the spec does not say, so there is no `stability`.
+
+    Args:
+        artifact: Of kind spec, with its actuators.
+        index: Its place in `Case.artifacts`.
+    """
+    assert artifact.spec is not None
+    return tuple(_row(artifact.path, index, actuator) for actuator in artifact.spec.joints)
+
+
+def _row(path: str, index: int, actuator: JointActuator) -> LedgerRow:
+    values: dict[str, Any] = {}
+    places: dict[str, Span] = {}
+    stated = set()
+    quantities: dict[str, Quantity | None] = {
+        field: getattr(actuator, name) for field, name in _FIELDS.items()
+    }
+    quantities["delay"] = actuator.delay.nominal if actuator.delay is not None else None
+    if actuator.command_range is not None:
+        quantities["command_range"] = actuator.command_range[0]
+    for name, quantity in quantities.items():
+        values[name] = quantity.value if quantity is not None else None
+        if quantity is not None and quantity.origin in _STATED:
+            stated.add(name)
+        if quantity is not None and quantity.span is not None:
+            places[name] = quantity.span
+    values.pop("command_range", None)
+    kp, viscous = values["kp"], values["joint_damping"]
+    # With command effort there is no drive gain at all, which is not the same as an unknown one.
+    kd = 0.0 if actuator.kd is None else values["kd"]
+    total = None if kd is None or viscous is None else kd + viscous
+    held = actuator.inertia_held
+    frequency = ratio = None
+    if kp is not None and kp > 0.0 and held is not None and held.reference > 0.0:
+        frequency = math.sqrt(kp / held.reference)
+        ratio = None if total is None else total / (2.0 * math.sqrt(kp * held.reference))
+    limit = values["effort_limit"]
+    effort = actuator.command is Command.EFFORT
+    return LedgerRow(
+        file=path,
+        artifact=index,
+        span=actuator.span or Span(path),
+        joint=actuator.joint,
+        actuator=actuator.group,
+        control="motor" if effort and actuator.level is Level.IDEAL_PD else _OF_LEVEL[actuator.level],
+        kind=actuator.kind,
+        kd_clamped=None if limit is None else math.isfinite(limit),
+        joint_damping_clamped=False,
+        actuator_damping=0.0,
+        actuator_damping_clamped=False,
+        back_emf=0.0,
+        total_damping=total,
+        inertia_min=held.low if held is not None else None,
+        inertia_max=held.high if held is not None else None,
+        inertia_free_min=actuator.inertia_free.low if actuator.inertia_free is not None else None,
+        natural_frequency=frequency,
+        damping_ratio=ratio,
+        command_range=_range(actuator),
+        position_range=actuator.position_range,
+        places=places,
+        stated=frozenset(stated),
+        **values,
+    )
+
+
+def _range(actuator: JointActuator) -> tuple[float, float] | None:
+    if actuator.command_range is None:
+        return None
+    low, high = (end.value for end in actuator.command_range)
+    return None if low is None or high is None else (low, high)
