@@ -120,6 +120,10 @@ def verify(
             found, missed = _torques(target, actuators, asked, laws, moves, told.get(target.name), fresh)
             rows += [*found, *moved.get(target.name, ())]
             skipped += missed
+        if engines and target.options.kind == "urdf" and fresh is not None and built is not None:
+            found, missed = _read_again(target, actuators, asked, fresh, built)
+            rows += found
+            skipped += missed
         if fresh is not None and built is not None:
             fields = list(field_rows(target, actuators, asked, fresh, built))
             if target.options.kind == "deploy" and built.reason is None:
@@ -268,6 +272,26 @@ def _answer(question: Question, moves: HeldMotions) -> Told:
     except (EngineMissing, EngineRefused) as err:
         return err
     return answer
+
+
+def _read_again(
+    target: Target,
+    actuators: ActuatorSet,
+    asked: Mapping[str, Mapping[str, Figure]],
+    fresh: Reading,
+    built: Reading,
+) -> tuple[list[Row], list[Skip]]:
+    """Rows and skips of a reader that is not ours."""
+    from actspec.verify.engines.yourdfpy import urdf_rows
+
+    if built.reason is not None:
+        return [], []
+    try:
+        return urdf_rows(target, actuators, asked, fresh), []
+    except EngineMissing as err:
+        return [], [Skip(target.name, "", "fields", err.reason, err.help, err.setup)]
+    except EngineRefused as err:
+        return [broken(target, f"yourdfpy does not take the file: {err}", "yourdfpy")], []
 
 
 def _torques(

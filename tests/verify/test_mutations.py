@@ -104,6 +104,8 @@ def mutations(file: str, text: str) -> Iterator[Mutation]:
 )
 def test_every_number_counts(name: str, built: Built, tmp_path: Path) -> None:
     """Each of many such files disagrees with the spec."""
+    if name == "newton":
+        pytest.importorskip("pxr", reason="usd-core is not installed")
     target = built.targets[name]
     texts = {file: Path(target.folder, file).read_text("utf-8") for file in target.files}
     every = [one for file, text in texts.items() for one in mutations(file, text)]
