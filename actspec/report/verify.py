@@ -115,7 +115,8 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
         if not torques:
             groups = dict.fromkeys(row.group for row in fields if row.group)
             joints = len(compilation.actuators.joints)
-            yield label, listed(groups, most=3), str(joints), "-", "-", "-", "-", _agreed(fields)
+            reader = next((row.engine for row in fields if row.engine), "-")
+            yield label, listed(groups, most=3), str(joints), reader, "-", "-", "-", _agreed(fields)
             continue
         for index, shared in enumerate(_by_actuator(torques)):
             worst = max(shared, key=lambda row: (not row.ok, _share(row)))

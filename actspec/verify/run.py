@@ -275,11 +275,11 @@ def _answer(question: Question, moves: HeldMotions) -> Told:
 
 
 def _read_again(
-    target: Target,
+    target: TargetFiles,
     actuators: ActuatorSet,
     asked: Mapping[str, Mapping[str, Figure]],
-    fresh: Reading,
-    built: Reading,
+    fresh: FileFigures,
+    built: FileFigures,
 ) -> tuple[list[Row], list[Skip]]:
     """Rows and skips of a reader that is not ours."""
     from actspec.verify.engines.yourdfpy import urdf_rows

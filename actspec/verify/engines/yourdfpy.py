@@ -17,11 +17,10 @@ from actspec.files import NotRegular, TooLarge
 from actspec.ir import ActuatorSet, JointKind
 from actspec.processes import IsolatedCall, LostError
 from actspec.robot.xml import Element, open_document
-from actspec.verify.agreement import Row
+from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.engines.asking import EngineMissing, EngineRefused
 from actspec.verify.fields import engine_rows
-from actspec.verify.readback import Figures, Reading
-from actspec.verify.target import Target, alike
+from actspec.verify.readback import Figures, FileFigures
 
 TIME_LIMIT = 60.0
 """Chosen: seconds for its import, of thirty packages, and one file."""
@@ -32,7 +31,7 @@ Joints = Mapping[str, tuple[str, Mapping[str, float]]]
 """Joint to its type and its fields in SI; what the format takes for absent is 0, of a limit infinity."""
 
 
-def urdf_rows(target: Target, actuators: ActuatorSet, asked: Figures, fresh: Reading) -> list[Row]:
+def urdf_rows(target: TargetFiles, actuators: ActuatorSet, asked: Figures, fresh: FileFigures) -> list[Row]:
     """Rows of the file that is verified, as yourdfpy reads it.
 
     Args:
