@@ -4,41 +4,29 @@
     moved = rollout(rig, command, q=np.array([0.1]), qd=np.zeros(1))
 
 A file of two uses: a module of actspec, and a script that any MuJoCo from 3.2 on runs in a process of its own
-(`rollout.py JOBS.json ARRAYS.npz OUT.json OUT.npz`). So it imports mujoco and numpy, and nothing of actspec: what
+(`rollout.py JOB.json IN.npz OUT.json OUT.npz`). So it imports mujoco and numpy, and nothing of actspec: what
 `actspec verify` finds is then an agreement between two programs.
 
 Angles are in rad, joint side and SI; a command is a control of the file, in the file's own unit and gear.
 
-A job: `kind` (load, grid, time or responses); `path` of MJCF or a compiled `.mjb`, or `xml`, its text; `joints`, the
-columns of `q` and `qd`; `actuators`, those of `ctrl`, null for the one actuator of each joint; `fields`, more arrays of
-the model to report; `contacts`, whether contacts and limits act; for responses `parts`, as in `responses`. Its arrays
-are `0.q`, `0.qd` and so on, `1.q` for the next job. An answer has what `describe` says, or `error`.
+Job:
+    path: MJCF or a compiled `.mjb`.
+    columns: hinges and slides, the columns of every array, each with one actuator.
+    motions: names of motions; or
+    parts: into how many steps each step is divided, for each run of responses.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion, see `held_torques`; for responses see `responses`.
+
+Answers: version, module, `error` where the model is refused, `errors` by joint; arrays `NAME`, or those of `responses`.
 """
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Sequence
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 
 Array = np.ndarray[Any, Any]
-
-FIELDS = """
-    qpos0 jnt_type jnt_qposadr jnt_dofadr jnt_range jnt_limited jnt_stiffness
-    jnt_actfrcrange jnt_actfrclimited
-    dof_damping dof_dampingpoly dof_frictionloss dof_armature dof_M0
-    actuator_trntype actuator_trnid actuator_gear actuator_gainprm actuator_biasprm actuator_dynprm
-    actuator_ctrlrange actuator_ctrllimited actuator_forcerange actuator_forcelimited
-    actuator_ctrladr actuator_ctrlnum actuator_ctrlspec
-    actuator_damping actuator_dampingpoly actuator_armature actuator_delay actuator_history
-    key_qpos key_ctrl key_act
-"""
-"""What a load reports where the release has it; a job asks for more by name."""
-SIZES = ("nq", "nv", "nu", "na", "njnt", "nkey", "nactuator")
 
 JOINT = {
     **{name: f"jnt_{name}" for name in ("type", "pos", "axis", "range", "limited", "margin", "group")},
@@ -225,84 +213,42 @@ class Rig:
             if n:
                 mujoco.mj_initCtrlHistory(self.model, self.data, actuator, None, np.full(n, ctrl[column]))
 
-    def forces(self) -> dict[str, Array]:
-        """Forces of the last evaluation, on the rig's joints and on every degree of freedom."""
-        data = self.data
-        values = {
-            "torque": data.qfrc_actuator[self.qvel],
-            "passive": data.qfrc_passive[self.qvel],
-            "constraint": data.qfrc_constraint[self.qvel],
-            "qfrc_actuator": data.qfrc_actuator,
-            "qfrc_passive": data.qfrc_passive,
-            "actuator_force": data.actuator_force,
-            "qacc": data.qacc,
-            "act": data.act,
-        }
-        return {name: np.array(value) for name, value in values.items()}
+    def step(self, parts: int = 1) -> bool:
+        """Make steps; whether the simulation goes on, and the engine did not begin again because it diverged."""
+        import mujoco
+
+        before = self.data.time
+        for _ in range(parts):
+            mujoco.mj_step(self.model, self.data)
+        return bool(self.data.time > before)
 
 
-def torques_at(rig: Rig, q: Array, qd: Array, ctrl: Array) -> dict[str, Array]:
-    """Forces at states, each evaluated alone, filters and delays settled at its controls.
+def held_torques(rig: Rig, command: Array, q: Array, qd: Array) -> Array:
+    """Torques of all actuators at each joint, the joints put back before every step.
 
     Args:
-        rig: The joints and actuators.
-        q: Positions [rad or m], shape (n_sample, n_joint).
+        rig: The joints and actuators; filters and delay lines begin settled at an environment's first controls.
+        command: Controls, shape (n_step, n_env, n_actuator).
+        q: Positions [rad or m], shape (n_step, n_env, n_joint).
         qd: Speeds [rad/s or m/s], likewise.
-        ctrl: Controls, shape (n_sample, n_actuator).
 
-    Returns: As `Rig.forces`, shape (n_sample, ...).
-    """
-    import mujoco
-
-    rows = []
-    for at, speed, now in zip(q, qd, ctrl, strict=True):
-        rig.place(at, speed, now)
-        rig.settle(now)
-        mujoco.mj_forward(rig.model, rig.data)
-        rows.append(rig.forces())
-    return _stacked(rows)
-
-
-def torques_over(rig: Rig, q: Array, qd: Array, ctrl: Array, start: Array | None = None) -> dict[str, Array]:
-    """Forces at each step of a sequence of controls, the joints put back before every step.
-
-    Args:
-        rig: The joints and actuators.
-        q: Positions [rad or m], shape (n_step, n_joint).
-        qd: Speeds [rad/s or m/s], likewise.
-        ctrl: Controls, shape (n_step, n_actuator).
-        start: Controls that filters and delay lines begin at, shape (n_actuator,); None: the engine's bare reset.
-
-    Returns: As `Rig.forces`, shape (n_step, ...).
+    Returns: [N*m or N], likewise.
     Raises: JobError: the simulation diverged.
     """
     import mujoco
 
-    if start is not None:
-        rig.settle(start)
-    rows = []
-    for at, speed, now in zip(q, qd, ctrl, strict=True):
-        rig.place(at, speed, now)
-        # Read before the step: RK4 would leave its last stage's forces behind.
-        mujoco.mj_forward(rig.model, rig.data)
-        rows.append(rig.forces())
-        if not _stepped(rig):
-            raise JobError("the simulation diverged and the engine reset it")
-    return _stacked(rows)
-
-
-def _stepped(rig: Rig, parts: int = 1) -> bool:
-    """Make steps; whether the simulation goes on, and the engine did not begin again because it diverged."""
-    import mujoco
-
-    before = rig.data.time
-    for _ in range(parts):
-        mujoco.mj_step(rig.model, rig.data)
-    return bool(rig.data.time > before)
-
-
-def _stacked(rows: list[dict[str, Array]]) -> dict[str, Array]:
-    return {name: np.array([row[name] for row in rows]) for name in rows[0]}
+    found = np.empty(q.shape)
+    for env in range(q.shape[1]):
+        rig.reset()
+        rig.settle(command[0, env])
+        for k in range(len(q)):
+            rig.place(q[k, env], qd[k, env], command[k, env])
+            # Read before the step: RK4 would leave its last stage's forces behind.
+            mujoco.mj_forward(rig.model, rig.data)
+            found[k, env] = rig.data.qfrc_actuator[rig.qvel]
+            if k + 1 < len(q) and not rig.step():
+                raise JobError("the simulation diverged and the engine reset it")
+    return found
 
 
 class Rolled(NamedTuple):
@@ -343,7 +289,7 @@ def rollout(rig: Rig, command: Array, q: Array, qd: Array, *, parts: int = 1) ->
         # Read before the step: RK4 would leave its last stage's forces behind.
         mujoco.mj_forward(rig.model, rig.data)
         before = rig.data.qfrc_actuator[rig.qvel].copy()
-        if not _stepped(rig, parts):
+        if not rig.step(parts):
             break
         torque[k] = before
         places[k + 1], speeds[k + 1] = rig.data.qpos[rig.qpos], rig.data.qvel[rig.qvel]
@@ -517,62 +463,23 @@ def _set_options(given: Any, mine: Any, parts: int) -> None:
         mine.disableflags |= int(getattr(mujoco.mjtDisableBit, flag))
 
 
-def describe(model: Any, more: Sequence[str] = ()) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Names, sizes, options and arrays of a compiled model."""
+def answer(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], dict[str, Array]]:
+    """The answer and arrays of a job; what the engine says is an answer."""
     import mujoco
 
-    found = {
-        "sizes": {name: int(getattr(model, name)) for name in SIZES if hasattr(model, name)},
-        "timestep": float(model.opt.timestep),
-        "integrator": mujoco.mjtIntegrator(model.opt.integrator).name,
-        "joints": [model.joint(i).name for i in range(model.njnt)],
-        "actuators": [model.actuator(i).name for i in range(actuator_count(model))],
-        "gaintypes": [mujoco.mjtGain(int(t)).name for t in model.actuator_gaintype],
-        "biastypes": [mujoco.mjtBias(int(t)).name for t in model.actuator_biastype],
-        "dyntypes": [mujoco.mjtDyn(int(t)).name for t in model.actuator_dyntype],
-    }
-    names = [name for name in [*FIELDS.split(), *more] if hasattr(model, name)]
-    return found, {f"field.{name}": np.array(getattr(model, name)) for name in names}
-
-
-_loaded = lru_cache(maxsize=1)(load_model)
-"""For jobs of one model that follow each other."""
-
-
-def _answer(job: dict[str, Any], inputs: dict[str, Array]) -> tuple[dict[str, Any], dict[str, Array]]:
-    """What one job asks: what the model is, and its torques or responses."""
-    model = _loaded(job["path"], job["xml"], contacts=job["contacts"])
-    found, arrays = describe(model, job["fields"])
-    if job["kind"] == "grid":
-        arrays.update(torques_at(Rig(model, job["joints"], job["actuators"]), **inputs))
-    elif job["kind"] == "time":
-        arrays.update(torques_over(Rig(model, job["joints"], job["actuators"]), **inputs))
-    elif job["kind"] == "responses":
-        found["errors"], moved = responses(model, job["joints"], inputs, job["parts"])
-        arrays.update(moved)
-    return found, arrays
-
-
-def main(jobs_path: str, arrays_path: str, out_path: str, out_arrays_path: str) -> None:
-    """Answer every job; one that fails says why and does not stop the others."""
-    import mujoco
-
-    with open(jobs_path, encoding="utf-8") as file:
-        jobs = json.load(file)
-    answers, arrays = [], {}
-    with np.load(arrays_path) as given:
-        for i, job in enumerate(jobs):
-            inputs = {k.split(".", 1)[1]: given[k] for k in given.files if k.startswith(f"{i}.")}
-            try:
-                answer, found = _answer(job, inputs)
-            except Exception as err:  # whatever the engine says is the answer
-                answer, found = {"error": str(err) or repr(err)}, {}
-            answers.append(answer)
-            arrays.update({f"{i}.{key}": value for key, value in found.items()})
-    np.savez(out_arrays_path, **arrays)  # type: ignore[arg-type]  # numpy's stub takes them for allow_pickle
-    with open(out_path, "w", encoding="utf-8") as file:
-        json.dump({"version": mujoco.__version__, "module": mujoco.__file__, "answers": answers}, file)
+    said: dict[str, Any] = {"version": mujoco.__version__, "module": mujoco.__file__}
+    try:
+        if "parts" in job:
+            said["errors"], out = responses(load_model(job["path"]), job["columns"], arrays, job["parts"])
+            return said, out
+        rig = Rig(load_model(job["path"], contacts=False), job["columns"])
+        of = ("command", "q", "qd")
+        return said, {n: held_torques(rig, *(arrays[f"{n}/{part}"] for part in of)) for n in job["motions"]}
+    except Exception as err:  # whatever the engine says is the answer
+        return {**said, "error": str(err) or repr(err)}, {}
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:])
+    from standalone import serve  # type: ignore[import-not-found]
+
+    serve(answer)

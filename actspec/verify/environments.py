@@ -37,8 +37,8 @@ if TYPE_CHECKING:
 
 HERE = Path(__file__).parent
 SIMULATE = HERE.parent / "simulate"
-SHARED = SIMULATE / "standalone.py"
-"""What is sent along with every script."""
+SHARED = (SIMULATE / "standalone.py", SIMULATE / "rollout.py")
+"""What is sent along with every script, which imports it by its bare name."""
 
 DOWNLOAD_TIME, INSTALL_TIME = 300, 1800
 """Most seconds for one download, and for one step of an installation."""
@@ -246,7 +246,7 @@ def run_probe(
 ) -> ProbeAnswer:
     """Run a script: `python SCRIPT in.json in.npz out.json out.npz`, in a new folder.
 
-    The script must write both outputs; `actspec.simulate.standalone` it can import as `standalone`.
+    The script must write both outputs; it can import `standalone` and `rollout` of `actspec.simulate`.
 
     Args:
         python: The interpreter.
@@ -263,7 +263,8 @@ def run_probe(
     # MuJoCo and warp leave files where they run: here, and they go with the folder.
     with tempfile.TemporaryDirectory(prefix="actspec-probe-") as name:
         work = Path(name)
-        shutil.copy(SHARED, work)
+        for shared in SHARED:
+            shutil.copy(shared, work)
         before = environment.get("PYTHONPATH", os.environ.get("PYTHONPATH"))
         (work / "in.json").write_text(json.dumps(job), encoding="utf-8")
         np.savez(work / "in.npz", **{key: np.asarray(value) for key, value in (arrays or {}).items()})  # type: ignore[arg-type]

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from actspec.verify.engines.mujoco import Engine, parse
 from actspec.verify.environments import EngineUnavailableError
-from tests.agree.engines import VERSIONS
+from tests.agree.engines import VERSIONS, Engine, parse
 
 HERE = Path(__file__).parent
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.verify.engines.mujoco import Engine, grid, load, time
 from actspec.verify.environments import EngineError, EngineUnavailableError, prepare_release
+from tests.agree.engines import Engine, grid, load, time
 
 FLOAT64 = 1e-12
 """A handful of float64 operations on numbers below 1000."""

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from actspec.verify.engines.mujoco import Engine
+from tests.agree.engines import Engine
 from tests.compiling import MOTORS
 
 ROOT = Path(__file__).parents[2]

@@ -16,7 +16,7 @@ from actspec.robot.load import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.mujoco.emit import emit
-from actspec.verify.engines.mujoco import Engine, grid, time
+from tests.agree.engines import Engine, grid, time
 from tests.agree.test_mujoco_target import (
     EXACT,
     GRIDS,

@@ -26,7 +26,7 @@ from actspec.laws import (
     step_command,
 )
 from actspec.targets.base import Approximation, TargetOptions
-from actspec.verify.engines.mujoco import Answer, Engine, Job, grid, load, time
+from tests.agree.engines import Answer, Engine, Job, grid, load, time
 from tests.compiling import Compiled, compile_text
 
 Array = NDArray[np.float64]

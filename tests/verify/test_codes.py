@@ -9,7 +9,6 @@ from pathlib import Path
 import pytest
 
 from actspec.verify.engines.asking import PROBES
-from actspec.verify.engines.mujoco import ROLLOUT
 from actspec.verify.environments import SHARED
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -27,7 +26,7 @@ def test_every_code_is_explained() -> None:
     assert set(re.findall(r"^\| (VFY\d{3}) \|", page, re.MULTILINE)) == given
 
 
-@pytest.mark.parametrize("probe", [*sorted(PROBES.glob("*.py")), ROLLOUT, SHARED], ids=lambda path: path.stem)
+@pytest.mark.parametrize("probe", [*sorted(PROBES.glob("*.py")), *SHARED], ids=lambda path: path.stem)
 def test_probes_know_nothing_of_actspec(probe: Path) -> None:
     """What runs in a simulator's environment imports no module of actspec: an agreement is one of two programs."""
     names = [
