@@ -10,7 +10,7 @@ from actspec.diagnostics import Span
 from actspec.ir import Delay, Quantity
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.quantities import stated, tidy, unknown
-from actspec.readings.versions import Versions, isaaclab_row
+from actspec.readings.versions import Versions, is_native
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
@@ -48,8 +48,7 @@ def delay_of(
     else:
         low, high = (group.settings.get(f"{end}_delay") for end in ("min", "max"))
         sampling, notes = "episode", ()
-        lab = isaaclab_row(versions)
-        if lab is not None and lab.native:
+        if is_native(versions):
             low = high
     if high is None:
         return DelayReading(None)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 from actspec.readings.artifact import Artifact
-from actspec.simulators import Release as Release
-from actspec.simulators import release as release
-from actspec.simulators import text_of
+from actspec.simulators import Release, before, release, text_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabRelease, friction_unit, row_of
 from actspec.simulators.mjlab import mujoco_taken_by
 
@@ -57,8 +55,7 @@ class Meant:
 
     def before(self, other: Release) -> bool:
         """Whether it is older; `3.1` may be any patch release of 3.1, and is not older than 3.1.6."""
-        count = len(self.release)
-        return self.release < (*other, *(0 for _ in range(count)))[:count]
+        return before(self.release, other)
 
 
 def mujoco_of(versions: Versions) -> Meant | None:
@@ -76,6 +73,12 @@ def mujoco_of(versions: Versions) -> Meant | None:
 def isaaclab_row(versions: Versions) -> IsaacLabRelease | None:
     """What the Isaac Lab does that the files are meant for; None: none is named."""
     return row_of(_release(versions.isaaclab))
+
+
+def is_native(versions: Versions) -> bool:
+    """Whether the files are meant for an Isaac Lab whose actuators run natively (3.0)."""
+    row = isaaclab_row(versions)
+    return row is not None and row.native
 
 
 def friction_unit_of(versions: Versions) -> FrictionUnit | None:

@@ -42,6 +42,11 @@ def release(text: str) -> Release:
     return tuple(int(part) for part in text.split("."))
 
 
+def before(named: Release, other: Release) -> bool:
+    """Whether a named release is older; `3.1` may be any patch of 3.1, and is not older than 3.1.6."""
+    return named < (*other, *(0 for _ in named))[: len(named)]
+
+
 def release_of(text: str) -> tuple[int, int]:
     """The first two numbers of `3.12` or `3.12.0`; (0, 0) where the text is no such version."""
     parts = text.strip().split(".")

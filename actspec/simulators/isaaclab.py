@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from actspec.simulators import Release, UnknownVersion, known_release, release_of, text_of
+from actspec.simulators import Release, UnknownVersion, before, known_release, release_of, text_of
 
 
 class FrictionUnit(str, Enum):
@@ -251,7 +251,7 @@ def friction_unit(lab: Release | None, sim: Release | None, backend: str | None)
     row = row_of(lab)
     if row is not None and row.native:
         return _BACKENDS[backend][1] if backend in _BACKENDS else None
-    if sim is not None and sim < FRICTION_IS_TORQUE[: len(sim)]:
+    if sim is not None and before(sim, FRICTION_IS_TORQUE):
         return FrictionUnit.COEFFICIENT
     if row is not None and row.friction is FrictionUnit.COEFFICIENT and lab is not None and len(lab) > 1:
         return FrictionUnit.COEFFICIENT

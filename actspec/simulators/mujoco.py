@@ -36,8 +36,8 @@ POLYNOMIALS = (3, 7)
 """First with polynomial coefficients of joints, and with damping and armature of an actuator."""
 TORQUE_SPACE = (3, 12)
 """First whose `<dcmotor>` takes gains in torque."""
-DAMPRATIO_OF_ALL = (3, 15)
-"""First that takes the inertia for `dampratio` at the whole transmission."""
+DAMPRATIO_FREE = (3, 15)
+"""First that resolves `dampratio` with the inertia of a joint whose neighbours are free; before, they were held."""
 GENERAL_INPUT = (3, 16)
 """First in which an actuator says what its control is (`input`), and would inherit it from a class."""
 KEYFRAME_ACT = (3, 16)

@@ -11,7 +11,7 @@ from actspec.audit.rules.cfg_groups import Group, groups_of, names_model
 from actspec.diagnostics import Severity, shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import joint_names, matching
-from actspec.readings.versions import release
+from actspec.readings.versions import is_native
 
 _DEAD = "the drive gives no torque"
 
@@ -42,8 +42,7 @@ class DictMissesJoint(RuleInParts):
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Find joints without a key."""
-        named = case.versions.isaaclab
-        if named is None or release(named) < (3,):
+        if not is_native(case.versions):
             for group in groups_of(case, Framework.ISAACLAB):
                 for name in _ZERO:
                     keys = _keys(group.cfg.settings.get(name))

@@ -9,7 +9,8 @@ from actspec.audit.rules.cfg_groups import FRAMEWORKS
 from actspec.audit.rules.config_classes import CLASSES, NO_STOCK_CLASSES, StockClass, stock_groups
 from actspec.diagnostics import Severity, listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.versions import release
+from actspec.simulators import before, release
+from actspec.simulators.mjlab import COMMON_FIELDS
 
 
 class UnknownField(RuleInParts):
@@ -63,7 +64,7 @@ class UnknownField(RuleInParts):
                     )
 
 
-_SINCE_1_3 = frozenset(
+_COMMON = frozenset(
     {
         "viscous_damping",
         "delay_min_lag",
@@ -80,7 +81,7 @@ def _later(case: Case, config: RobotConfig, group: ActuatorGroup, name: str) -> 
     named = case.versions.mjlab
     if config.framework is not Framework.MJLAB or named is None or "base_cfg" in group.settings:
         return False
-    return name in _SINCE_1_3 and release(named)[:2] < (1, 3)
+    return name in _COMMON and before(release(named), COMMON_FIELDS)
 
 
 def _nearest(name: str, fields: frozenset[str]) -> str:

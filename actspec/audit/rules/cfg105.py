@@ -9,7 +9,7 @@ from actspec.audit.rules.cfg_groups import FRAMEWORKS
 from actspec.audit.rules.config_classes import NO_STOCK_CLASSES, StockClass, stock_groups
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.versions import release
+from actspec.readings.versions import is_native
 
 _Subject = tuple[RobotConfig, ActuatorGroup, StockClass]
 
@@ -36,7 +36,7 @@ class ScalarGivenDict(RuleOver[_Subject]):
                 continue
             isaac = config.framework is Framework.ISAACLAB
             later = isaac and name == "saturation_effort"
-            if later and named is not None and release(named) >= (3,):
+            if later and is_native(case.versions):
                 continue
             where = "Isaac Lab 2.x" if later else FRAMEWORKS[config.framework]
             yield Finding(

@@ -7,7 +7,7 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.versions import release
+from actspec.readings.versions import is_native
 
 _ENDS = {
     Framework.ISAACLAB: ("min_delay", "max_delay"),
@@ -68,7 +68,7 @@ class DelayRangeLost(RuleOver[_Subject]):
             return
         named = case.versions.isaaclab
         if config.framework is Framework.ISAACLAB:
-            if low is not None and low < high and named is not None and release(named) >= (3,):
+            if low is not None and low < high and is_native(case.versions):
                 yield Finding(
                     self.code,
                     f"Isaac Lab {named} ignores {names[0]}: every environment gets a delay of {high:g} steps, not "

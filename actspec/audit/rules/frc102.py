@@ -14,7 +14,7 @@ from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.versions import Versions, friction_unit_of, isaaclab_row
+from actspec.readings.versions import Versions, friction_unit_of, is_native
 from actspec.simulators.isaaclab import FrictionUnit as SolverUnit
 
 SAME = 0.01
@@ -59,8 +59,7 @@ class FrictionUnit(RuleOver[_Subject]):
         versions = case.versions_of(row.artifact)
         found, place = friction_unit_of(versions), _place(versions)
         if found is None:
-            lab = isaaclab_row(versions)
-            by_backend = lab is not None and lab.native
+            by_backend = is_native(versions)
             named = "backend" if by_backend else "version"
             yield Finding(
                 self.code,

@@ -9,9 +9,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
-from actspec.readings.versions import Release
 from actspec.robot.mjcf_elements import ACTUATORS
 from actspec.robot.xml_tree import Element, XmlDocument
+from actspec.simulators import Release
+from actspec.simulators.mujoco import DCMOTOR, GENERAL_INPUT, NATIVE_DELAY, POLYNOMIALS
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,17 +45,17 @@ _OF_ACTUATOR = {
     "actearly": Feature("actearly", (3, 0)),
     "inheritrange": Feature("inheritrange", (3, 1, 3)),
     "dampratio": Feature("dampratio", (3, 1, 6)),
-    "delay": Feature("an actuator's delay", (3, 5)),
-    "nsample": Feature("an actuator's nsample", (3, 5)),
-    "damping": Feature("an actuator's damping", (3, 7)),
-    "armature": Feature("an actuator's armature", (3, 7)),
+    "delay": Feature("an actuator's delay", NATIVE_DELAY),
+    "nsample": Feature("an actuator's nsample", NATIVE_DELAY),
+    "damping": Feature("an actuator's damping", POLYNOMIALS),
+    "armature": Feature("an actuator's armature", POLYNOMIALS),
 }
-_OF_TAG = {"dcmotor": Feature("dcmotor", (3, 7)), "pid": Feature("pid", (3, 12))}
+_OF_TAG = {"dcmotor": Feature("dcmotor", DCMOTOR), "pid": Feature("pid", (3, 12))}
 _KV = Feature("kv of a position servo", (3, 1))
 _TIME_CONSTANT = Feature("timeconst of a position servo", (3, 1, 6))
-_INPUT = Feature("input of a servo", (3, 16))
+_INPUT = Feature("input of a servo", GENERAL_INPUT)
 _POLYNOMIALS = ("damping", "stiffness")
-_POLYNOMIAL = Feature("a polynomial of damping or stiffness", (3, 7))
+_POLYNOMIAL = Feature("a polynomial of damping or stiffness", POLYNOMIALS)
 _VALUES = {
     ("option", "integrator", "implicitfast"): Feature("implicitfast", (3, 0)),
     ("option", "integrator", "discrete"): Feature("the integrator discrete", (3, 13)),

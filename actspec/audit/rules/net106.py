@@ -9,7 +9,7 @@ from actspec.audit.rules.cfg_groups import Group, groups_of
 from actspec.audit.rules.joint_units import shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
-from actspec.readings.versions import release
+from actspec.readings.versions import isaaclab_row
 
 
 class NetworkWithoutSpeedClip(RuleOver[Group]):
@@ -47,5 +47,5 @@ class NetworkWithoutSpeedClip(RuleOver[Group]):
 
 def _concerned(case: Case) -> bool:
     """Whether the files are meant for a version that does this."""
-    named = case.versions.isaaclab
-    return named is not None and (2, 2) <= release(named)[:2] < (3,)
+    row = isaaclab_row(case.versions)
+    return row is not None and row.lstm_standstill

@@ -9,7 +9,7 @@ from actspec.audit.rules.cfg_groups import FRAMEWORKS
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.versions import release
+from actspec.readings.versions import is_native
 
 
 class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
@@ -30,7 +30,6 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
     def judge(self, case: Case, subject: tuple[int, RobotConfig]) -> Iterator[Finding]:
         """Count the groups of each joint."""
         index, config = subject
-        named = case.versions.isaaclab
         seen: dict[str, LedgerRow] = {}
         # The ledger is in the joints' order; what counts is the order of the groups.
         order = {group.span: place for place, group in enumerate(config.groups)}
@@ -39,7 +38,7 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
             first = seen.setdefault(row.joint, row)
             if first.span == row.span:
                 continue
-            raises = config.framework is Framework.MJLAB or (named is not None and release(named) >= (3,))
+            raises = config.framework is Framework.MJLAB or is_native(case.versions)
             then = (
                 "the cfg raises an error"
                 if raises

@@ -19,10 +19,8 @@ from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.xml_edit import format_number
 from actspec.robot.xml_tree import Element
+from actspec.simulators.mujoco import DAMPRATIO_FREE
 from actspec.units import format_quantity
-
-_CHANGED = (3, 15)
-"""Release since which a damping ratio is resolved with the inertia of a joint whose neighbours are free."""
 
 
 class RatioChangedMeaning(RuleInParts):
@@ -54,7 +52,7 @@ class RatioChangedMeaning(RuleInParts):
             if change < self.option(case, "change"):
                 continue
             unit = "N*s/m" if drives_kind(found, JointKind.SLIDE) else "N*m*s/rad"
-            newer = meant is None or not meant.before(_CHANGED)
+            newer = meant is None or not meant.before(DAMPRATIO_FREE)
             chosen = new if newer else old
             yield Finding(
                 self.code,

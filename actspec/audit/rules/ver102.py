@@ -8,8 +8,7 @@ from actspec.audit.rule import RuleOver
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.diagnostics import Severity, Span
 from actspec.readings.versions import Meant, mujoco_of
-
-_TORQUE_SPACE = (3, 12)
+from actspec.simulators.mujoco import TORQUE_SPACE
 
 _VOLTAGE_INPUTS = frozenset({"position", "velocity"})
 
@@ -68,7 +67,7 @@ class DcmotorDialect(RuleOver[_Subject]):
         if meant is None and not torque:
             return self._finding(found, f"{text}: 3.12 and later refuses the file", (), Severity.INFO)
         if meant is not None:
-            return None if meant.before(_TORQUE_SPACE) else self._refused(found, text, meant)
+            return None if meant.before(TORQUE_SPACE) else self._refused(found, text, meant)
         other = torque[0]
         return self._finding(
             found,
@@ -81,7 +80,7 @@ class DcmotorDialect(RuleOver[_Subject]):
         self, found: WrittenActuator, meant: Meant | None, voltage: list[WrittenActuator]
     ) -> Finding | None:
         # Beside the other dialect one finding is enough, and the older one has to be changed.
-        if meant is None or not meant.before(_TORQUE_SPACE):
+        if meant is None or not meant.before(TORQUE_SPACE):
             return None
         text = f'input="{_input(found)}" is the dialect of MuJoCo 3.12 and later, with gains in N*m/rad'
         return self._refused(found, text, meant)

@@ -9,7 +9,9 @@ from actspec.audit.rules.keywords import renaming
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
 from actspec.readings.config_figures import control_of
-from actspec.readings.versions import Release, release
+from actspec.readings.versions import is_native
+from actspec.simulators import before, release
+from actspec.simulators.isaaclab import OLD_NAMES_GONE
 
 _NEW = {
     "effort_limit": "actuator_effort_limit",
@@ -40,7 +42,7 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
         old = [(group, name) for group in groups for name in _NEW if name in group.settings]
         new = [(group, name) for group in groups for name in _OLD if name in group.settings]
         if named is not None:
-            yield from self._against(case, old, new, release(named), named)
+            yield from self._against(case, old, new, named)
         elif old and new:
             yield self._mixed(path, old, new)
 
@@ -49,10 +51,9 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
         case: Case,
         old: list[tuple[ActuatorGroup, str]],
         new: list[tuple[ActuatorGroup, str]],
-        version: Release,
         text: str,
     ) -> Iterator[Finding]:
-        if version < (3,):
+        if not is_native(case.versions):
             for group, name in new:
                 yield Finding(
                     self.code,
@@ -62,7 +63,7 @@ class NamesByVersion(RuleOver[tuple[str, list[ActuatorGroup]]]):
                     fix=renaming(case, group, name, _OLD[name]) if _is_plain(group, name) else None,
                 )
             return
-        gone = version >= (4,)
+        gone = not before(release(text), OLD_NAMES_GONE)
         for group, name in old:
             yield Finding(
                 self.code,

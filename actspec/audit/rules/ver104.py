@@ -10,7 +10,7 @@ from actspec.audit.rules.cfg_groups import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joint_units import shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
-from actspec.readings.versions import release
+from actspec.readings.versions import is_native
 
 
 class ImplicitVelocityLimit(RuleOver[Group]):
@@ -59,5 +59,4 @@ class ImplicitVelocityLimit(RuleOver[Group]):
 
 def _renamed(case: Case) -> bool:
     """Whether the files are meant for a version in which the field is another one."""
-    named = case.versions.isaaclab
-    return named is not None and release(named) >= (3,)
+    return is_native(case.versions)

@@ -8,9 +8,10 @@ from actspec.audit.rule import RuleOver
 from actspec.audit.rules.mujoco_features import WORDS, Feature, used_features
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
-from actspec.readings.versions import Meant, Release, mujoco_of
+from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.view import RobotView
 from actspec.robot.xml import parse_document
+from actspec.simulators import Release
 
 
 class NeedsAnotherMujoco(RuleOver[RobotView]):
