@@ -46,7 +46,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
 
 def _packages(script: str, folder: str) -> tuple[str, ...]:
     packages = PACKAGES.get(os.path.basename(script), ())
-    if packages == NEWTON and json.loads(Path(folder, "in.json").read_text(encoding="utf-8"))["path"]:
+    if packages == NEWTON and json.loads(Path(folder, "in.json").read_text(encoding="utf-8")).get("path"):
         return NEWTON[:-1]
     return packages
 
@@ -159,11 +159,15 @@ def _fork(job: dict[str, Any]) -> int:
         os.environ.update(job["environment"])
         script, *sys.argv[1:] = job["command"]
         sys.argv[0] = script
-        sys.path[0] = os.path.dirname(script)
+        # As Python begins, which read the variable of the process that forks.
+        more = filter(None, job["environment"].get("PYTHONPATH", "").split(os.pathsep))
+        sys.path[:1] = [os.path.dirname(script), *more]
         runpy.run_path(script, run_name="__main__")
         status = 0
     except SystemExit as err:
         status = err.code if isinstance(err.code, int) else int(err.code is not None)
+        if isinstance(err.code, str):
+            print(err.code, file=sys.stderr)
     except BaseException:
         traceback.print_exc()
     finally:
