@@ -20,7 +20,7 @@ from actspec.lift.config_delay import delay_of
 from actspec.lift.config_unsaid import control_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config_figures import Found, figures_of, value_of
-from actspec.readings.quantities import Units, assumed, stated, unknown
+from actspec.readings.quantities import assumed, stated, units_of, unknown
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import FrictionUnit
@@ -76,7 +76,7 @@ class ConfigJoint:
         self._physics_dt = physics_dt
         self._control = control_of(config.framework, group)
         self._figures = figures_of(config, group, joint, pattern, named, versions)
-        self._units = Units(JointKind.HINGE if view is None else view.kind)
+        self._units = units_of(JointKind.HINGE if view is None else view.kind)
         self._own = is_own_class(group)
 
     def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:

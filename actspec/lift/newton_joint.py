@@ -15,7 +15,7 @@ from actspec.diagnostics import one_line
 from actspec.ir import Command, Delay, JointActuator, JointKind, Level, Network, Quantity
 from actspec.lift.config_joint import NONE_FROM
 from actspec.lift.newton_prims import NewtonJoint
-from actspec.readings.quantities import Units, assumed, stated, tidy, unknown
+from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaPrim
 
 PD, PID, NEURAL = "NewtonPDControlAPI", "NewtonPIDControlAPI", "NewtonNeuralControlAPI"
@@ -92,7 +92,7 @@ class NewtonDrive:
         self._folder = folder
         self._physics_dt = physics_dt
         self._kind = joint.kind or JointKind.HINGE
-        self._units = Units(self._kind)
+        self._units = units_of(self._kind)
 
     def actuator(self) -> JointActuator:
         """The joint's actuator."""

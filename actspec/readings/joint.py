@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from actspec.diagnostics import Span
-from actspec.ir import JointKind, Quantity
-from actspec.readings.quantities import Units, assumed, stated, tidy, unknown
+from actspec.ir import InertiaRange, JointKind, Quantity
+from actspec.readings.quantities import Units, assumed, stated, tidy, units_of, unknown
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
 SCALAR = (JointKind.HINGE, JointKind.SLIDE)
@@ -223,6 +223,7 @@ class JointReading:
         format: Of the file.
         units: Of the joint.
         drives: The actuators that drive it directly, in the file's order.
+        acting: Those that give a force.
         movers: What else gives it a force, over a tendon, a site or a crank: nobody knows how much.
         inertia: Over the poses, armature included; None: unknown.
         integrator: MuJoCo's name; "" when the format has none.
@@ -234,16 +235,12 @@ class JointReading:
     format: ModelFormat
     units: Units
     drives: tuple[DriveReading, ...]
+    acting: tuple[DriveReading, ...]
     movers: tuple[ActuatorView, ...]
     inertia: JointInertia | None
     integrator: str
     eulerdamp: bool
     timestep: float | None
-
-    @property
-    def acting(self) -> tuple[DriveReading, ...]:
-        """The drives that give a force."""
-        return tuple(drive for drive in self.drives if drive.is_on)
 
     @property
     def servos(self) -> tuple[DriveReading, ...]:
@@ -311,6 +308,8 @@ class JointReading:
 
     def _together(self, name: str, unit: str, drives: Sequence[DriveReading]) -> Quantity:
         parts: list[Quantity] = [getattr(drive, name) for drive in drives]
+        if len(parts) == 1:
+            return parts[0]
         said = [part for part in parts if part.span is not None]
         hidden = next((part for part in parts if part.value is None), None)
         if hidden is not None:
@@ -388,12 +387,14 @@ class JointReading:
 
     def _bounds(self, name: str) -> Quantity:
         bounds: list[Quantity] = [getattr(drive, name) for drive in self.acting]
+        if len(bounds) == 1:
+            return bounds[0]
         value, unit = total([bound.value for bound in bounds]), self.units.torque
         hidden = next((bound for bound in bounds if bound.value is None), None)
         if hidden is not None:
             return hidden
         assert value is not None
-        if len(bounds) == 1 or not math.isfinite(value):
+        if not math.isfinite(value):
             return next(
                 (b for b in bounds if b.value == value), assumed(math.inf, unit, "the file has no limit")
             )
@@ -428,25 +429,6 @@ class JointReading:
     # Dynamics
 
     @property
-    def natural_frequency(self) -> float | None:
-        """sqrt(kp / inertia held) at the reference pose [rad/s]; None: unknown, or no stiffness."""
-        stiffness, reference = self.total_stiffness, self._reference
-        return None if not stiffness or stiffness < 0.0 or not reference else math.sqrt(stiffness / reference)
-
-    @property
-    def damping_ratio(self) -> float | None:
-        """total damping / (2 sqrt(kp inertia)) at the reference pose [-]; None: unknown, or no stiffness."""
-        frequency, damping = self.natural_frequency, self.total_damping
-        if frequency is None or damping is None:
-            return None
-        return damping / (2.0 * math.sqrt((self.total_stiffness or 0.0) * (self._reference or 0.0)))
-
-    @property
-    def _reference(self) -> float | None:
-        inertia = self.inertia
-        return inertia.held.reference if inertia is not None and inertia.held.reference > 0.0 else None
-
-    @property
     def is_passive_implicit(self) -> bool | None:
         """Whether the engine integrates passive damping implicitly; None where no integrator is known.
 
@@ -456,18 +438,21 @@ class JointReading:
             return None
         return self.integrator in IMPLICIT or (self.integrator == "Euler" and self.eulerdamp)
 
-    @property
-    def stability(self) -> float | None:
-        """h * Kd / least free inertia, over the damping that the integrator takes explicitly [-]; None: unknown."""
+    def stability(self, damping: float | None) -> float | None:
+        """h * Kd / least free inertia, over the damping that the integrator takes explicitly [-]; None: unknown.
+
+        Args:
+            damping: `total_damping`.
+        """
         inertia = self.inertia
-        if self.timestep is None or not self.integrator or inertia is None or inertia.free.low <= 0.0:
+        if self.timestep is None or not self.integrator or inertia is None:
             return None
-        explicit = self.total_damping
+        explicit = damping
         if self.integrator in IMPLICIT:
             explicit = 0.0
         elif explicit is not None and self.is_passive_implicit:
             explicit = self.kd.value
-        return None if explicit is None else self.timestep * explicit / inertia.free.low
+        return explicit_ratio(self.timestep, explicit, inertia.free)
 
     # Places
 
@@ -523,12 +508,14 @@ def _reading(
     loose: Iterable[ActuatorView],
     inertia: JointInertia | None,
 ) -> JointReading:
-    units = Units(joint.kind)
+    units = units_of(joint.kind)
+    drives = tuple(DriveReading(actuator, joint, units) for actuator in own)
     return JointReading(
         joint,
         robot.format,
         units,
-        tuple(DriveReading(actuator, joint, units) for actuator in own),
+        drives,
+        tuple(drive for drive in drives if drive.is_on),
         tuple(a for a in loose if a.moves is None or joint.name in a.moves),
         inertia,
         robot.integrator,
@@ -561,6 +548,37 @@ def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
             armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
     held, free = robot.inertia.held(armature), robot.inertia.free(armature)
     return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}
+
+
+def resonance(
+    stiffness: float | None, damping: float | None, held: InertiaRange | None
+) -> tuple[float | None, float | None]:
+    """Natural frequency and damping ratio at the reference pose; None: unknown, or no stiffness.
+
+    Args:
+        stiffness: kp of everything that drives the joint [N*m/rad or N/m].
+        damping: Gains and passive damping together [N*m*s/rad or N*s/m].
+        held: Inertia with the other joints held, armature included [kg*m^2 or kg].
+
+    Returns: sqrt(kp / inertia) [rad/s], damping / (2 sqrt(kp inertia)) [-].
+    """
+    if not stiffness or stiffness < 0.0 or held is None or held.reference <= 0.0:
+        return None, None
+    ratio = None if damping is None else damping / (2.0 * math.sqrt(stiffness * held.reference))
+    return math.sqrt(stiffness / held.reference), ratio
+
+
+def explicit_ratio(step: float | None, damping: float | None, free: InertiaRange | None) -> float | None:
+    """h * Kd / least free inertia [-], which is stable below 2; None: unknown.
+
+    Args:
+        step: Of the integration [s].
+        damping: What is integrated explicitly [N*m*s/rad or N*s/m].
+        free: Inertia with the other joints free, armature included [kg*m^2 or kg].
+    """
+    if step is None or damping is None or free is None or free.low <= 0.0:
+        return None
+    return step * damping / free.low
 
 
 def largest(ends: tuple[float, float]) -> float:

@@ -28,6 +28,7 @@ from actspec.readings.joint import (
     joint_inertias,
     loose_actuators,
     read_joints,
+    resonance,
 )
 from actspec.robot.view import ActuatorView, ModelFormat
 
@@ -177,6 +178,8 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
     mjcf = reading.format is ModelFormat.MJCF
     joint, inertia = reading.joint, reading.inertia
     implicit, places = reading.is_passive_implicit, reading.places
+    damping = reading.total_damping
+    frequency, ratio = resonance(reading.total_stiffness, damping, None if inertia is None else inertia.held)
     shared: dict[str, Any] = {
         "file": file,
         "artifact": index,
@@ -191,7 +194,7 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         "actuator_damping": 0.0 if mjcf else None,
         "actuator_damping_clamped": False if mjcf else None,
         "actuator_damping_implicit": implicit,
-        "total_damping": reading.total_damping,
+        "total_damping": damping,
         "frictionloss": reading.frictionloss.value,
         "effort_limit": reading.effort_limit.value,
         "velocity_limit": joint.velocity_limit,
@@ -199,9 +202,9 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         "inertia_min": inertia.held.low if inertia is not None else None,
         "inertia_max": inertia.held.high if inertia is not None else None,
         "inertia_free_min": inertia.free.low if inertia is not None else None,
-        "natural_frequency": reading.natural_frequency,
-        "damping_ratio": reading.damping_ratio,
-        "stability": reading.stability,
+        "natural_frequency": frequency,
+        "damping_ratio": ratio,
+        "stability": reading.stability(damping),
         "position_range": None if "range" in joint.unknown else joint.range,
         "default_position": joint.reference_position
         if posed and "reference_position" not in joint.unknown
@@ -326,10 +329,7 @@ def _row(path: str, index: int, actuator: JointActuator) -> LedgerRow:
     kd = 0.0 if actuator.kd is None else values["kd"]
     total = None if kd is None or viscous is None else kd + viscous
     held = actuator.inertia_held
-    frequency = ratio = None
-    if kp is not None and kp > 0.0 and held is not None and held.reference > 0.0:
-        frequency = math.sqrt(kp / held.reference)
-        ratio = None if total is None else total / (2.0 * math.sqrt(kp * held.reference))
+    frequency, ratio = resonance(kp, total, actuator.inertia_held)
     limit = values["effort_limit"]
     effort = actuator.command is Command.EFFORT
     return LedgerRow(

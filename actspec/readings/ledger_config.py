@@ -6,7 +6,6 @@ model that it is paired with. Without one, each pattern is a row of its own.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from actspec.joints import InertiaRange, JointKind
@@ -19,6 +18,7 @@ from actspec.readings.config_figures import (
     selected,
     value_of,
 )
+from actspec.readings.joint import explicit_ratio, resonance
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import joint_names
 from actspec.readings.versions import Versions
@@ -114,20 +114,11 @@ def _row(
     kp, kd = numbers.get("kp"), numbers.get("kd")
     total = None if kd is None or joint_damping is None else kd + joint_damping
     held, free = inertia
-    frequency = math.sqrt(kp / held.reference) if kp and kp > 0 and held and held.reference > 0 else None
-    ratio = (
-        total / (2.0 * math.sqrt(kp * held.reference))
-        if total is not None and kp and kp > 0 and held is not None and held.reference > 0
-        else None
-    )
+    frequency, ratio = resonance(kp, total, held)
     explicit = control in ("ideal_pd", "dc_motor", "network") and config.framework is not Framework.DEPLOY
     implicit = True if control == "implicit" else False if explicit else None
     step = config.physics_dt
-    stability = (
-        step * kd / free.low
-        if explicit and step is not None and kd is not None and free is not None and free.low > 0
-        else None
-    )
+    stability = explicit_ratio(step, kd, free) if explicit else None
     return LedgerRow(
         file=artifact.path,
         artifact=index,

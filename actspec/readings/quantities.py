@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache, lru_cache
 
 from actspec.diagnostics import Span
 from actspec.ir import JointKind, Origin, Quantity
@@ -21,6 +22,7 @@ def stated(
     return Quantity(value + 0.0, unit, Origin.MODEL, source=span.path, span=span, note=note, formula=formula)
 
 
+@lru_cache(maxsize=1024)
 def assumed(value: float, unit: str, note: str) -> Quantity:
     """What an engine takes where the file is silent; `note` says whose default it is."""
     return Quantity(value, unit, Origin.DEFAULT, note=note)
@@ -42,36 +44,18 @@ def tidy(value: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Units:
-    """Units of one kind of joint."""
+    """SI units of one kind of joint: `N*m` or `N`, `rad/s` or `m/s`, and so on."""
 
-    joint: JointKind
+    torque: str
+    speed: str
+    position: str
+    stiffness: str
+    velocity_gain: str
+    inertia: str
 
-    @property
-    def torque(self) -> str:
-        """`N*m` or `N`."""
-        return unit_of(Kind.TORQUE, self.joint)
 
-    @property
-    def speed(self) -> str:
-        """`rad/s` or `m/s`."""
-        return unit_of(Kind.SPEED, self.joint)
-
-    @property
-    def position(self) -> str:
-        """`rad` or `m`."""
-        return unit_of(Kind.POSITION, self.joint)
-
-    @property
-    def stiffness(self) -> str:
-        """`N*m/rad` or `N/m`."""
-        return unit_of(Kind.STIFFNESS, self.joint)
-
-    @property
-    def velocity_gain(self) -> str:
-        """`N*m*s/rad` or `N*s/m`."""
-        return unit_of(Kind.VELOCITY_GAIN, self.joint)
-
-    @property
-    def inertia(self) -> str:
-        """`kg*m^2` or `kg`."""
-        return unit_of(Kind.INERTIA, self.joint)
+@cache
+def units_of(joint: JointKind) -> Units:
+    """The units of a hinge or a slide."""
+    kinds = (Kind.TORQUE, Kind.SPEED, Kind.POSITION, Kind.STIFFNESS, Kind.VELOCITY_GAIN, Kind.INERTIA)
+    return Units(*(unit_of(kind, joint) for kind in kinds))
