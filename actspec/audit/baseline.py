@@ -7,7 +7,7 @@ import json
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -93,8 +93,12 @@ def write_baseline(findings: Iterable[Reported], path: str) -> None:
         raise _error("AUD006", f"the baseline cannot be written: {reason}", path) from err
 
 
-def read_baseline(path: str) -> Counter[Entry]:
+def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     """Entries of a baseline with their counts.
+
+    Args:
+        path: The file.
+        former: Codes of rules that are gone to those that took their place.
 
     Raises: AuditError: the file cannot be read or is no baseline.
     """
@@ -124,7 +128,7 @@ def read_baseline(path: str) -> Counter[Entry]:
         if not isinstance(count, int) or count < 1 or not all(isinstance(text, str) for text in texts):
             message = "an entry of the baseline is not as actspec writes it"
             raise _error("AUD005", message, path, f"write it anew with --write-baseline {path}")
-        entries[Entry(*texts)] += count
+        entries[Entry(former.get(texts[0], texts[0]), *texts[1:])] += count
     return entries
 
 

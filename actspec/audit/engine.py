@@ -15,12 +15,12 @@ from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.globs import matches
-from actspec.audit.ignores import ignores_of, set_aside, unknown, unused, without_reason
+from actspec.audit.ignores import REMARKS, ignores_of, set_aside, unknown, unused, without_reason
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules.registry import all_rules
-from actspec.audit.selection import selected, strength
+from actspec.audit.selection import is_selected, selected, strength
 from actspec.audit.settings import Settings
 from actspec.audit.unused import Looked, certainly_unused
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
@@ -75,21 +75,27 @@ def judge(
     """
     everything = all_rules() if rules is None else tuple(rules)
     asked = selected(everything, settings.select, settings.ignore)
-    baseline = read_baseline(settings.baseline) if settings.baseline is not None else None
+    former = {old: rule.code for rule in everything for old in rule.aliases}
+    baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
     real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
     resolved = _resolve(found, everything, settings, real_path)
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
-    after = set_aside(resolved, ignores, real_path)
+    called = {rule.code: (rule.code, *rule.names()) for rule in everything}
+    after = set_aside(resolved, ignores, real_path, called)
     ran = {rule.code for rule in asked} - {item.code for item in skipped} - {item.where for item in problems}
-    names = {name: rule for rule in everything if rule.code in ran for name in (rule.code, rule.name)}
+    names = {name: rule for rule in everything if rule.code in ran for name in called[rule.code]}
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
-    wanted = {rule.code for rule in asked}
-    meta = _resolve((finding for finding in about if finding.code in wanted), everything, settings, real_path)
-    kept, suppressed = _in_order((*after.kept, *meta)), list(after.suppressed)
-    kept = _split(kept, suppressed, Means.SETTING, lambda item: _ignored_by_setting(item, settings))
+    problems += [item for item in dict.fromkeys(about) if _is_wanted(item, settings)]
+    kept, suppressed = _in_order(after.kept), list(after.suppressed)
+    kept = _split(
+        kept,
+        suppressed,
+        Means.SETTING,
+        lambda item: _ignored_by_setting(item.finding.span.path, called[item.finding.code], settings),
+    )
     if baseline is not None:
         folder = os.path.dirname(settings.baseline or "")
         kept, known, stale = apply_baseline(kept, baseline, folder)
@@ -197,7 +203,7 @@ def _resolve(
 def _severity_said(rule: type[Rule], settings: Settings) -> Severity | None:
     """What the settings say of a rule, by the closest selector."""
     closest = max(
-        ((strength(selector, rule.code, rule.name), selector) for selector in settings.severity),
+        ((strength(selector, rule.code, *rule.names()), selector) for selector in settings.severity),
         default=(0, ""),
     )
     return settings.severity[closest[1]] if closest[0] else None
@@ -225,12 +231,19 @@ def _split(
     return tuple(kept)
 
 
-def _ignored_by_setting(item: Reported, settings: Settings) -> bool:
+def _is_wanted(item: Diagnostic, settings: Settings) -> bool:
+    """Whether the settings ask for a diagnostic about a remark."""
+    names = (item.code, REMARKS[item.code])
+    asked = is_selected(item.code, names[1:], settings.select, settings.ignore)
+    return asked and item.span is not None and not _ignored_by_setting(item.span.path, names, settings)
+
+
+def _ignored_by_setting(file: str, names: Sequence[str], settings: Settings) -> bool:
     if not settings.per_file_ignores:
         return False
-    path = relative_path(item.finding.span.path, settings.folder)
+    path = relative_path(file, settings.folder)
     return any(
-        strength(selector, item.finding.code, item.name)
+        strength(selector, *names)
         for glob, selectors in settings.per_file_ignores
         if matches(glob, path)
         for selector in selectors

@@ -7,12 +7,14 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.comments import comments
-from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.rule import Rule
 from actspec.audit.selection import guess
-from actspec.diagnostics import Span, shortened
+from actspec.diagnostics import Diagnostic, Severity, Span, shortened
 from actspec.readings.artifact import FileReading
+
+REMARKS = {"ACT001": "ignore-without-reason", "ACT002": "unused-ignore", "ACT003": "unknown-ignore"}
+"""What is said of remarks: codes, with the names by which they are selected as well."""
 
 FIRST_LINES = 10
 """An `ignore-file` further down speaks about nothing. Chosen: a reader sees it without scrolling."""
@@ -99,6 +101,7 @@ def set_aside(
     found: Sequence[Reported],
     ignores: Mapping[str, tuple[Ignore, ...]],
     real_path: Callable[[str], str],
+    names: Mapping[str, Sequence[str]],
 ) -> Sorted:
     """Put findings aside that a remark with a reason names.
 
@@ -106,6 +109,7 @@ def set_aside(
         found: All findings.
         ignores: From `ignores_of`.
         real_path: Likewise.
+        names: Code of each rule to its code and all that it is called.
     """
     kept, suppressed = [], []
     used: set[tuple[Ignore, str]] = set()
@@ -116,7 +120,7 @@ def set_aside(
             for ignore in ignores.get(real_path(span.path), ())
             if ignore.reason and ignore.covers(span.line)
             for code in ignore.codes
-            if code in (reported.finding.code, reported.name)
+            if code in names[reported.finding.code]
         ]
         if matching:
             used.update(matching)
@@ -133,19 +137,19 @@ def set_aside(
     return Sorted(tuple(kept), tuple(suppressed), unused)
 
 
-def without_reason(ignores: Iterable[Ignore]) -> Iterator[Finding]:
+def without_reason(ignores: Iterable[Ignore]) -> Iterator[Diagnostic]:
     """ACT001: remarks that give no reason."""
     for ignore in ignores:
         if ignore.codes and not ignore.reason:
-            yield Finding(
+            yield _warning(
                 "ACT001",
                 "this ignore gives no reason, and is not followed",
-                ignore.span,
-                help=f"say why: `actspec: ignore[{shortened(', '.join(ignore.codes))}] the reason`",
+                ignore,
+                f"say why: `actspec: ignore[{shortened(', '.join(ignore.codes))}] the reason`",
             )
 
 
-def unused(ignores: Iterable[tuple[Ignore, str]]) -> Iterator[Finding]:
+def unused(ignores: Iterable[tuple[Ignore, str]]) -> Iterator[Diagnostic]:
     """ACT002: remarks that set nothing aside.
 
     Args:
@@ -158,21 +162,25 @@ def unused(ignores: Iterable[tuple[Ignore, str]]) -> Iterator[Finding]:
             help = "move it to the top of the file"
         elif not ignore.placed:
             help = "put it on the line of the finding, or alone on the line before"
-        yield Finding("ACT002", message, ignore.span, help=help)
+        yield _warning("ACT002", message, ignore, help)
 
 
-def unknown(ignores: Iterable[Ignore], rules: Sequence[type[Rule]]) -> Iterator[Finding]:
+def unknown(ignores: Iterable[Ignore], rules: Sequence[type[Rule]]) -> Iterator[Diagnostic]:
     """ACT003: remarks that name no rule, or one that is not there."""
-    known = {name for rule in rules for name in (rule.code, rule.name)}
+    known = {name for rule in rules for name in (rule.code, *rule.names())} | {*REMARKS, *REMARKS.values()}
     for ignore in ignores:
         if not ignore.codes:
             message, help = (
                 "this ignore names no rule, and is not followed",
                 "write `actspec: ignore[CODE] the reason`",
             )
-            yield Finding("ACT003", message, ignore.span, help=help)
+            yield _warning("ACT003", message, ignore, help)
         for code in ignore.codes:
             if code not in known:
                 near = guess(code, rules)
                 message = f"this ignore names '{shortened(code)}', and no rule has this code or name"
-                yield Finding("ACT003", message, ignore.span, help=near and f"did you mean '{near}'?")
+                yield _warning("ACT003", message, ignore, near and f"did you mean '{near}'?")
+
+
+def _warning(code: str, message: str, ignore: Ignore, help: str | None) -> Diagnostic:
+    return Diagnostic(code, Severity.WARNING, message, "", ignore.span, help)

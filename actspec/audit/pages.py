@@ -7,11 +7,11 @@ from itertools import groupby
 from typing import Any
 
 from actspec.audit.rule import Rule, sections
+from actspec.diagnostics import listed
 
 INDEX = "README.md"
 
 FAMILIES = {
-    "ACT": "remarks in audited files",
     "CFG": "configurations",
     "DLY": "delays",
     "DMP": "damping",
@@ -46,7 +46,7 @@ def page(rule: type[Rule]) -> str:
     if rule.fix is not None:
         facts += f", {rule.fix.value} fix"
     body = "".join(f"\n## {heading}\n\n{text.strip()}\n" for heading, text in found.items())
-    return f"{head}{facts[0].upper()}{facts[1:]}.\n{_options(rule)}{body}"
+    return f"{head}{facts[0].upper()}{facts[1:]}.\n{_options(rule)}{_aliases(rule)}{body}"
 
 
 def _options(rule: type[Rule]) -> str:
@@ -54,6 +54,13 @@ def _options(rule: type[Rule]) -> str:
         return ""
     values = ", ".join(f"`{name} = {value:g}`" for name, value in rule.options.items())
     return f"\nOptions, under `[tool.actspec.audit.rules.{rule.code}]`: {values}.\n"
+
+
+def _aliases(rule: type[Rule]) -> str:
+    if not rule.aliases:
+        return ""
+    former = listed([f"{code} {name}" for code, name in rule.aliases.items()], len(rule.aliases))
+    return f"\nFormerly also {former}: these codes and names still select it.\n"
 
 
 def index(rules: Sequence[type[Rule]]) -> str:
@@ -85,6 +92,7 @@ def record(rule: type[Rule]) -> dict[str, Any]:
     return {
         "code": rule.code,
         "name": rule.name,
+        "aliases": dict(rule.aliases),
         "title": found.pop(""),
         "severity": rule.severity.value,
         "confidence": rule.confidence.value,

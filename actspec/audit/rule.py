@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import ClassVar, Generic, TypeVar
 
@@ -24,6 +24,7 @@ class Rule:
     Attributes:
         code: Family letters and number; for ever.
         name: What the files do, in words with hyphens: `joint-damping-beside-kv`.
+        aliases: Codes of rules that this one took the place of, with their names; they select it as its own code does.
         severity: Unless the finding or the configuration says otherwise.
         confidence: Likewise.
         fix: Whether it offers a fix; None: never.
@@ -37,6 +38,7 @@ class Rule:
     severity: ClassVar[Severity]
     confidence: ClassVar[Confidence]
     fix: ClassVar[Safety | None] = None
+    aliases: ClassVar[Mapping[str, str]] = {}
     options: ClassVar[dict[str, float]] = {}
     paired: ClassVar[bool] = False
 
@@ -47,6 +49,11 @@ class Rule:
             case: What to judge.
         """
         raise NotImplementedError
+
+    @classmethod
+    def names(cls) -> tuple[str, ...]:
+        """What it is called besides its code: its name, then codes and names of the rules that it took the place of."""
+        return (cls.name, *cls.aliases, *cls.aliases.values())
 
     @classmethod
     def text(cls) -> str:

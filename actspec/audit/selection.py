@@ -10,44 +10,56 @@ from actspec.diagnostics import nearest
 ALL = "ALL"
 
 
-def strength(selector: str, code: str, name: str) -> int:
+def strength(selector: str, code: str, *names: str) -> int:
     """How closely a selector names a rule: 0 not at all, 1 as one of all, more for a longer beginning.
 
     Args:
         selector: Code, beginning of a code, name or `ALL`.
         code: Of the rule.
-        name: Of the rule.
+        names: What else it is called, as `Rule.names`.
     """
     if selector == ALL:
         return 1
-    if selector in (code, name):
+    if selector == code or selector in names:
         return 100
     return 1 + len(selector) if selector and code.startswith(selector) else 0
 
 
-def _closest(selectors: Iterable[str], rule: type[Rule]) -> int:
-    return max((strength(selector, rule.code, rule.name) for selector in selectors), default=0)
+def is_selected(code: str, names: Sequence[str], select: Iterable[str], ignore: Iterable[str]) -> bool:
+    """Whether something with this code is asked for. The closer selector wins, `ignore` where both are equally close.
+
+    Args:
+        code: Of a rule or a diagnostic.
+        names: What else it is called.
+        select: Selectors of what is asked for.
+        ignore: Selectors of what is not.
+    """
+    wanted, unwanted = (
+        max((strength(selector, code, *names) for selector in selectors), default=0)
+        for selectors in (select, ignore)
+    )
+    return wanted > unwanted
 
 
 def selected(
     rules: Sequence[type[Rule]], select: Sequence[str], ignore: Sequence[str]
 ) -> tuple[type[Rule], ...]:
-    """Rules that are to run. The closer selector wins, `ignore` where both are equally close.
+    """Rules that are to run.
 
     Args:
         rules: All rules.
         select: Selectors of rules to run.
         ignore: Selectors of rules not to run.
     """
-    return tuple(rule for rule in rules if _closest(select, rule) > _closest(ignore, rule))
+    return tuple(rule for rule in rules if is_selected(rule.code, rule.names(), select, ignore))
 
 
 def guess(selector: str, rules: Sequence[type[Rule]]) -> str | None:
     """The nearest code, family or name to a selector that names no rule."""
     upper = selector.upper()
     families = sorted({rule.code.rstrip("0123456789") for rule in rules})
-    codes = [*families, *(rule.code for rule in rules), ALL]
+    codes = [*families, *(code for rule in rules for code in (rule.code, *rule.aliases)), ALL]
     if upper in codes:
         return upper
-    names = [rule.name for rule in rules]
+    names = [name for rule in rules for name in (rule.name, *rule.aliases.values())]
     return nearest(selector.lower().replace("_", "-"), names) or nearest(upper, codes)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from actspec.audit.finding import Confidence
+from actspec.audit.ignores import REMARKS
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, strength
 from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
@@ -94,7 +95,8 @@ def check_selectors(
 ) -> None:
     """Report selectors that name no rule."""
     for selector in selectors:
-        if not any(strength(selector, rule.code, rule.name) for rule in rules):
+        known = ((rule.code, *rule.names()) for rule in rules)
+        if not any(strength(selector, *names) for names in (*known, *REMARKS.items())):
             near = guess(selector, rules)
             families = sorted({rule.code.rstrip("0123456789") for rule in rules})
             out.error(
@@ -301,8 +303,7 @@ class _Reader:
         return self._one_of(value, where, {**known, NEVER: None})
 
     def _options(self, value: Any, where: str) -> dict[str, dict[str, float]]:
-        by_code = {rule.code: rule for rule in self.rules}
-        codes = {**by_code, **{rule.name: rule for rule in self.rules}}
+        codes = {name: rule for rule in self.rules for name in (rule.code, *rule.names())}
         found: dict[str, dict[str, float]] = {}
         for key, options in self._table(value, where).items():
             place = f"{where}.{shortened(key)}"

@@ -130,7 +130,7 @@ def test_bad_baselines(text: str | None, message: str, folder: Path) -> None:
     if text is not None:
         (folder / "base.json").write_text(text)
     with pytest.raises(AuditError) as caught:
-        read_baseline("base.json")
+        read_baseline("base.json", {})
     (item,) = caught.value.diagnostics
     assert (item.code, item.message) == ("AUD005", message)
 

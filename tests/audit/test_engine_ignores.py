@@ -9,13 +9,8 @@ import pytest
 from actspec.audit.comments import comments
 from actspec.audit.engine import judge
 from actspec.audit.outcome import Means
-from actspec.audit.rules.act001 import IgnoreWithoutReason
-from actspec.audit.rules.act002 import UnusedIgnore
-from actspec.audit.rules.act003 import UnknownIgnore
 from actspec.audit.settings import Settings
 from tests.audit.making import case_of, finding, rule_of
-
-REMARKS = (IgnoreWithoutReason, UnusedIgnore, UnknownIgnore)
 
 XML = """<!-- top -->
 <mujoco>
@@ -150,8 +145,9 @@ def test_entities_are_not_read() -> None:
 
 def _judged(text: str, *lines: int, select: tuple[str, ...] = ("ALL",)) -> list[tuple[str, int, str]]:
     rule = rule_of("LIM901", "first-rule", *[finding("LIM901", line=line) for line in lines])
-    report = judge(case_of({"a.xml": text.encode()}), Settings(select=select), (*REMARKS, rule))
+    report = judge(case_of({"a.xml": text.encode()}), Settings(select=select), (rule,))
     found = [(item.finding.code, item.finding.span.line, item.finding.message) for item in report.findings]
+    found += [(item.code, item.span.line, item.message) for item in report.problems if item.span is not None]
     return found + [
         (item.means.value, item.reported.finding.span.line, item.reason) for item in report.suppressed
     ]
@@ -202,8 +198,8 @@ def test_remarks_of_an_included_file_count_once(tmp_path: Path, monkeypatch: pyt
     """A file that is named and included is scanned once, whatever its path is written like."""
     monkeypatch.chdir(tmp_path)
     data = b"<a>\n<b/> <!-- actspec: ignore[LIM901] -->\n</a>"
-    report = judge(case_of({"a.xml": data, "./a.xml": data}), Settings(), REMARKS)
-    assert [item.finding.code for item in report.findings] == ["ACT001", "ACT003"]
+    report = judge(case_of({"a.xml": data, "./a.xml": data}), Settings(), ())
+    assert [item.code for item in report.problems] == ["ACT001", "ACT003"]
 
 
 def test_inline_goes_before_the_settings() -> None:
@@ -211,6 +207,6 @@ def test_inline_goes_before_the_settings() -> None:
     text = b"<a>\n<b/> <!-- actspec: ignore[LIM901] it clips -->\n</a>"
     rule = rule_of("LIM901", "first-rule", finding("LIM901", line=2))
     settings = Settings(per_file_ignores=(("*.xml", ("LIM",)),))
-    report = judge(case_of({"a.xml": text}), settings, (*REMARKS, rule))
+    report = judge(case_of({"a.xml": text}), settings, (rule,))
     assert not report.findings
     assert [item.means for item in report.suppressed] == [Means.INLINE]

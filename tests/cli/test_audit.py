@@ -442,7 +442,7 @@ def test_rule_docs(folder: Path) -> None:
     """--docs writes every page and the index."""
     assert run("rule", "--docs", "pages") == 0
     names = {path.name for path in (folder / "pages").iterdir()}
-    assert {"README.md", "lim101.md", "act003.md"} <= names
+    assert {"README.md", "lim101.md", "dmp101.md"} <= names
     (folder / "file").write_text("")
     assert run("rule", "--docs", "file") == 2
 

@@ -462,7 +462,7 @@ def test_workflows_call_what_there_is(block: Block) -> None:
 
 CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "NWT", "OUT", "RND", "RTP", "STB", "URD"]
 """Families of docs/checks.md."""
-AUDIT = ["AUD", "CFG", "DEPLOY"]
+AUDIT = ["ACT", "AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
 RULES = {rule.code for rule in all_rules()}
 

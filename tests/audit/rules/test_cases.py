@@ -114,13 +114,12 @@ def run(
     versions: dict[str, str] | None = None,
     options: dict[str, float] | None = None,
 ) -> Report:
-    """Audit files in the working folder with one rule. ACT rules need another one that finds something."""
+    """Audit files in the working folder with one rule."""
     for name, text in files.items():
         Path(name).parent.mkdir(parents=True, exist_ok=True)
         Path(name).write_text(text, encoding="utf-8")
-    select = (rule.code, "LIM101") if family(rule) == "ACT" else (rule.code,)
     settings = Settings(
-        select=select, versions=Versions(**(versions or {})), options={rule.code: options or {}}
+        select=(rule.code,), versions=Versions(**(versions or {})), options={rule.code: options or {}}
     )
     named = named or [file for file in files if not file.endswith(".json")]
     with pending_files(named, jobs=1) as pending:
@@ -223,7 +222,7 @@ def test_every_kind_of_case_is_there(code: str) -> None:
     """A rule has cases that pass, fail and are skipped for lack of input; each begins with its kind."""
     data = load(CASES / f"{code}.yaml")
     kinds = {name.partition("_")[0] for name in data if name != "shared"}
-    assert kinds == set(KINDS[:2] if RULES[code].code.startswith("ACT") else KINDS)
+    assert kinds == set(KINDS)
 
 
 @pytest.mark.parametrize("code", RULES)
