@@ -14,7 +14,7 @@ KINDS = {"mujoco": FileKind.MJCF, "robot": FileKind.URDF}
 """Root element to the kind of file."""
 
 _TOLD_BY_RULES = ("ROBOT125",)
-"""Codes of what a rule finds too: limits of 0, LIM103."""
+"""Codes of what a rule finds too: limits of 0, LIM101."""
 
 POSES = 64
 """Chosen: sampled poses for the ledger's inertia, a quarter of those of a compile, because an audit of many

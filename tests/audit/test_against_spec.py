@@ -22,7 +22,7 @@ TARGETS = (
     "mjlab==1.0",
 )
 """None: the spec's own targets."""
-LOST = {("anymal_d", "mujoco==3.2"): {"SPC104"}, ("spot", "mujoco==3.2"): {"SPC104"}}
+LOST = {("anymal_d", "mujoco==3.2"): {"SPC101"}, ("spot", "mujoco==3.2"): {"SPC101"}}
 """What a version cannot hold is a departure: MuJoCo before 3.5 has no delay."""
 
 
@@ -105,13 +105,13 @@ def _replaced(old: str, new: str) -> Callable[[str], str]:
             12,
             (0.2, None),
         ),
-        ("a1.xml", _replaced('armature="0.01"', 'armature="0.1"'), (), "SPC103", 12, (0.1, 0.01)),
+        ("a1.xml", _replaced('armature="0.01"', 'armature="0.1"'), (), "SPC101", 12, (0.1, 0.01)),
         ("_deploy.yaml", _replaced("kp: 25", "kp: 40"), (), "SPC101", 12, (40.0, 25.0)),
         (
             "isaaclab/unitree_a1_cfg.py",
             _replaced("effort_limit=33.5", "effort_limit=67.0"),
             (),
-            "SPC102",
+            "SPC101",
             12,
             (67.0, 33.5),
         ),
@@ -178,7 +178,7 @@ def test_a_spec_without_its_model(capsys: pytest.CaptureFixture[str], folder: Pa
     )
     found = findings("spot.yaml", [Path("zebra.xml")], capsys)
     assert {(item["code"], item["file"], item["value"], item["expected"]) for item in found} == {
-        ("SPC102", "zebra.xml", 50.0, 33.5),
+        ("SPC101", "zebra.xml", 50.0, 33.5),
         # It writes its own timestep, which the mujoco target replaces.
         ("SPC106", "zebra.xml", 0.002, 0.005),
     }

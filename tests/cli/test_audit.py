@@ -35,7 +35,7 @@ HEADLINE = (
     "leg.xml:10:5: LIM101 [warning] hip, knee: no force range, joint limit or control range limits this actuator: it "
     "gives every N*m that it is asked for\n"
 )
-SKIPPED = "LIM102 did not apply: no file states an effort or velocity limit\n"
+SKIPPED = "LIM107 did not apply: no drive with both a torque-speed line and an effort limit among the files\n"
 COUNT = "1 warning affecting 2 joints in 1 file\n"
 
 
@@ -45,7 +45,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "leg.xml").write_text(LEG)
     # The rules that this file speaks about; others are added in their time.
-    (tmp_path / "actspec.toml").write_text('[audit]\nselect = ["LIM101", "LIM102", "ACT"]\n')
+    (tmp_path / "actspec.toml").write_text('[audit]\nselect = ["LIM101", "LIM107", "ACT"]\n')
     return tmp_path
 
 
@@ -72,7 +72,7 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
         (["--fail-on", "error"], 0),
         (["--fail-on", "never"], 0),
         (["--fail-on", "warning", "--exit-zero"], 0),
-        (["--fail-on", "warning", "--select", "LIM102"], 0),
+        (["--fail-on", "warning", "--select", "LIM107"], 0),
         (["--fail-on", "warning", "--ignore", "LIM101"], 0),
         (["--fail-on", "warning", "--output-format", "sarif"], 0),
         (["--fail-on", "warning", "--output-format", "json"], 1),
@@ -190,7 +190,7 @@ def test_a_limit_of_zero_is_told_once(capsys: pytest.CaptureFixture[str]) -> Non
     )
     run("audit", "r.urdf", "--select", "LIM103", "--output-format", "concise")
     out, err = capsys.readouterr()
-    assert [line.split()[1] for line in out.splitlines() if "effort is 0" in line] == ["LIM103"]
+    assert [line.split()[1] for line in out.splitlines() if "effort is 0" in line] == ["LIM101"]
     assert err == ""
 
 
@@ -270,7 +270,7 @@ def test_json_validates(capsys: pytest.CaptureFixture[str]) -> None:
 def test_settings_and_options_together(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """--select replaces the file's choice, --ignore adds to it; other options win over the file."""
     (folder / "actspec.toml").write_text(
-        '[audit]\nselect = ["LIM102"]\nignore = ["ACT"]\nfail-on = "never"\nseverity = {LIM101 = "error"}\n'
+        '[audit]\nselect = ["LIM107"]\nignore = ["ACT"]\nfail-on = "never"\nseverity = {LIM101 = "error"}\n'
     )
     assert run("audit", "leg.xml", "--output-format", "concise") == 0
     assert "LIM101" not in capsys.readouterr().out
@@ -324,7 +324,7 @@ def test_ledger_and_statistics(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("audit", "leg.xml", "--ledger", "--statistics") == 0
     out = capsys.readouterr().out
     assert out.startswith("leg.xml (leg)\n  joints  control  effort  inertia")
-    assert out.endswith(f"\n2  LIM101  no-limit-of-any-kind  warning\n{SKIPPED}{COUNT}")
+    assert out.endswith(f"\n2  LIM101  no-effective-limit  warning\n{SKIPPED}{COUNT}")
 
 
 def test_as_a_process(folder: Path) -> None:
@@ -409,13 +409,13 @@ def test_progress_of_a_long_step(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_rule(capsys: pytest.CaptureFixture[str]) -> None:
     """A code, a name or a family prints pages, in the order of the codes."""
-    assert run("rule", "no-limit-of-any-kind") == 0
+    assert run("rule", "no-effective-limit") == 0
     first = capsys.readouterr().out
-    assert first.startswith("# LIM101 no-limit-of-any-kind\n\nNothing limits")
-    assert run("rule", "LIM102", "LIM101") == 0
+    assert first.startswith("# LIM101 no-effective-limit\n\nA joint has no limit")
+    assert run("rule", "LIM107", "LIM101") == 0
     both = capsys.readouterr().out
     assert both.startswith(first)
-    assert "# LIM102 limit-is-a-placeholder" in both
+    assert "# LIM107 saturation-below-limit" in both
 
 
 def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
@@ -424,7 +424,7 @@ def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     record = json.loads(capsys.readouterr().out)
     jsonschema.validate(record, _schema("rules"))
     found = {rule["code"]: rule for rule in record["rules"]}
-    assert found["LIM102"]["options"] == {"least": 1e5}
+    assert found["LIM101"]["options"] == {"least": 1e5}
     assert list(found["LIM101"]["sections"])[:3] == ["What it does", "Why it matters", "Example"]
     assert run("rule", "LIN101", "--output-format", "json") == 2
     jsonschema.validate(json.loads(capsys.readouterr().out), _schema("rules"))

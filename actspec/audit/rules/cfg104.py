@@ -1,35 +1,58 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
+from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import RuleInParts
+from actspec.audit.rules.cfg_groups import (
+    EXPLICIT,
+    MJLAB_WITH_LINE,
+    WITH_LINE,
+    Group,
+    groups_of,
+    major_version,
+)
 from actspec.audit.rules.config_classes import NO_STOCK_CLASSES, StockClass, stock_groups
+from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity
-from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
+from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 
-_Subject = tuple[RobotConfig, ActuatorGroup, StockClass]
+_MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}
 
 
-class RequiredFieldMissing(RuleOver[_Subject]):
+class RequiredFieldMissing(RuleInParts):
     code = "CFG104"
     name = "required-field-missing"
+    aliases: ClassVar[dict[str, str]] = {
+        "LIM105": "explicit-drive-without-effort-limit",
+        "LIM110": "torque-speed-line-without-a-figure",
+    }
     severity = Severity.ERROR
     confidence = Confidence.HIGH
     needs = NO_STOCK_CLASSES
 
-    def subjects(self, case: Case) -> Iterator[_Subject]:
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         for _, config, group, stock in stock_groups(case):
-            yield config, group, stock
+            yield self._required(config, group, stock)
+        for framework, explicit, with_line in (
+            (Framework.ISAACLAB, EXPLICIT, WITH_LINE),
+            (Framework.MJLAB, _MJLAB_EXPLICIT, MJLAB_WITH_LINE),
+        ):
+            for found in groups_of(case, framework, explicit):
+                if found.complete:
+                    yield self._effort(case, found)
+            for found in groups_of(case, framework, with_line):
+                if found.complete:
+                    yield self._line(found)
 
-    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
-        """Find what is missing."""
-        config, group, stock = subject
-        told = any(note.where in (group.name, f"actuators.{group.name}") for note in config.notes)
+    def _required(self, config: RobotConfig, group: ActuatorGroup, stock: StockClass) -> Iterator[Finding]:
+        known = any(note.where in (group.name, f"actuators.{group.name}") for note in config.notes)
         alone = len(config.groups) == 1 and group.name == config.name
         missing = sorted(stock.required - set(group.settings))
-        if missing and not told and not alone:
+        if missing and not known and not alone:
             yield Finding(
                 self.code,
                 f"this {group.cls} has no {' and no '.join(missing)}: it cannot be made",
@@ -37,6 +60,72 @@ class RequiredFieldMissing(RuleOver[_Subject]):
                 help="None takes the USD's value" if _takes_none(config, missing) else None,
             )
 
+    def _effort(self, case: Case, group: Group) -> Iterator[Finding]:
+        """An explicit drive without an effort limit of its own."""
+        if group.written("effort_limit", "actuator_effort_limit") is not None:
+            return
+        isaac = group.framework is Framework.ISAACLAB
+        then = _isaac_default(case.versions.isaaclab, group) if isaac else "mjlab then takes none"
+        if then is None:
+            return
+        renamed = isaac and major_version(case.versions.isaaclab) >= 3
+        name = "actuator_effort_limit" if renamed else "effort_limit"
+        limited = set() if isaac else _limited_in_mjcf(case, group)
+        for joint in group.joints:
+            if joint not in limited:
+                yield Finding(
+                    self.code,
+                    f"this {group.cfg.cls} sets no effort limit: {then}",
+                    group.cfg.span,
+                    joint,
+                    help=f"set {name} to what the motor and its drive can give",
+                    severity=Severity.WARNING,
+                )
+
+    def _line(self, group: Group) -> Iterator[Finding]:
+        """Half a torque-speed line."""
+        missing = []
+        if group.written("velocity_limit", "actuator_velocity_limit") is None:
+            missing.append("velocity_limit")
+        if group.written("saturation_effort") is None:
+            missing.append("saturation_effort")
+        for joint in group.joints if missing else ():
+            yield Finding(
+                self.code,
+                f"this {group.cfg.cls} sets no {' and no '.join(missing)}: it cannot be built without its "
+                "torque-speed line",
+                group.cfg.span,
+                joint,
+                help="velocity_limit is the speed at which no torque is left, saturation_effort the torque at "
+                "standstill",
+            )
+
 
 def _takes_none(config: RobotConfig, missing: list[str]) -> bool:
     return config.framework is Framework.ISAACLAB and set(missing) <= {"stiffness", "damping"}
+
+
+def _isaac_default(version: str | None, group: Group) -> str | None:
+    """What counts in place of the missing limit; None where that is the USD's, or the solver's clamp."""
+    numbers = [int(part) for part in version.split(".")] if version is not None else []
+    if numbers >= [2, 3, 1]:
+        return None
+    solver = group.written("effort_limit_sim")
+    if numbers and (numbers < [2, 3] or numbers == [2, 3, 0]):
+        return (
+            None
+            if solver is not None
+            else f"Isaac Lab {version} then clips at 1e+09 N*m, which no joint reaches"
+        )
+    first = "at its effort_limit_sim" if solver is not None else "at 1e+09 N*m, which no joint reaches"
+    return f"Isaac Lab 2.2 and 2.3.0 then clip {first}; later versions at the limit that the USD has"
+
+
+def _limited_in_mjcf(case: Case, group: Group) -> set[str]:
+    """Joints of the group that an MJCF of the robot limits."""
+    return {
+        row.joint
+        for row in group.rows
+        for other in partner_rows(case, row, FileKind.MJCF)
+        if other.effort_limit is not None and other.effort_limit < math.inf
+    }

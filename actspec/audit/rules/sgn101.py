@@ -1,54 +1,80 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.readings.ledger import LedgerRow
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.diagnostics import Severity
+from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
-from actspec.readings.ledger import LedgerRow
-from actspec.robot.view import ActuatorView
+
+_Subject = tuple[LedgerRow, str, float]
+
+_GAINS = {
+    "kp": "it pushes the joint away from its target",
+    "kd": "it drives every motion on instead of braking it",
+}
+_PASSIVE = {
+    "joint_damping": "it feeds energy into every motion",
+    "actuator_damping": "it feeds energy into every motion",
+    "frictionloss": "it pushes a moving joint on",
+    "armature": "it takes inertia away from the links",
+}
 
 
-class NegativeGain(RuleOver[LedgerRow]):
+class NegativeFigure(RuleOver[_Subject]):
     code = "SGN101"
-    name = "negative-drive-gain"
+    name = "negative-gain-or-passive-value"
+    aliases: ClassVar[dict[str, str]] = {"SGN101": "negative-drive-gain", "SGN105": "negative-passive-value"}
     severity = Severity.ERROR
     confidence = Confidence.HIGH
-    needs = "no drive with a gain among the files"
+    needs = "no drive with a gain, and no stated damping, friction or armature, among the files"
 
-    def subjects(self, case: Case) -> Iterator[LedgerRow]:
+    def subjects(self, case: Case) -> Iterator[_Subject]:
         for row in case.rows:
-            if row.kp is None and row.kd is None:
-                continue
-            yield row
+            for field in (*_GAINS, *_PASSIVE):
+                value: float | None = getattr(row, field)
+                if value is not None and (field in _GAINS or field in row.stated):
+                    yield row, field, value
 
-    def judge(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
-        """Find negative kp and kd."""
-        springs = {a.span for a in _actuators(case) if a.control == "position" and a.gain == 0.0}
-        if row.span in springs:
+    def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
+        """Find gains and passive values below 0."""
+        row, field, value = subject
+        if value >= 0.0:
             return
-        if row.kp is not None and row.kp < 0.0:
-            yield self._finding(row, "kp", row.kp, "it pushes the joint away from its target")
-        if row.kd is not None and row.kd < 0.0:
-            yield self._finding(row, "kd", row.kd, "it drives every motion on instead of braking it")
-
-    def _finding(self, row: LedgerRow, field: str, value: float, effect: str) -> Finding:
-        return Finding(
-            self.code,
-            f"{field} is {shown(row, field, value)}: {effect}",
-            row.place(field),
-            row.joint,
-            value,
-            unit(row, field),
-            -value,
-            'gains are positive; in biasprm the feedback stands with a minus: biasprm="0 -kp -kd"',
-        )
+        if field in _GAINS:
+            if row.span in case.once(_springs):
+                return
+            text = f"{field} is {shown(row, field, value)}: {_GAINS[field]}"
+            help = 'gains are positive; in biasprm the feedback stands with a minus: biasprm="0 -kp -kd"'
+        else:
+            if "damping" in field and (row.artifact, row.joint) in case.once(_with_polynomial):
+                return
+            noun = field.replace("_", " ")
+            text = f"the {noun} of {shown(row, field, value)} is negative: {_PASSIVE[field]}"
+            help = "write it without the minus, or leave it out"
+        yield Finding(self.code, text, row.place(field), row.joint, value, unit(row, field), -value, help)
 
 
-def _actuators(case: Case) -> Iterator[ActuatorView]:
-    for _, artifact in case.of_kind(FileKind.MJCF):
+def _springs(case: Case) -> set[Span]:
+    """Places of servos without a gain: passive springs."""
+    return {
+        actuator.span
+        for _, artifact in case.of_kind(FileKind.MJCF)
+        if artifact.robot is not None
+        for actuator in artifact.robot.actuators
+        if actuator.control == "position" and actuator.gain == 0.0
+    }
+
+
+def _with_polynomial(case: Case) -> set[tuple[int, str]]:
+    """Joints with damping terms of higher order, their own or an actuator's."""
+    found = set()
+    for index, artifact in case.of_kind(FileKind.MJCF):
         if artifact.robot is not None:
-            yield from artifact.robot.actuators
+            found |= {(index, joint.name) for joint in artifact.robot.joints if any(joint.damping_polynomial)}
+            found |= {(index, act.target) for act in artifact.robot.actuators if any(act.damping[1:])}
+    return found

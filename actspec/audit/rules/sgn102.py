@@ -1,11 +1,12 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, Skipped, TextEdit
-from actspec.audit.rule import Rule
+from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
+from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import (
     NO_ACTUATORS,
     WrittenActuator,
@@ -15,20 +16,37 @@ from actspec.audit.rules.actuator_texts import (
     written_actuators,
 )
 from actspec.diagnostics import Severity
-from actspec.robot.view import ActuatorView, RobotView
+from actspec.ir import JointKind
+from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.robot.xml_edit import format_number
+from actspec.units import format_quantity
+
+_FITS = 0.1
+"""How far, relative to the joint's range, a control range may be from it to be it. Chosen: soft limits of 0.9."""
 
 
-class SignTakenAsRatio(Rule):
+class NotTheServoMeant(RuleInParts):
     code = "SGN102"
-    name = "kv-sign-taken-as-dampratio"
+    name = "general-is-not-the-servo-meant"
+    aliases: ClassVar[dict[str, str]] = {
+        "SGN102": "kv-sign-taken-as-dampratio",
+        "SGN103": "gain-is-not-minus-bias",
+        "SGN104": "biasprm-without-biastype",
+    }
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     fix = Safety.UNSAFE
-    options: ClassVar[dict[str, float]] = {"plausible": 3.0}
+    needs = NO_ACTUATORS
+    options: ClassVar[dict[str, float]] = {"plausible": 3.0, "relative": 0.01}
 
-    def check(self, case: Case) -> Iterator[Finding | Skipped]:
-        """Find positive third numbers."""
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        if drives_in_mjcf(case):
+            yield self._ratios(case)
+            yield self._scaled(case)
+            yield self._ignored(case)
+
+    def _ratios(self, case: Case) -> Iterator[Finding]:
+        """Positive third numbers of biasprm, which are taken for damping ratios."""
         for found in written_actuators(case, b"biasprm", which=_states_no_ratio):
             text = found.text
             ratio = text.bias[2]
@@ -50,11 +68,54 @@ class SignTakenAsRatio(Rule):
                 f"write -{ratio:.3g} for a velocity gain; for a damping ratio write the kv that it gives, because its "
                 "meaning depends on MuJoCo's version",
                 fix=_bias_fix(found, ratio),
-                severity=Severity.ERROR if absurd else self.severity,
+                severity=Severity.ERROR if absurd else None,
                 confidence=Confidence.HIGH if absurd else self.confidence,
             )
-        if not drives_in_mjcf(case):
-            yield Skipped(self.code, NO_ACTUATORS)
+
+    def _scaled(self, case: Case) -> Iterator[Finding]:
+        """Gains that are not the stiffness."""
+        relative = self.option(case, "relative")
+        for found in written_actuators(case, b"prm", which=lambda _, view: _is_off(view, relative)):
+            view = found.view
+            kp = view.kp / view.gear**2
+            scale = view.gain / kp
+            joint = found.artifact.robot.joint(view.target) if found.artifact.robot is not None else None
+            if joint is not None and _converts(joint, view.control_range, view.gear, scale):
+                continue
+            plain = joint is not None and _is_range(joint, view.control_range, 1.0 / view.gear)
+            yield Finding(
+                self.code,
+                f"gainprm is {view.gain:.3g} and the stiffness in biasprm {kp:.3g}: the servo settles at {scale:.3g} "
+                "times the position that it is told",
+                place_of(found, "gainprm", "biasprm"),
+                joint_of(found),
+                view.gain,
+                "N*m/rad" if joint is None or joint.kind is not JointKind.SLIDE else "N/m",
+                kp,
+                "gainprm and the second number of biasprm are kp and -kp",
+                severity=Severity.ERROR if plain else None,
+                confidence=Confidence.HIGH if plain else self.confidence,
+            )
+
+    def _ignored(self, case: Case) -> Iterator[Finding]:
+        """Feedback without biastype."""
+        for found in written_actuators(case, b"biasprm", which=_states_no_type):
+            text = found.text
+            if text.bias_type != "none" or not any(text.bias[:3]):
+                continue
+            servo = text.bias[1] < 0.0 and text.gain[0] == -text.bias[1]
+            numbers = " ".join(f"{number:.3g}" for number in text.bias[:3])
+            yield Finding(
+                self.code,
+                f"biasprm {numbers} has no effect without biastype: this actuator is a motor that gives "
+                f"{_force(found, text.gain[0])} per unit of control, whatever the joint does",
+                place_of(found, "biasprm"),
+                joint_of(found),
+                help='add biastype="affine"; a motor needs no biasprm',
+                fix=_type_fix(found),
+                severity=Severity.ERROR if servo else None,
+                confidence=Confidence.HIGH,
+            )
 
 
 def _has_inertia(found: WrittenActuator) -> bool:
@@ -77,3 +138,50 @@ def _bias_fix(found: WrittenActuator, ratio: float) -> Fix | None:
 
 def _states_no_ratio(_: RobotView, view: ActuatorView) -> bool:
     return view.tag == "general" and "dampratio" not in view.stated
+
+
+def _is_range(joint: JointView, control: tuple[float, float] | None, factor: float) -> bool:
+    """Whether a control range times a factor is the joint's range."""
+    if joint.range is None or control is None:
+        return False
+    span = joint.range[1] - joint.range[0]
+    ends = sorted(factor * end for end in control)
+    return all(
+        abs(end - limit) <= _FITS * span and math.isfinite(end)
+        for end, limit in zip(ends, joint.range, strict=True)
+    )
+
+
+def _converts(joint: JointView, control: tuple[float, float] | None, gear: float, scale: float) -> bool:
+    """Whether the scale turns a control in another unit into the joint's position."""
+    return _is_range(joint, control, scale / gear) and not _is_range(joint, control, 1.0 / gear)
+
+
+def _is_off(view: ActuatorView, relative: float) -> bool:
+    """Whether a servo's gain is not its stiffness."""
+    if view.control != "position" or {"kp", "gain", "gear"} & view.unknown or view.offset:
+        return False
+    if view.transmission not in ("joint", "jointinparent") or not view.gear:
+        return False
+    kp = view.kp / view.gear**2
+    return kp > 0.0 and view.gain != 0.0 and abs(view.gain - kp) > relative * kp
+
+
+def _type_fix(found: WrittenActuator) -> Fix | None:
+    attribute = found.element.attributes.get("biasprm")
+    if attribute is None or found.document.is_repeated(found.element):
+        return None
+    path = found.document.files[found.element.file].path
+    edit = TextEdit(path, attribute.start, attribute.start, b'biastype="affine" ')
+    return Fix('Add biastype="affine"', Safety.UNSAFE, (edit,), ("actuator_biastype",))
+
+
+def _force(found: WrittenActuator, gain: float) -> str:
+    """Torque at the joint per unit of control; a tendon's force before any joint."""
+    joint = None if found.artifact.robot is None else found.artifact.robot.joint(found.view.target)
+    hinge = joint is not None and joint.kind is JointKind.HINGE
+    return format_quantity(abs(found.view.gear) * gain, "N*m" if hinge else "N", 3)
+
+
+def _states_no_type(_: RobotView, view: ActuatorView) -> bool:
+    return "biastype" not in view.stated

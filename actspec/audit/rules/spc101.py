@@ -1,17 +1,99 @@
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
+from typing import ClassVar
+
 from actspec.audit.case import Case
-from actspec.audit.rules.spec_pairs import SpecJoint, SpecRule, counted_twice, is_sum
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleOver
+from actspec.audit.rules.source_rule import shown
+from actspec.audit.rules.spec_pairs import (
+    NO_SPEC,
+    SpecJoint,
+    counted_twice,
+    is_sum,
+    spec_joints,
+    unit_confused,
+)
+from actspec.diagnostics import Severity
 from actspec.ir import Level
+from actspec.readings.compare import Figure
+from actspec.readings.fields import FIELDS
+
+_GAINS = ("kp", "kd")
+_COMMAND = ("delay", "action_scale", "default_position")
+_FIELDS = (
+    *_GAINS,
+    *("effort_limit", "velocity_limit", "stall_torque", "no_load_speed"),
+    *("armature", "frictionloss", "joint_damping"),
+    *_COMMAND,
+)
+_ABSOLUTE = 1e-3
+"""Largest absolute difference of equal figures of the command path [s, rad or m]. Chosen: rounding."""
 
 
-class SpecGain(SpecRule):
+class FigureDeparts(RuleOver[SpecJoint]):
     code = "SPC101"
-    name = "gain-departs-from-spec"
-    fields = ("kp", "kd")
+    name = "figure-departs-from-spec"
+    aliases: ClassVar[dict[str, str]] = {
+        "SPC101": "gain-departs-from-spec",
+        "SPC102": "limit-departs-from-spec",
+        "SPC103": "armature-or-friction-departs-from-spec",
+        "SPC104": "command-path-departs-from-spec",
+    }
+    severity = Severity.ERROR
+    confidence = Confidence.HIGH
+    paired = True
+    needs = NO_SPEC
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
 
-    def is_told_elsewhere(self, case: Case, joint: SpecJoint, field: str, tolerance: float) -> bool:
-        """A network, or damping counted twice."""
-        if joint.actuator.level is Level.ACTUATOR_NET:
-            return True
-        return field == "kd" and (is_sum(joint, tolerance) or counted_twice(joint, tolerance) is not None)
+    def subjects(self, case: Case) -> Iterator[SpecJoint]:
+        yield from spec_joints(case)
+
+    def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
+        """Compare what the file states of the joint with the spec."""
+        tolerance = self.option(case, "tolerance")
+        for field in _FIELDS:
+            mine, wanted = joint.mine(field), joint.wanted(field)
+            if mine is None or wanted is None or mine.value is None or wanted.value is None:
+                continue
+            absolute = _ABSOLUTE if field in _COMMAND else 0.0
+            if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=absolute):
+                continue
+            if not _is_explained(case, joint, field, tolerance):
+                yield self._finding(joint, field, mine, wanted)
+
+    def _finding(self, joint: SpecJoint, field: str, mine: Figure, wanted: Figure) -> Finding:
+        assert mine.value is not None and wanted.value is not None
+        ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
+        if math.isinf(mine.value):
+            told = f"there is no {FIELDS[field].noun}"
+        elif mine.stated:
+            told = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
+        else:
+            told = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
+        if math.isinf(mine.value) or math.isinf(wanted.value):
+            ratio = ""
+        return Finding(
+            self.code,
+            f"{told}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
+            mine.place,
+            joint.rows[0].joint,
+            mine.value,
+            mine.unit or None,
+            expected=wanted.value,
+            help="compile the file from the spec, or correct the spec",
+            related=(wanted.place,),
+        )
+
+
+def _is_explained(case: Case, joint: SpecJoint, field: str, tolerance: float) -> bool:
+    """Whether another rule says more about it: a network, damping that is counted twice, or a unit."""
+    if field in _GAINS and joint.actuator.level is Level.ACTUATOR_NET:
+        return True
+    if field == "kd" and is_sum(joint, tolerance):
+        return True
+    if field in ("kd", "joint_damping"):
+        return counted_twice(joint, tolerance) is not None
+    return field == "frictionloss" and unit_confused(case, joint, tolerance) is not None

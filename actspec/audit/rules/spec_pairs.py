@@ -5,20 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.readings.dynamics import figure, friction_setting
+from actspec.readings.ledger import LedgerRow
 from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
-from actspec.diagnostics import Severity
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
-from actspec.readings.dynamics import figure, friction_setting
-from actspec.readings.fields import FIELDS
-from actspec.readings.ledger import LedgerRow
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1
@@ -152,59 +147,3 @@ def _coefficient(case: Case) -> str | None:
     if versions.isaac_sim is None or int(versions.isaac_sim.split(".")[0]) >= 5:
         return None
     return f"Isaac Lab {versions.isaaclab} on Isaac Sim {versions.isaac_sim}"
-
-
-class SpecRule(RuleOver[SpecJoint]):
-    """What the rules about figures that depart from the spec have in common."""
-
-    severity = Severity.ERROR
-    confidence = Confidence.HIGH
-    paired = True
-    needs = NO_SPEC
-    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
-    fields: ClassVar[tuple[str, ...]]
-    absolute: ClassVar[float] = 0.0
-    """Largest absolute difference of equal figures."""
-
-    def subjects(self, case: Case) -> Iterator[SpecJoint]:
-        """The joints of the files that a spec describes."""
-        yield from spec_joints(case)
-
-    def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
-        """Compare the joint with the spec."""
-        tolerance = self.option(case, "tolerance")
-        for field in self.fields:
-            mine, wanted = joint.mine(field), joint.wanted(field)
-            if mine is None or wanted is None or mine.value is None or wanted.value is None:
-                continue
-            if math.isclose(mine.value, wanted.value, rel_tol=tolerance, abs_tol=self.absolute):
-                continue
-            if not self.is_told_elsewhere(case, joint, field, tolerance):
-                yield self._finding(joint, field, mine, wanted)
-
-    def is_told_elsewhere(self, case: Case, joint: SpecJoint, field: str, tolerance: float) -> bool:
-        """Whether another rule says more about it."""
-        return False
-
-    def _finding(self, joint: SpecJoint, field: str, mine: Figure, wanted: Figure) -> Finding:
-        assert mine.value is not None and wanted.value is not None
-        ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
-        if math.isinf(mine.value):
-            told = f"there is no {FIELDS[field].noun}"
-        elif mine.stated:
-            told = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
-        else:
-            told = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
-        if math.isinf(mine.value) or math.isinf(wanted.value):
-            ratio = ""
-        return Finding(
-            self.code,
-            f"{told}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
-            mine.place,
-            joint.rows[0].joint,
-            mine.value,
-            mine.unit or None,
-            expected=wanted.value,
-            help="compile the file from the spec, or correct the spec",
-            related=(wanted.place,),
-        )

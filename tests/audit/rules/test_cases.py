@@ -58,6 +58,8 @@ from actspec.readings.versions import Versions
 
 CASES = Path(__file__).parent / "cases"
 RULES = {rule.code: rule for rule in all_rules()}
+FORMER = {code: rule for rule in RULES.values() for code in rule.aliases}
+"""Cases stand under the code that they were written for."""
 KINDS = ("pass", "fail", "skip")
 COMPARED = ("value", "unit", "expected", "help", "severity", "confidence", "fix", "related")
 SUFFIX = {"xml": ".xml", "python": ".py", "yaml": ".yaml"}
@@ -173,12 +175,13 @@ def test_case(code: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     """A case gives exactly the findings that it states, or the reason for which the rule cannot look."""
     monkeypatch.chdir(tmp_path)
     data = load(CASES / f"{code}.yaml")
+    rule = FORMER.get(code) or RULES[code]
     case, kind = data[name], name.partition("_")[0]
     assert set(case) <= KEYS[kind], f"{name}: unknown keys {set(case) - KEYS[kind]}"
     files = {file: text_of(content, data.get("shared", {})) for file, content in case["files"].items()}
-    report = run(RULES[code], files, case.get("audit"), case.get("versions"), case.get("options"))
-    found = [item for item in report.findings if item.finding.code == code]
-    skipped = [item.reason for item in report.skipped if item.code == code]
+    report = run(rule, files, case.get("audit"), case.get("versions"), case.get("options"))
+    found = [item for item in report.findings if item.finding.code == rule.code]
+    skipped = [item.reason for item in report.skipped if item.code == rule.code]
     if kind == "skip":
         assert (found, skipped) == ([], [case["reason"]])
         return
@@ -206,30 +209,32 @@ def test_case(code: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
         assert not fixes.refused, [str(item) for item in fixes.refused]
         fixed = {file: text_of(content, data.get("shared", {})) for file, content in case["fixed"].items()}
         assert {file.path: file.new.decode() for file in fixes.files} == fixed
-        after = run(
-            RULES[code], {**files, **fixed}, case.get("audit"), case.get("versions"), case.get("options")
-        )
+        after = run(rule, {**files, **fixed}, case.get("audit"), case.get("versions"), case.get("options"))
         assert not [item for item in after.findings if item.finding.fix is not None]
+
+
+def _every(code: str) -> dict[str, Any]:
+    """All cases of a rule, those of the rules that it took the place of too."""
+    codes = dict.fromkeys((code, *RULES[code].aliases))
+    return {name: case for one in codes for name, case in load(CASES / f"{one}.yaml").items()}
 
 
 def test_every_case_file_has_its_rule() -> None:
     """No case file is left over from a rule that has gone."""
-    assert {path.stem for path in CASES.glob("*.yaml")} <= set(RULES)
+    assert {path.stem for path in CASES.glob("*.yaml")} <= set(RULES) | set(FORMER)
 
 
 @pytest.mark.parametrize("code", RULES)
 def test_every_kind_of_case_is_there(code: str) -> None:
     """A rule has cases that pass, fail and are skipped for lack of input; each begins with its kind."""
-    data = load(CASES / f"{code}.yaml")
-    kinds = {name.partition("_")[0] for name in data if name != "shared"}
+    kinds = {name.partition("_")[0] for name in _every(code) if name != "shared"}
     assert kinds == set(KINDS)
 
 
 @pytest.mark.parametrize("code", RULES)
 def test_fixes_are_shown(code: str) -> None:
     """A rule that offers fixes has a case with what they do, and no other has."""
-    data = load(CASES / f"{code}.yaml")
-    assert any("fixed" in case for case in data.values()) == (RULES[code].fix is not None)
+    assert any("fixed" in case for case in _every(code).values()) == (RULES[code].fix is not None)
 
 
 def test_codes_and_names() -> None:
