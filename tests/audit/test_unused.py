@@ -9,7 +9,6 @@ import pytest
 from actspec.audit.build import case_of
 from actspec.audit.engine import audit
 from actspec.audit.finding import Finding
-from actspec.audit.pages import family
 from actspec.audit.read import read_files
 from actspec.audit.rules.registry import all_rules
 from actspec.audit.settings import Settings
@@ -17,7 +16,7 @@ from actspec.readings.artifact import FileKind
 from actspec.readings.versions import Versions
 from tests.audit.rules.test_cases import CASES, load, text_of
 
-RULES = {rule.code: rule for rule in all_rules()}
+RULES = {code: rule for rule in all_rules() for code in (*rule.aliases, rule.code)}
 
 MODEL = """<mujoco model="leg">
   <worldbody>

@@ -6,12 +6,12 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.readings.ledger import LedgerRow
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import numbers
 
 _LIMITS = ("effort_limit", "velocity_limit")

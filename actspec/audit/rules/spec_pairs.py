@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.readings.dynamics import figure, friction_setting
-from actspec.readings.ledger import LedgerRow
 from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
+from actspec.readings.dynamics import figure, friction_setting
+from actspec.readings.ledger import LedgerRow
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1
