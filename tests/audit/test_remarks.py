@@ -9,7 +9,6 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.ignores import REMARKS
-from actspec.audit.read import PendingFiles
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
 from tests.audit.rules.test_cases import load, place, text_of
@@ -37,8 +36,7 @@ def test_case(code: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPa
     files = {file: text_of(content, data.get("shared", {})) for file, content in case["files"].items()}
     for file, text in files.items():
         Path(file).write_text(text, encoding="utf-8")
-    with PendingFiles(list(files), jobs=1) as pending:
-        report = audit(pending, Settings(select=(code, "LIM101")))
+    report = audit(list(files), Settings(select=(code, "LIM101")))
     assert {item.code for item in report.problems} <= {code}
     found = [
         (item.span.path, item.span.line, item.message, item.help) for item in report.problems if item.span
