@@ -10,7 +10,7 @@ from typing import Any
 
 from actspec.audit.build import case_of
 from actspec.audit.read import read_files
-from actspec.draft import Draft, draft
+from actspec.draft import DraftedSpec, draft
 from actspec.draft.combine import Combined, combine
 from actspec.draft.reading import read_robot_files
 from actspec.draft.sources import targets_of
@@ -79,7 +79,7 @@ class Imported:
     """
 
     combined: Combined
-    draft: Draft
+    draft: DraftedSpec
     data: dict[str, Any]
 
 

@@ -15,7 +15,7 @@ from actspec.diagnostics import EXIT_CLEAN, Diagnostic, EmitError, Severity, Spa
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
-    from actspec.draft import Draft
+    from actspec.draft import DraftedSpec
     from actspec.draft.combine import Combined, Disagreement
     from actspec.readings.versions import Versions
 
@@ -142,7 +142,7 @@ def _warning(item: Disagreement, more: str) -> Diagnostic:
     return Diagnostic("DRF010", Severity.WARNING, told, "", item.taken.span)
 
 
-def _told(spec: Draft, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
+def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
     joints = sum(spec.groups.values())
     start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (

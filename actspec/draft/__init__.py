@@ -1,4 +1,4 @@
-"""Draft: what files say of a robot becomes the text of a spec that a person would have written."""
+"""DraftedSpec: what files say of a robot becomes the text of a spec that a person would have written."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import actspec
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed
 from actspec.draft.combine import Combined
-from actspec.draft.groups import Group, groups_of, motors_of
+from actspec.draft.groups import DraftGroup, groups_of, motors_of
 from actspec.draft.lines import (
     group_lines,
     line,
@@ -28,7 +28,7 @@ EFFORT = "Torque motors: the gains are the caller's. For a servo write `command:
 
 
 @dataclass(frozen=True, slots=True)
-class Draft:
+class DraftedSpec:
     """A drafted spec.
 
     Attributes:
@@ -52,7 +52,7 @@ def starting_spec() -> str:
     return render("start.yaml.j2", mujoco=f"{major}.{minor}")
 
 
-def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]]) -> Draft:
+def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]]) -> DraftedSpec:
     """Write the spec of a robot.
 
     Args:
@@ -77,7 +77,7 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
             combined, "DRF003", err.message, err.help or "shorten the joint's name in the file"
         ) from err
     for group, lines in zip(groups, written, strict=True):
-        if group.cells[0].first.command is Command.EFFORT:
+        if group.classes[0].first.command is Command.EFFORT:
             lines["comments"].append(EFFORT)
             break
     timing, untimed = timing_lines(actuators)
@@ -97,7 +97,7 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
         groups=written,
         targets=[line(scalar(name), value, remark) for name, value, remark in targets],
     )
-    return Draft(
+    return DraftedSpec(
         text,
         actuators.robot,
         {group.name: len(group.names) for group in groups},
@@ -106,20 +106,20 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
     )
 
 
-def _gears(groups: Sequence[Group]) -> Iterator[str]:
+def _gears(groups: Sequence[DraftGroup]) -> Iterator[str]:
     """What was taken, or may be taken, for one motor behind two gears."""
-    for cell in (cell for group in groups for cell in group.cells):
-        if cell.inferred:
-            yield f"{cell.label}: {cell.inferred}"
-        yield from (f"{listed(names, 4)}: {why}" for names, why in cell.maybe)
+    for cls in (cls for group in groups for cls in group.classes):
+        if cls.inferred:
+            yield f"{cls.label}: {cls.inferred}"
+        yield from (f"{listed(names, 4)}: {why}" for names, why in cls.maybe)
 
 
-def _unknown(groups: Sequence[Group]) -> dict[str, tuple[str, ...]]:
+def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
     """Fields that no file states, to the groups with a joint that lacks them."""
     found: dict[str, dict[str, None]] = {}
     for group in groups:
-        for cell in group.cells:
-            for key, row in cell.rows.items():
+        for cls in group.classes:
+            for key, row in cls.rows.items():
                 if row.value == "unknown":
                     found.setdefault(key, {})[group.name] = None
     return {key: tuple(names) for key, names in found.items()}

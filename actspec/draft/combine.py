@@ -7,44 +7,20 @@ other one. A drive (command, gains, torque-speed line) is taken whole from the f
 
 from __future__ import annotations
 
-import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
-from actspec.draft.sources import Reading, keyed, robot_name, source_keys, sources_of, stated
+from actspec.draft.sources import RobotReading, keyed, robot_name, source_keys, sources_of, stated
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
 from actspec.lift.lifted import LeftAlone
 from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.compare import COPIED, same
+from actspec.readings.fields import BY_IR, Role
 from actspec.robot.view import RobotView, joints_above
-
-SAME = 1e-3
-"""Relative difference up to which two files give one figure. Chosen: 0.7854 and pi/4 are one number; 23.5 and
-23.7 N*m are two."""
 
 NO_DRIVE = "no file says what drives it"
 """Why a joint without a drive is left alone where others have one."""
-
-WORDS = {
-    "kp": "kp",
-    "kd": "kd",
-    "effort_limit": "effort_limit",
-    "velocity_limit": "velocity_limit",
-    "stall_torque": "stall_torque",
-    "no_load_speed": "no_load_speed",
-    "armature": "armature",
-    "filter_cutoff": "command_filter",
-    "encoder_bias": "encoder_bias",
-    "action_scale": "action_scale",
-    "friction_coulomb": "friction.coulomb",
-    "friction_viscous": "friction.viscous",
-    "friction_static": "friction.static",
-    "stribeck_velocity": "friction.stribeck_velocity",
-    "default_position": "default_pose",
-    "physics_dt": "physics_dt",
-    "delay": "delay",
-}
-"""Field of the IR to its name in a spec."""
 
 _PASSIVE = (
     "effort_limit",
@@ -103,7 +79,7 @@ class Combined:
     left_alone: tuple[LeftAlone, ...] = ()
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     disagreements: tuple[Disagreement, ...] = ()
-    model: Reading | None = None
+    model: RobotReading | None = None
     kinds: tuple[FileKind, ...] = ()
     names: tuple[str, ...] = ()
     above: Mapping[str, frozenset[str]] = field(default_factory=dict)
@@ -119,7 +95,7 @@ class Combined:
         }
 
 
-def combine(readings: Sequence[Reading]) -> Combined:
+def combine(readings: Sequence[RobotReading]) -> Combined:
     """Put the files of one robot together.
 
     Args:
@@ -175,7 +151,7 @@ def combine(readings: Sequence[Reading]) -> Combined:
     )
 
 
-def in_order(readings: Sequence[Reading]) -> list[Reading]:
+def in_order(readings: Sequence[RobotReading]) -> list[RobotReading]:
     """The files in the order in which they are believed."""
     frameworks = {r.framework for r in readings if r.kind is FileKind.CFG}
     from_urdf = frameworks & {Framework.ISAACLAB, Framework.LEGGED_GYM} and Framework.MJLAB not in frameworks
@@ -193,7 +169,7 @@ def _has_drive(joint: JointActuator) -> bool:
     )
 
 
-def _joint_order(ranked: Sequence[Reading], base: Reading | None) -> list[str]:
+def _joint_order(ranked: Sequence[RobotReading], base: RobotReading | None) -> list[str]:
     """Names of the robot file's joints in its order; without one, of all files."""
     if base is not None:
         robot = _view(base)
@@ -207,18 +183,18 @@ def _joint_order(ranked: Sequence[Reading], base: Reading | None) -> list[str]:
     return list(names)
 
 
-def _view(reading: Reading) -> RobotView | None:
+def _view(reading: RobotReading) -> RobotView | None:
     return reading.lifted.artifact.robot if reading.lifted.artifact is not None else None
 
 
-def _above(reading: Reading) -> dict[str, frozenset[str]]:
+def _above(reading: RobotReading) -> dict[str, frozenset[str]]:
     """Each joint of a robot file with those between it and the base."""
     robot = _view(reading)
     return {} if robot is None else joints_above((robot,))
 
 
 def _left_alone(
-    ranked: Sequence[Reading], base: Reading | None, order: Sequence[str], drives: frozenset[int]
+    ranked: Sequence[RobotReading], base: RobotReading | None, order: Sequence[str], drives: frozenset[int]
 ) -> dict[str, LeftAlone]:
     """Joints that a file gives a reason to leave alone, the spec's own robot file first.
 
@@ -237,7 +213,7 @@ def _left_alone(
     return found
 
 
-def _reason(ranked: Sequence[Reading], joint: str) -> LeftAlone | None:
+def _reason(ranked: Sequence[RobotReading], joint: str) -> LeftAlone | None:
     """The first reason that a file has to leave a joint alone."""
     return next((item for r in ranked for item in r.lifted.left_alone if item.joint == joint), None)
 
@@ -259,8 +235,8 @@ def _joint(said: Sequence[JointActuator], drives: frozenset[int], deploy: frozen
         numbers[name] = _first([getattr(joint, name) for joint in said])
     for name in _DRIVE:
         own = getattr(lead, name)
-        same = [j for j in alike if name in ("kp", "kd") or j.level is lead.level]
-        others = [getattr(joint, name) for joint in same if joint is not lead]
+        fitting = [j for j in alike if name in ("kp", "kd") or j.level is lead.level]
+        others = [getattr(joint, name) for joint in fitting if joint is not lead]
         numbers[name] = None if own is None else _first([own, *others])
     coulomb = numbers["friction_coulomb"]
     holder = next((j for j in said if coulomb is not None and j.friction_coulomb.span == coulomb.span), lead)
@@ -299,11 +275,7 @@ def _first(candidates: Sequence[Quantity | None]) -> Quantity | None:
     if not said:
         return next((item for item in present if item.known), present[0] if present else None)
     winner, *others = said
-    return winner.losing(*(other for other in others if _differs(winner, other)))
-
-
-def _differs(one: Quantity, other: Quantity) -> bool:
-    return not math.isclose(one.require(), other.require(), rel_tol=SAME, abs_tol=1e-12)
+    return winner.losing(*(other for other in others if not same(winner.value, other.value, COPIED)))
 
 
 def _delay(delays: Sequence[Delay | None]) -> Delay | None:
@@ -335,15 +307,24 @@ def _disagreements(actuators: ActuatorSet) -> Iterator[Disagreement]:
     found: dict[tuple[object, ...], list[tuple[str, Quantity, Quantity]]] = {}
     named = [(j.joint, name, q) for j in actuators.joints for name, q in j.quantities()]
     for joint, name, taken in [*named, ("", "physics_dt", actuators.physics_dt)]:
-        for lost in taken.lost if name in WORDS else ():
+        for lost in taken.lost if name == "physics_dt" or name in BY_IR else ():
             key = (name, taken.value, taken.source, lost.value, lost.source)
             found.setdefault(key, []).append((joint, taken, lost))
-    for same, entries in found.items():
+    for figures, entries in found.items():
         joints = tuple(joint for joint, _, _ in entries if joint)
-        yield Disagreement(WORDS[str(same[0])], joints, entries[0][1], entries[0][2])
+        yield Disagreement(_word(str(figures[0])), joints, entries[0][1], entries[0][2])
 
 
-def _notes(ranked: Sequence[Reading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
+def _word(name: str) -> str:
+    """A number of the IR as the spec calls it."""
+    field = BY_IR.get(name)
+    if field is None:
+        return name
+    # Figures of a motor have one name for their loss, and keys of their own.
+    return field.name if field.role is Role.LIMIT else field.spec
+
+
+def _notes(ranked: Sequence[RobotReading], actuators: ActuatorSet) -> dict[str, tuple[str, ...]]:
     """Remarks of all files, each with its file where there are several."""
     managed = {joint.joint for joint in actuators.joints}
     found: dict[str, dict[str, None]] = {}

@@ -1,15 +1,24 @@
-"""Cells of equal joints put into the groups of a spec: what differs little within a limb becomes an override."""
+"""Joints with the same figures, and the groups of a spec that they are put into.
+
+What differs little within a limb becomes an override; classes with the same power behind different gears share a motor.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeGuard
 
-from actspec.draft.cells import Cell, cells_of, find_motors, join, joined, one_limb, one_row
-from actspec.draft.names import given_name, group_name, joint_patterns, one_pattern
-from actspec.draft.rows import Row, same
-from actspec.ir import JointActuator
+from actspec.diagnostics import listed
+from actspec.draft.names import body_part, given_name, group_name, joint_patterns, one_pattern
+from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of, rows_of
+from actspec.draft.sources import stated
+from actspec.draft.text import figure
+from actspec.ir import JointActuator, JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import EXACT, LEAST_REDUCTION, SAME_POWER, near
+from actspec.readings.fields import PLACEHOLDER
 
 MOST_DIFFERENT = 2
 """Fields in which joints of one group may differ. Chosen: a knee has another limit and speed; what differs in more
@@ -20,29 +29,29 @@ MOST_PATTERNS = 2
 
 
 @dataclass(slots=True)
-class Group:
+class DraftGroup:
     """A group of a spec.
 
     Attributes:
         name: Its key.
-        cells: The first is the group's own; the others are overrides of it.
+        classes: The first is the group's own; the others are overrides of it.
         patterns: Of all its joints.
         motor: Key of its motor; "" without one.
     """
 
     name: str
-    cells: list[Cell]
+    classes: list[JointClass]
     patterns: tuple[str, ...] = ()
     motor: str = ""
 
     @property
     def names(self) -> list[str]:
         """Names of all its joints."""
-        return [name for cell in self.cells for name in cell.names]
+        return [name for cls in self.classes for name in cls.names]
 
 
 @dataclass(slots=True)
-class Motor:
+class DraftMotor:
     """A motor of a spec.
 
     Attributes:
@@ -62,7 +71,7 @@ def groups_of(
     above: Mapping[str, frozenset[str]],
     names: Sequence[str],
     robot: str,
-) -> list[Group]:
+) -> list[DraftGroup]:
     """Sort joints into the groups that read best, each with its name and patterns.
 
     Limb by limb, and then equal joints of several limbs together, unless one of the limbs has exceptions: so one
@@ -80,9 +89,9 @@ def groups_of(
         PatternError: a joint's name is too long.
     """
     order = {name: place for place, name in enumerate(names)}
-    cells = cells_of(joints, kinds)
-    find_motors(cells, above)
-    groups = _without_twins(_grouped(joined(cells), above, order), order)
+    classes = joint_classes_of(joints, kinds)
+    find_motors(classes, above)
+    groups = _without_twins(_grouped(joined(classes), above, order), order)
     groups.sort(key=lambda group: min(order[name] for name in group.names))
     given = {joint.joint: joint.group for joint in joints}
     taken: list[str] = []
@@ -95,34 +104,34 @@ def groups_of(
     return groups
 
 
-def motors_of(groups: Sequence[Group]) -> tuple[list[Motor], dict[int, str]]:
-    """The motors that groups need, and the motor of each cell by its identity."""
-    cells = [cell for group in groups for cell in group.cells]
-    users: dict[tuple[object, ...], list[Cell]] = {}
-    for cell in cells:
-        lender = cell.base or cell
+def motors_of(groups: Sequence[DraftGroup]) -> tuple[list[DraftMotor], dict[int, str]]:
+    """The motors that groups need, and the motor of each joint class by its identity."""
+    classes = [cls for group in groups for cls in group.classes]
+    users: dict[tuple[object, ...], list[JointClass]] = {}
+    for cls in classes:
+        lender = cls.base or cls
         if lender.motor or lender.lends:
             # Two inferred motors are never one: nobody says so.
             figures = tuple((name, row.value) for name, row in lender.motor.items()) or (id(lender),)
-            users.setdefault(figures, []).append(cell)
-    motors: list[Motor] = []
+            users.setdefault(figures, []).append(cls)
+    motors: list[DraftMotor] = []
     named: dict[int, str] = {}
     for own in users.values():
         lender = own[0].base or own[0]
         rows = lender.motor or {"peak_torque": lender.rows["effort_limit"]}
         name = _motor_name(own, groups, [motor.name for motor in motors])
-        motors.append(Motor(name, rows, not lender.motor))
-        named.update({id(cell): name for cell in own})
+        motors.append(DraftMotor(name, rows, not lender.motor))
+        named.update({id(cls): name for cls in own})
     for group in groups:
-        group.motor = named.get(id(group.cells[0]), "")
+        group.motor = named.get(id(group.classes[0]), "")
     return motors, named
 
 
-def _motor_name(users: Sequence[Cell], groups: Sequence[Group], taken: Sequence[str]) -> str:
+def _motor_name(users: Sequence[JointClass], groups: Sequence[DraftGroup], taken: Sequence[str]) -> str:
     """After the group whose joints it drives, else after those joints."""
-    home = next(group for group in groups if any(cell is users[0] for cell in group.cells))
-    alone = all(any(cell is user for user in users) for cell in home.cells)
-    stem = home.name if alone else group_name([name for cell in users for name in cell.names], ())
+    home = next(group for group in groups if any(cls is users[0] for cls in group.classes))
+    alone = all(any(cls is user for user in users) for cls in home.classes)
+    stem = home.name if alone else group_name([name for cls in users for name in cls.names], ())
     name = f"{stem}_motor"
     while name in taken:
         name += "_2"
@@ -130,63 +139,69 @@ def _motor_name(users: Sequence[Cell], groups: Sequence[Group], taken: Sequence[
 
 
 def _grouped(
-    cells: Sequence[Cell], above: Mapping[str, frozenset[str]], order: Mapping[str, int]
-) -> list[Group]:
-    """Put cells into groups: the largest first, what differs little within a limb as its override."""
-    for cell in cells:
-        cell.sort(order)
-    groups: list[Group] = []
-    for cell in sorted(cells, key=lambda cell: -len(cell.joints)):
-        home = next((group for group in groups if _takes(group, cell, above, order)), None)
+    classes: Sequence[JointClass], above: Mapping[str, frozenset[str]], order: Mapping[str, int]
+) -> list[DraftGroup]:
+    """Put classes into groups: the largest first, what differs little within a limb as its override."""
+    for cls in classes:
+        cls.sort(order)
+    groups: list[DraftGroup] = []
+    for cls in sorted(classes, key=lambda cls: -len(cls.joints)):
+        home = next((group for group in groups if _takes(group, cls, above, order)), None)
         if home is None:
-            groups.append(Group("", [cell]))
-        elif _twins(home.cells[0], cell):
-            join(home.cells[0], cell, cells)
-            home.cells[0].sort(order)
+            groups.append(DraftGroup("", [cls]))
+        elif _twins(home.classes[0], cls):
+            join(home.classes[0], cls, classes)
+            home.classes[0].sort(order)
         else:
-            home.cells.append(cell)
+            home.classes.append(cls)
     return groups
 
 
-def _without_twins(groups: Sequence[Group], order: Mapping[str, int]) -> list[Group]:
+def _without_twins(groups: Sequence[DraftGroup], order: Mapping[str, int]) -> list[DraftGroup]:
     """Groups of equal joints that no override has joined, as one."""
-    kept: list[Group] = []
-    every = [cell for group in groups for cell in group.cells]
+    kept: list[DraftGroup] = []
+    every = [cls for group in groups for cls in group.classes]
     for group in groups:
-        cell = group.cells[0]
-        twin = next((other for other in kept if len(other.cells) == 1 and _twins(other.cells[0], cell)), None)
-        if twin is None or len(group.cells) > 1:
+        cls = group.classes[0]
+        twin = next(
+            (other for other in kept if len(other.classes) == 1 and _twins(other.classes[0], cls)), None
+        )
+        if twin is None or len(group.classes) > 1:
             kept.append(group)
         else:
-            join(twin.cells[0], cell, every)
-            twin.cells[0].sort(order)
+            join(twin.classes[0], cls, every)
+            twin.classes[0].sort(order)
     return kept
 
 
-def _twins(one: Cell, other: Cell) -> bool:
-    motors = [(id(cell.base), cell.ratio, cell.lends) for cell in (one, other)]
+def _twins(one: JointClass, other: JointClass) -> bool:
+    motors = [(id(cls.base), cls.ratio, cls.lends) for cls in (one, other)]
     return one.written == other.written and motors[0] == motors[1]
 
 
-def differing(base: Cell, cell: Cell) -> list[str]:
-    """Keys of rows in which a cell differs from the group's own."""
-    return list(same(base.rows, cell.rows))
+def differing(base: JointClass, cls: JointClass) -> list[str]:
+    """Keys of rows in which a joint class differs from the group's own."""
+    one, other = base.rows, cls.rows
+    keys = dict.fromkeys((*one, *other))
+    return [key for key in keys if key not in one or key not in other or one[key].value != other[key].value]
 
 
-def _takes(group: Group, cell: Cell, above: Mapping[str, frozenset[str]], order: Mapping[str, int]) -> bool:
-    base = group.cells[0]
-    if cell.kind != base.kind or not (one_limb(cell, base, above) or one_row(cell, base)):
+def _takes(
+    group: DraftGroup, cls: JointClass, above: Mapping[str, frozenset[str]], order: Mapping[str, int]
+) -> bool:
+    base = group.classes[0]
+    if cls.kind != base.kind or not (one_limb(cls, base, above) or one_row(cls, base)):
         return False
-    keys = differing(base, cell)
-    if not set(keys) <= set(cell.rows) or len(keys) + _other_motor(base, cell) > MOST_DIFFERENT:
+    keys = differing(base, cls)
+    if not set(keys) <= set(cls.rows) or len(keys) + _other_motor(base, cls) > MOST_DIFFERENT:
         return False
-    members = sorted([*group.names, *cell.names], key=order.__getitem__)
-    return all(len(one_pattern(other.names, members)) <= MOST_PATTERNS for other in (*group.cells[1:], cell))
+    members = sorted([*group.names, *cls.names], key=order.__getitem__)
+    return all(len(one_pattern(other.names, members)) <= MOST_PATTERNS for other in (*group.classes[1:], cls))
 
 
-def _other_motor(base: Cell, cell: Cell) -> int:
+def _other_motor(base: JointClass, cls: JointClass) -> int:
     """What another motor adds to the fields that differ; more than allowed where an override cannot name one."""
-    one, other = (item.base or item for item in (base, cell))
+    one, other = (item.base or item for item in (base, cls))
     if one is other:
         return 0
     if one.lends or other.lends:
@@ -196,3 +211,243 @@ def _other_motor(base: Cell, cell: Cell) -> int:
     if values[0] == values[1]:
         return 0
     return 1 if all(values) else MOST_DIFFERENT + 1
+
+
+_ONE_MOTOR = SAME_POWER / 4
+"""Relative difference up to which two products of effort and speed are one motor's. Chosen: a quarter of what the
+audit's GEA101 takes: that asks, this writes it down. The Go2's knees are 0.02 % apart."""
+
+
+@dataclass(slots=True)
+class JointClass:
+    """Joints with the same figures.
+
+    Attributes:
+        written: All that a spec says of them: equal for classes that were told apart by limb or by limits alone.
+        joints: In the robot's order.
+        rows: Key to line, of the first joint; the lines of all have the same values.
+        all_rows: The lines of each joint.
+        clamps: Joint to its clamp.
+        motor: Figures of its motor; empty: none.
+        network: Flow mapping; "" without one.
+        randomize: (field, flow mapping).
+        limits: Torque and speed of the drive [N*m, rad/s], by the source that has both; "" as they are taken.
+        base: The class whose motor it has behind more gear; None: its own.
+        ratio: Of that gear [-].
+        inferred: Why it is taken for the same motor.
+        lends: Whether other classes have its motor.
+        maybe: Joints that may have another's motor behind more gear, and why.
+    """
+
+    written: tuple[object, ...]
+    joints: list[JointActuator]
+    rows: dict[str, Row]
+    all_rows: list[dict[str, Row]]
+    clamps: dict[str, Row | None]
+    motor: dict[str, Row]
+    network: str
+    randomize: tuple[tuple[str, str], ...]
+    limits: dict[str, tuple[float, float]]
+    base: JointClass | None = None
+    ratio: float = 1.0
+    inferred: str = ""
+    lends: bool = False
+    maybe: list[tuple[tuple[str, ...], str]] = field(default_factory=list)
+
+    @property
+    def first(self) -> JointActuator:
+        """The first joint."""
+        return self.joints[0]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the joints."""
+        return [joint.joint for joint in self.joints]
+
+    @property
+    def kind(self) -> tuple[object, ...]:
+        """What only a group states: classes that differ in it never share one."""
+        first = self.first
+        return first.kind, first.level, first.command, self.network, self.randomize
+
+    @property
+    def label(self) -> str:
+        """The joints, for a message."""
+        return listed(self.names, 4)
+
+    def sort(self, order: Mapping[str, int]) -> None:
+        """Put the joints into an order."""
+        places = sorted(range(len(self.joints)), key=lambda at: order[self.joints[at].joint])
+        self.joints = [self.joints[at] for at in places]
+        self.all_rows = [self.all_rows[at] for at in places]
+
+
+def joint_classes_of(joints: Sequence[JointActuator], kinds: Sequence[FileKind]) -> list[JointClass]:
+    """Sort joints by limb and by what their lines say.
+
+    Joints with the same lines are told apart where a file has other limits for them, which may give a gear away.
+
+    Args:
+        joints: In the robot's order, with keys of `sources` in their quantities.
+        kinds: What the files are.
+    """
+    classes: dict[tuple[object, ...], JointClass] = {}
+    speeds = any(j.velocity_limit.span is not None or stated(j.velocity_limit) for j in joints)
+    for joint in joints:
+        rows, motor = rows_of(joint, kinds, speeds=speeds), motor_of(joint)
+        network, ranges, limits = network_of(joint), randomize_of(joint), _limits(joint)
+        written = (
+            *(joint.kind, joint.level, joint.command, network, ranges),
+            tuple((name, row.value) for name, row in rows.items()),
+            tuple((name, row.value) for name, row in motor.items()),
+        )
+        key = (written, body_part([joint.joint]), tuple(limits.items()))
+        cls = classes.get(key)
+        if cls is None:
+            cls = classes[key] = JointClass(written, [], rows, [], {}, motor, network, ranges, limits)
+        cls.joints.append(joint)
+        cls.all_rows.append(rows)
+        cls.clamps[joint.joint] = clamp_of(joint)
+    return list(classes.values())
+
+
+def find_motors(classes: Sequence[JointClass], above: Mapping[str, frozenset[str]]) -> None:
+    """Let classes of one limb that have the same power, more torque and less speed share a motor.
+
+    No number changes: a motor with a torque-speed line is shared only where the line behind the reduction is
+    that of the file.
+
+    Args:
+        classes: Changed in place.
+        above: Joint to those between it and the base; empty: the limbs are known by name only.
+    """
+    for source in dict.fromkeys(source for cls in classes for source in cls.limits):
+        known = [cls for cls in classes if source in cls.limits]
+        known.sort(key=lambda cls: cls.limits[source][0])
+        for index, cls in enumerate(known):
+            for base in known[:index]:
+                if _same_motor(cls, base, source, above):
+                    _share(cls, base, source)
+                    break
+
+
+def joined(classes: Sequence[JointClass]) -> list[JointClass]:
+    """Joint classes of a limb with the same lines put together again where one motor, or none, drives them.
+
+    Args:
+        classes: With their motors found.
+    """
+    kept: dict[tuple[object, ...], JointClass] = {}
+    for cls in sorted(classes, key=lambda cls: cls.base is not None):
+        key = (cls.written, body_part(cls.names), id(cls.base), cls.ratio, cls.lends)
+        home = kept.setdefault(key, cls)
+        if home is not cls:
+            join(home, cls, classes)
+    return [cls for cls in classes if any(cls is home for home in kept.values())]
+
+
+def join(home: JointClass, cls: JointClass, classes: Iterable[JointClass]) -> None:
+    """Put the joints of a class into another that says the same.
+
+    Args:
+        home: Changed in place.
+        cls: What goes into it.
+        classes: Others; those that have the class's motor have that of `home`.
+    """
+    home.joints += cls.joints
+    home.all_rows += cls.all_rows
+    home.clamps.update(cls.clamps)
+    home.maybe += cls.maybe
+    home.lends = home.lends or cls.lends
+    for other in classes:
+        if other.base is cls:
+            other.base = home
+
+
+def one_limb(cls: JointClass, other: JointClass, above: Mapping[str, frozenset[str]]) -> bool:
+    """Whether the joints of two classes are of the same kind of limb.
+
+    Args:
+        cls: One.
+        other: The other.
+        above: As in `find_motors`.
+    """
+    parts = body_part(cls.names), body_part(other.names)
+    if None not in parts:
+        return parts[0] == parts[1]
+    return all(any(b in above.get(a, ()) or a in above.get(b, ()) for b in other.names) for a in cls.names)
+
+
+def one_row(cls: JointClass, other: JointClass) -> bool:
+    """Whether the joints of two classes differ in nothing but a number in their names: joint1 to joint7 of an arm."""
+    stems = {re.sub(r"[0-9]+", "0", name) for name in (*cls.names, *other.names)}
+    return len(stems) == 1
+
+
+def _limits(joint: JointActuator) -> dict[str, tuple[float, float]]:
+    """Effort limit [N*m] and speed [rad/s] of a hinge, as they are taken and as each file has them.
+
+    A file that does not speak against a figure is taken to have it.
+    """
+    if joint.kind is not JointKind.HINGE or joint.curve is not None or joint.reflected_inertia.known:
+        return {}
+    if not _real(joint.effort_limit.value):
+        return {}
+    taken = joint.stall_torque or joint.effort_limit, joint.no_load_speed or joint.velocity_limit
+    both = joint.effort_limit, joint.velocity_limit
+    pairs = {"": (taken[0].value, taken[1].value)}
+    files = [{q.source: q.value for q in (*one.lost, one) if q.source is not None} for one in both]
+    for source in {**files[0], **files[1]}:
+        effort, speed = (own.get(source, one.value) for own, one in zip(files, both, strict=True))
+        pairs[source] = (effort, speed)
+    return {
+        source: (effort, speed) for source, (effort, speed) in pairs.items() if _real(effort) and _real(speed)
+    }
+
+
+def _real(limit: float | None) -> TypeGuard[float]:
+    return limit is not None and 0.0 < limit < PLACEHOLDER
+
+
+def _same_motor(cls: JointClass, base: JointClass, source: str, above: Mapping[str, frozenset[str]]) -> bool:
+    if cls.base is not None or cls.lends or base.base is not None or cls.maybe:
+        return False
+    effort, speed = cls.limits[source]
+    least, fastest = base.limits[source]
+    if effort < LEAST_REDUCTION * least or abs(effort * speed / (least * fastest) - 1.0) > _ONE_MOTOR:
+        return False
+    return one_limb(cls, base, above)
+
+
+def _share(cls: JointClass, base: JointClass, source: str) -> None:
+    """Give a class the base's motor, or say that it may be one."""
+    effort, least = cls.limits[source][0], base.limits[source][0]
+    ratio = effort / least
+    power = f"{_watts(cls.limits[source])} are the {_watts(base.limits[source])} of {base.names[0]}"
+    place = f" in {source}" if source else ""
+    if _shares(cls, base, ratio):
+        cls.base, cls.ratio, base.lends = base, ratio, True
+        cls.inferred = f"inferred: {power} behind {ratio:.4g} times the gear{place}"
+        return
+    text = (
+        f"the motor of {base.names[0]} behind {ratio:.4g} times the gear? {_watts(cls.limits[source])} are its "
+        f"{_watts(base.limits[source])}{place}"
+    )
+    cls.maybe.append((tuple(cls.names), text))
+
+
+def _shares(cls: JointClass, base: JointClass, ratio: float) -> bool:
+    """Whether the base's motor behind the ratio has all figures of the class's own motor."""
+    if set(cls.motor) != set(base.motor):
+        return False
+    for name in cls.motor:
+        own, other = getattr(cls.first, name).require(), getattr(base.first, name).require()
+        other = other / ratio if name == "no_load_speed" else other * ratio
+        if not near(own, other, EXACT):
+            return False
+    return True
+
+
+def _watts(limits: tuple[float, float]) -> str:
+    effort, speed = limits
+    return f"{figure(effort, 'N*m', computed=True)} x {figure(speed, 'rad/s', computed=True)}"

@@ -9,7 +9,7 @@ from typing import Any
 
 from actspec.diagnostics import listed
 from actspec.draft.combine import Combined
-from actspec.draft.groups import Group, Motor, differing
+from actspec.draft.groups import DraftGroup, DraftMotor, differing
 from actspec.draft.names import joint_patterns, one_pattern
 from actspec.draft.rows import RANGE, Row, lost_of, lost_text
 from actspec.draft.sources import places, stated
@@ -59,15 +59,15 @@ def nested(lines: Sequence[Line]) -> tuple[Line, ...]:
     )
 
 
-def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> dict[str, Any]:
+def group_lines(group: DraftGroup, motors: Mapping[int, str], combined: Combined) -> dict[str, Any]:
     """One group, ready for the template.
 
     Args:
         group: The group.
-        motors: Motor of each cell.
+        motors: DraftMotor of each cls.
         combined: What the files say.
     """
-    base = group.cells[0]
+    base = group.classes[0]
     first = base.first
     joints = [scalar(pattern, quoted=True) for pattern in group.patterns]
     joined = ", ".join(joints)
@@ -81,7 +81,7 @@ def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> 
         line(key, row.value, _remark(row, [r[key] for r in _alike(group, key)]))
         for key, row in base.rows.items()
     ]
-    clamps = {name: row for cell in group.cells for name, row in cell.clamps.items()}
+    clamps = {name: row for cls in group.classes for name, row in cls.clamps.items()}
     values = {row.value if row is not None else None for row in clamps.values()}
     shared = next(iter(values)) if len(values) == 1 else None
     if shared is not None:
@@ -105,7 +105,7 @@ def group_lines(group: Group, motors: Mapping[int, str], combined: Combined) -> 
     }
 
 
-def motor_lines(motor: Motor) -> dict[str, Any]:
+def motor_lines(motor: DraftMotor) -> dict[str, Any]:
     """One motor, ready for the template."""
     rows = [line(key, row.value, _remark(row, [row])) for key, row in motor.rows.items()]
     remark = ""
@@ -190,36 +190,36 @@ def _remark(row: Row, rows: Sequence[Row]) -> str:
     return "; ".join(filter(None, (lost_text(rows), row.hint)))
 
 
-def _alike(group: Group, key: str) -> list[dict[str, Row]]:
+def _alike(group: DraftGroup, key: str) -> list[dict[str, Row]]:
     """Rows of the joints of a group that have its own value of a key."""
-    value = group.cells[0].rows[key].value
-    return [rows for cell in group.cells if cell.rows[key].value == value for rows in cell.all_rows]
+    value = group.classes[0].rows[key].value
+    return [rows for cls in group.classes if cls.rows[key].value == value for rows in cls.all_rows]
 
 
 def _before_friction(rows: Sequence[Line]) -> int:
     return next((at for at, row in enumerate(rows) if row.key.startswith("friction.")), len(rows))
 
 
-def _overrides(group: Group, motors: Mapping[int, str]) -> dict[str, list[Line]]:
+def _overrides(group: DraftGroup, motors: Mapping[int, str]) -> dict[str, list[Line]]:
     """Pattern to the lines in which its joints differ."""
     found: dict[str, list[Line]] = {}
-    base = group.cells[0]
-    for cell in group.cells[1:]:
+    base = group.classes[0]
+    for cls in group.classes[1:]:
         rows = []
-        if motors.get(id(cell), "") != group.motor:
-            rows.append(Line("motor", scalar(motors[id(cell)])))
-        if cell.ratio != base.ratio:
-            rows.append(line("reduction", figure(cell.ratio, "", computed=True), cell.inferred))
-        for key in differing(base, cell):
-            row = cell.rows[key]
-            rows.append(line(key, row.value, _remark(row, [r[key] for r in cell.all_rows])))
-        for pattern in one_pattern(cell.names, group.names):
+        if motors.get(id(cls), "") != group.motor:
+            rows.append(Line("motor", scalar(motors[id(cls)])))
+        if cls.ratio != base.ratio:
+            rows.append(line("reduction", figure(cls.ratio, "", computed=True), cls.inferred))
+        for key in differing(base, cls):
+            row = cls.rows[key]
+            rows.append(line(key, row.value, _remark(row, [r[key] for r in cls.all_rows])))
+        for pattern in one_pattern(cls.names, group.names):
             found.setdefault(pattern, []).extend(rows)
     return found
 
 
 def _add_clamps(
-    overrides: dict[str, list[Line]], clamps: Mapping[str, Row | None], group: Group, combined: Combined
+    overrides: dict[str, list[Line]], clamps: Mapping[str, Row | None], group: DraftGroup, combined: Combined
 ) -> None:
     """Clamps that are not those of the whole group, as overrides; a joint without one has none."""
     order = {name: place for place, name in enumerate(combined.names)}
@@ -230,19 +230,19 @@ def _add_clamps(
             overrides.setdefault(pattern, []).append(Line(RANGE, value))
 
 
-def _comments(group: Group, combined: Combined) -> Iterator[str]:
+def _comments(group: DraftGroup, combined: Combined) -> Iterator[str]:
     """Where the group's numbers stand, then remarks of the files, the joints named that they do not all concern."""
     spans = [
-        span for cell in group.cells for rows in cell.all_rows for row in rows.values() for span in row.spans
+        span for cls in group.classes for rows in cls.all_rows for row in rows.values() for span in row.spans
     ]
-    spans += [span for cell in group.cells for row in cell.motor.values() for span in row.spans]
-    yield places(spans or [joint.span for cell in group.cells for joint in cell.joints])
+    spans += [span for cls in group.classes for row in cls.motor.values() for span in row.spans]
+    yield places(spans or [joint.span for cls in group.classes for joint in cls.joints])
     said: dict[str, list[str]] = {}
     for name in group.names:
         for text in combined.notes.get(name, ()):
             said.setdefault(text, []).append(name)
     for text, names in said.items():
         yield text if len(names) == len(group.names) else f"{listed(names, 4)}: {text}"
-    for cell in group.cells:
-        for own, why in cell.maybe:
+    for cls in group.classes:
+        for own, why in cls.maybe:
             yield f"{listed(joint_patterns(own, group.names), 4)}: {why}"

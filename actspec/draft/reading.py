@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
-from actspec.draft.sources import Reading
+from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
 from actspec.lift import Lifted, LiftedRobot, lift, lift_files
 from actspec.lift.config import asset_of
@@ -24,7 +24,7 @@ _ROBOTS = (FileKind.MJCF, FileKind.URDF)
 
 def read_robot_files(
     paths: Sequence[str], robot: str | None, versions: Versions
-) -> tuple[tuple[Reading, ...], tuple[Diagnostic, ...]]:
+) -> tuple[tuple[RobotReading, ...], tuple[Diagnostic, ...]]:
     """Read files of one robot.
 
     Args:
@@ -227,11 +227,13 @@ def _other_names(part: Lifted, joints: Sequence[JointView]) -> str:
     return f"there: {listed(map(one_line, theirs), 4)}; here: {listed([one_line(j.name) for j in joints], 4)}"
 
 
-def _reading(part: Lifted, files: dict[str, tuple[str, ...]]) -> Reading:
+def _reading(part: Lifted, files: dict[str, tuple[str, ...]]) -> RobotReading:
     artifact = part.artifact
     assert artifact is not None
     framework = artifact.config.framework if artifact.config is not None else None
-    return Reading(part, artifact.kind, artifact.path, artifact.name, framework, files.get(artifact.path, ()))
+    return RobotReading(
+        part, artifact.kind, artifact.path, artifact.name, framework, files.get(artifact.path, ())
+    )
 
 
 def _name(part: Lifted) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
@@ -193,7 +193,7 @@ def _hints(joint: JointActuator) -> dict[str, str]:
         return {}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
         hints = {}
-        if not stated(joint.kd):
+        if joint.kd.known and not stated(joint.kd):
             hints["kd"] = "the file's servo has no kv: MuJoCo takes 0"
         if damped and viscous.require() >= LEAST_DAMPING * (kp or 0.0):
             if "kd" in hints:
@@ -260,10 +260,3 @@ def lost_text(rows: Sequence[Row]) -> str:
         for lost in row.lost:
             found.setdefault(lost.text, []).extend([lost.span] if lost.span is not None else [])
     return "; ".join(f"{places(spans) or 'another file'} has {text}" for text, spans in found.items())
-
-
-def same(one: Mapping[str, Row], other: Mapping[str, Row]) -> Iterator[str]:
-    """Keys whose values are not the same in two joints."""
-    for key in dict.fromkeys((*one, *other)):
-        if key not in one or key not in other or one[key].value != other[key].value:
-            yield key

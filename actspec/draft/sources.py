@@ -26,7 +26,7 @@ _MOST_RUNS = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class RobotReading:
     """One robot as one file has it.
 
     Attributes:
@@ -48,7 +48,7 @@ class Reading:
     reference: str = ""
 
 
-def robot_name(reading: Reading) -> str:
+def robot_name(reading: RobotReading) -> str:
     """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1."""
     stem = os.path.splitext(os.path.basename(reading.path))[0]
     for text in (reading.name, stem):
@@ -70,7 +70,7 @@ _FRAMEWORKS = {
 }
 
 
-def source_keys(readings: Sequence[Reading]) -> dict[str, str]:
+def source_keys(readings: Sequence[RobotReading]) -> dict[str, str]:
     """File to its key in the spec's `sources`: `a1_mjcf`."""
     keys: dict[str, str] = {}
     for reading in readings:
@@ -86,7 +86,7 @@ def source_keys(readings: Sequence[Reading]) -> dict[str, str]:
     return keys
 
 
-def keyed(reading: Reading, keys: Mapping[str, str]) -> Reading:
+def keyed(reading: RobotReading, keys: Mapping[str, str]) -> RobotReading:
     """The reading with keys of `sources` in place of files."""
     own = keys.get(reading.path)
     if own is None:
@@ -119,7 +119,7 @@ def keyed(reading: Reading, keys: Mapping[str, str]) -> Reading:
     )
 
 
-def _named(joint: JointActuator, reading: Reading) -> JointActuator:
+def _named(joint: JointActuator, reading: RobotReading) -> JointActuator:
     """A joint with the name of its group, where a file has groups: a robot file has names of actuators only."""
     grouped = reading.kind is FileKind.SPEC or reading.framework in (Framework.ISAACLAB, Framework.MJLAB)
     return joint if grouped else replace(joint, group="")
@@ -148,7 +148,7 @@ def _mapped(joint: JointActuator, change: Callable[[Quantity], Quantity]) -> Joi
 
 
 def sources_of(
-    readings: Sequence[Reading], keys: Mapping[str, str], sets: Sequence[ActuatorSet]
+    readings: Sequence[RobotReading], keys: Mapping[str, str], sets: Sequence[ActuatorSet]
 ) -> Iterator[Source]:
     """What the keys stand for."""
     told = set()
@@ -164,7 +164,7 @@ def sources_of(
             yield item
 
 
-def _title(reading: Reading) -> str:
+def _title(reading: RobotReading) -> str:
     """`UNITREE_A1_CFG in unitree.py, Isaac Lab`; `a1.xml, MJCF`."""
     file = os.path.basename(reading.path)
     if reading.framework in _FRAMEWORKS:
@@ -203,7 +203,7 @@ _STACKS = {
 
 
 def targets_of(
-    readings: Sequence[Reading], combined: Combined, versions: Versions
+    readings: Sequence[RobotReading], combined: Combined, versions: Versions
 ) -> tuple[tuple[str, str, str], ...]:
     """Name, flow mapping and remark of each target.
 
@@ -218,7 +218,7 @@ def targets_of(
 
 
 def _targets(
-    readings: Sequence[Reading], combined: Combined, versions: Versions
+    readings: Sequence[RobotReading], combined: Combined, versions: Versions
 ) -> Iterator[tuple[str, str, str]]:
     kinds = [reading.kind for reading in readings]
     stacks = dict.fromkeys(_STACKS[r.framework] for r in readings if r.framework in _STACKS)
@@ -255,7 +255,7 @@ def _has_gains(combined: Combined) -> bool:
     )
 
 
-def _classes(readings: Sequence[Reading]) -> tuple[list[str], list[str]]:
+def _classes(readings: Sequence[RobotReading]) -> tuple[list[str], list[str]]:
     """Groups of Isaac Lab configurations whose drive the solver has, and the others."""
     implicit: list[str] = []
     other: list[str] = []
@@ -275,7 +275,7 @@ def _mapping(options: dict[str, str | None], more: str = "") -> str:
     return f"{{{', '.join([*parts, more] if more else parts)}}}"
 
 
-def _deploy(readings: Sequence[Reading], combined: Combined) -> str:
+def _deploy(readings: Sequence[RobotReading], combined: Combined) -> str:
     """The SDK's order of the joints, where the deploy file names exactly those of the spec."""
     managed = {joint.joint for joint in combined.actuators.joints}
     for reading in readings:

@@ -295,12 +295,17 @@ def _notes(reading: JointReading, command: Command) -> Iterator[str]:
             break
     if any(joint.damping_polynomial) or any(any(drive.view.damping[1:]) for drive in reading.drives):
         yield "the file's polynomial damping stays in the model, a spec has no word for it"
-    if joint.springdamper:
+    if joint.springdamper and "stiffness" in joint.unknown:
+        yield "the file's springdamper is in force: what it stands for follows a mass that is unknown"
+    elif joint.springdamper:
         yield "the file's springdamper is in force: a compile writes the stiffness and damping that it stands for"
     elif joint.stiffness and "stiffness" not in joint.unknown:
         value = f"{joint.stiffness:g} {units.stiffness}"
         yield f"the joint's own spring ({value}) stays in the model, a spec has no word for it"
-    if any("dampratio" in drive.view.stated for drive in acting):
+    ratios = [drive.view for drive in acting if "dampratio" in drive.view.stated]
+    if any("kd" in view.unknown for view in ratios):
+        yield "the file's dampratio is no number: the kd that MuJoCo makes of it follows a mass that is unknown"
+    elif ratios:
         yield "the file's dampratio becomes the kd that MuJoCo makes of it"
 
 

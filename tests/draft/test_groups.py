@@ -37,7 +37,7 @@ def humanoid(limits: dict[str, tuple[float, float]], torso: tuple[float, float] 
 
 
 def groups(found: Imported) -> dict[str, tuple[list[str], dict[str, Any]]]:
-    """Group to its patterns and the limits in its overrides."""
+    """DraftGroup to its patterns and the limits in its overrides."""
     return {
         name: (group["joints"], {p: o.get("effort_limit") for p, o in group.get("overrides", {}).items()})
         for name, group in bare(found.data["actuators"]).items()

@@ -14,7 +14,7 @@ from actspec import api
 from actspec.diagnostics import Span
 from actspec.draft import draft
 from actspec.draft.combine import combine
-from actspec.draft.sources import Reading, places
+from actspec.draft.sources import RobotReading, places
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.lift import Lifted
 from actspec.readings.artifact import FileKind
@@ -263,7 +263,7 @@ def _set(path: Path) -> ActuatorSet:
 
 def again(actuators: ActuatorSet, model: Path, folder: Path) -> ActuatorSet:
     """The actuators, written as a spec and resolved once more."""
-    reading = Reading(Lifted(actuators), FileKind.SPEC, "spec.yaml", actuators.robot)
+    reading = RobotReading(Lifted(actuators), FileKind.SPEC, "spec.yaml", actuators.robot)
     found = draft(combine([reading]), os.path.relpath(model, folder), [])
     path = folder / "again.yaml"
     path.write_text(found.text, encoding="utf-8")
