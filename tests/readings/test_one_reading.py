@@ -220,3 +220,61 @@ def test_unlimited_is_infinite_and_unknown_is_none() -> None:
     )
     assert reading.effort_limit.value == math.inf
     assert reading.velocity_limit.value is None
+
+
+WEIGHTLESS = """<mujoco model="probe">
+  <asset><mesh name="leg" file="leg.stl"/></asset>
+  <worldbody>
+    <body>
+      <joint name="j" axis="0 1 0" springdamper="0.1 1"/>
+      {inertia}<geom type="mesh" mesh="leg"/>
+    </body>
+  </worldbody>
+  <actuator><position name="a" joint="j" kp="50" dampratio="1" forcerange="-9 9"/></actuator>
+</mujoco>
+"""
+
+
+def test_what_follows_the_mass_of_a_missing_mesh_is_unknown_everywhere(tmp_path: Path) -> None:
+    """Nobody has a number for kd and the friction, and a compile that needs kd stops."""
+    text = WEIGHTLESS.format(inertia="")
+    view = view_of(text)
+    reading = read_joint(view, "j")
+    assert (reading.kp.value, reading.kd.value, reading.friction_viscous.value) == (50.0, None, None)
+    (row,) = rows_of_robot(Artifact("robot.xml", FileKind.MJCF, "probe", robot=view), 0)
+    assert (row.kp, row.kd, row.joint_damping, row.total_damping, row.effort_limit) == (
+        50.0,
+        None,
+        None,
+        None,
+        9.0,
+    )
+    (tmp_path / "robot.xml").write_text(text)
+    (group,) = imported([tmp_path / "robot.xml"], tmp_path).data["actuators"].values()
+    assert (group["kd"], group["friction"]["viscous"]) == ("unknown", "unknown")
+    spec = "  legs:\n    joints: [j]\n    level: ideal_pd\n"
+    with pytest.raises(EmitError, match=r"MJC001 .*kd is unknown") as caught:
+        compile_text(spec, text)
+    assert "MJC025" not in str(caught.value)
+    # The author's kd is enough: the springdamper stays in force.
+    compiled = compile_text(spec + "    kd: 3\n", text)
+    assert 'springdamper="0.1 1"' in compiled.text
+    with pytest.raises(EmitError, match="MJC025"):
+        compile_text(spec + "    kd: 3\n    friction: {viscous: 0.1}\n", text)
+
+
+def test_an_inertia_that_is_stated_needs_no_mesh() -> None:
+    """I = 0.02: k = I/tc^2, b = 2 I/tc = 0.4, and kv = 2 sqrt(50 * 0.02) = 2."""
+    inertial = '<inertial pos="0 0 0" mass="1" diaginertia="0.02 0.02 0.02"/>'
+    text = WEIGHTLESS.format(inertia=inertial)
+    reading = read_joint(view_of(text), "j")
+    assert (reading.kd.value, reading.friction_viscous.value) == (pytest.approx(2.0), pytest.approx(0.4))
+    compiled = compile_text("  legs:\n    joints: [j]\n    level: ideal_pd\n", text)
+    assert compiled.actuators.joints[0].kd is not None
+    assert compiled.actuators.joints[0].kd.value == pytest.approx(2.0)
+    (joint,) = view_of(compiled.text).joints
+    assert (joint.springdamper, joint.stiffness, joint.damping) == (
+        False,
+        pytest.approx(2.0),
+        pytest.approx(0.4),
+    )
