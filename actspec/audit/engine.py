@@ -25,8 +25,7 @@ from actspec.audit.settings import Settings
 from actspec.audit.unused import Looked, certainly_unused
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
-from actspec.readings.fragments import without_fragments
-from actspec.readings.read import PendingFiles
+from actspec.readings.read import PendingFiles, without_fragments
 
 
 def audit(

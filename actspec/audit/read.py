@@ -71,12 +71,10 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
     reading = read.read_file(path, keep_matrices, refusal)
     if reading.kind is not FileKind.SPEC:
         return reading
-    from actspec.readings.robot_file import reason_of
-
     try:
         actuators = resolved(path)
     except ActspecError as err:
-        return replace(reading, reason=reason_of(err.diagnostics, path), diagnostics=err.diagnostics)
+        return replace(reading, reason=read.reason_of(err.diagnostics, path), diagnostics=err.diagnostics)
     return replace(reading, artifacts=(artifact_of(path, actuators),), diagnostics=actuators.diagnostics)
 
 

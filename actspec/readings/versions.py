@@ -1,13 +1,30 @@
-"""Which releases the files are meant for."""
+"""Which releases the files are meant for: named, or in the head that actspec writes over a configuration."""
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from actspec.readings.artifact import Artifact
 from actspec.simulators import Release, before, release, text_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabRelease, friction_unit, row_of
 from actspec.simulators.mjlab import mujoco_taken_by
+
+_HEAD = re.compile(
+    r"# Written by actspec \S+ for Isaac Lab (?P<isaaclab>\d+(?:\.\d+)*) on Isaac Sim (?P<isaac_sim>\d+(?:\.\d+)*) ?"
+    r"(?:\((?P<backend>PhysX|OVPhysX|Newton)\))?\. "
+)
+"""Source: `actspec.targets.isaaclab.text`, and without the backend `actspec.targets.randomization`;
+`tests/readings/test_versions.py` holds them to each other."""
+
+_WRITTEN = "Written by actspec "
+_STEP = re.compile(
+    r"^# (?:physics_dt (?P<isaaclab>[0-9.e-]+) s$"
+    r"|with SimulationCfg\(mujoco=MujocoCfg\(timestep=(?P<mjlab>[0-9.e-]+)\)\))",
+    re.MULTILINE,
+)
+"""Source: `actspec.targets.isaaclab.text` and `actspec.targets.mjlab.text`; held to them as above."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,3 +117,30 @@ def has_dynamic(versions: Versions) -> bool:
 
 def _release(text: str | None) -> Release | None:
     return None if text is None else release(text)
+
+
+def written_for(data: bytes) -> Mapping[str, str]:
+    """Versions by the names of `Versions`' fields; empty without such a head.
+
+    Args:
+        data: The file.
+    """
+    found = _HEAD.match(data[:400].decode("utf-8", "replace"))
+    return {name: text.lower() for name, text in found.groupdict().items() if text} if found else {}
+
+
+def step_of(data: bytes) -> tuple[float, int] | None:
+    """The physics step [s] that the lags of a configuration count, and the line that says so; None without such a head.
+
+    Args:
+        data: The file.
+    """
+    text = data[:2000].decode("utf-8", "replace")
+    found = _STEP.search(text) if _WRITTEN in text[:400] else None
+    if found is None:
+        return None
+    try:
+        step = float(found["isaaclab"] or found["mjlab"])
+    except ValueError:
+        return None
+    return (step, text.count("\n", 0, found.start()) + 1) if 0.0 < step < 1.0 else None

@@ -20,7 +20,6 @@ from actspec.readings.artifact import (
     RobotConfig,
     Setting,
 )
-from actspec.readings.head import step_of, written_for
 from actspec.readings.networks import with_networks
 from actspec.readings.python import isaaclab, legged_gym, mjlab
 from actspec.readings.python.run import Interpreter
@@ -38,6 +37,7 @@ from actspec.readings.python.values import (
     Table,
     Value,
 )
+from actspec.readings.versions import step_of, written_for
 from actspec.robot.view import ModelFile
 
 MAX_CONFIGS = 200

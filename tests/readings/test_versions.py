@@ -9,8 +9,7 @@ import pytest
 from actspec.audit.engine import audit
 from actspec.audit.settings import Settings
 from actspec.cli.main import main
-from actspec.readings.head import step_of, written_for
-from actspec.readings.versions import Versions
+from actspec.readings.versions import Versions, step_of, written_for
 
 ROOT = Path(__file__).parents[2]
 SPEC = """actspec: 1

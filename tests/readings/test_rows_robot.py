@@ -15,7 +15,7 @@ from actspec.diagnostics import RobotError
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
-from actspec.readings.robot_file import read_robot
+from actspec.readings.read import read_robot
 from actspec.robot.mjspec import compile_spec, open_spec, quiet
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import open_document
