@@ -31,6 +31,15 @@ class TooLarge(Exception):
         self.size = size
 
 
+FAULTS = (NotRegular, TooLarge, OSError, ValueError)
+"""What reading or writing a file can end in."""
+
+
+def why(fault: Exception) -> str:
+    """The reason of one of `FAULTS`, in words: `a folder`, `permission denied`."""
+    return (getattr(fault, "strerror", None) or str(fault)).lower()
+
+
 def read_regular(path: str, most: int) -> bytes:
     """Read a regular file; never waits on a pipe or device.
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import ActspecError, AuditError, Collector, Diagnostic, Severity, Span, listed
-from actspec.files import replace_file
+from actspec.files import replace_file, why
 from actspec.processes import IsolatedCall, LostError
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
@@ -118,8 +118,7 @@ def write_fixes(files: Iterable[FixedFile]) -> None:
             replace_file(target, file.new)
             os.chmod(target, mode)
         except OSError as err:
-            reason = (err.strerror or str(err)).lower()
-            out.error("AUD006", f"the file cannot be written: {reason}", span=Span(file.path))
+            out.error("AUD006", f"the file cannot be written: {why(err)}", span=Span(file.path))
     out.raise_if_failed(AuditError)
 
 

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from os.path import basename
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
-from actspec.audit.strangers import strangers
-from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.pair import SHARE, joint_names
 
 SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
 """From the least to the worst."""
@@ -107,7 +108,7 @@ class Report:
                 message = f"the file cannot be read: {file.reason}"
                 found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
             found += _from_text(file)
-        return (*found, *strangers(self.case), *self.problems)
+        return (*found, *_unpaired(self.case), *self.problems)
 
     def for_people(self) -> tuple[Diagnostic, ...]:
         """What of it people read: mere information is for programs, but not what nobody looked at."""
@@ -127,3 +128,29 @@ def _from_text(file: FileReading) -> Iterator[Diagnostic]:
             message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
             severity = Severity.WARNING
         yield Diagnostic("AUD013", severity, message, "", Span(file.path))
+
+
+def _unpaired(case: Case) -> Iterator[Diagnostic]:
+    """Files that have the joints of a model and another name, and so are in a robot that has no model."""
+    models = {
+        artifact.path: frozenset(joint_names(artifact) or ())
+        for artifact in case.artifacts
+        if artifact.robot is not None
+    }
+    for robot in case.robots:
+        members = [case.artifacts[index] for index in robot.artifacts]
+        if any(member.robot is not None for member in members):
+            continue
+        for member in members:
+            own = frozenset(joint_names(member) or ())
+            near = [path for path, joints in models.items() if own and len(own & joints) >= SHARE * len(own)]
+            if member.config is not None and near:
+                yield Diagnostic(
+                    "AUD015",
+                    Severity.INFO,
+                    f"this has the joints of {listed(map(basename, near), 2)}, and is not compared with it: the names "
+                    "do not say that it is the same robot",
+                    "",
+                    Span(member.path),
+                    "write the robot's name into the file's name",
+                )

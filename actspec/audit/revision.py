@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import PurePosixPath
 
-from actspec.diagnostics import AuditError, Diagnostic, Severity, Span, shortened
+from actspec.diagnostics import AuditError, Span, shortened
 
 _TAKEN = (
     ".xml",
@@ -80,7 +80,7 @@ def lay_out(text: str, folder: str) -> Revision:
     commit = _git(text, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}")
     if commit is None:
         if _git(text, "rev-parse", "--git-dir") is None:
-            raise _error(text, "is neither a file nor a revision: this folder is in no git repository", None)
+            raise _error(text, "is neither a file nor a revision: this folder is in no git repository")
         raise _error(text, f"git knows no revision {shortened(name)!r}", "`git log --oneline` lists them")
     digest = commit.decode("ascii", "replace").strip()
     prefix = (_git(text, "rev-parse", "--show-prefix") or b"").decode("utf-8", "surrogateescape").rstrip("\n")
@@ -92,7 +92,7 @@ def lay_out(text: str, folder: str) -> Revision:
         near = _near(path, modes)
         raise _error(text, "the revision has no such file", f"did you mean {name}:{near}?" if near else None)
     if modes[chosen] not in _REGULAR:
-        raise _error(text, "is a link or a submodule there, not a file", None)
+        raise _error(text, "is a link or a submodule there, not a file")
     _write(text, entries, chosen, folder)
     return Revision(text, os.path.join(folder, *PurePosixPath(chosen).parts), folder, digest)
 
@@ -156,7 +156,7 @@ def _write(text: str, entries: list[_Entry], main: str, folder: str) -> None:
         end = (blobs or b"").find(b"\n", start)
         header = (blobs or b"")[start:end].split()
         if blobs is None or end < 0 or len(header) != 3 or header[1] != b"blob":
-            raise _error(text, f"git does not give {shortened(entry.path)!r} of the revision", None)
+            raise _error(text, f"git does not give {shortened(entry.path)!r} of the revision")
         size = int(header[2])
         target = os.path.join(folder, *PurePosixPath(entry.path).parts)
         try:
@@ -165,7 +165,7 @@ def _write(text: str, entries: list[_Entry], main: str, folder: str) -> None:
                 stream.write(blobs[end + 1 : end + 1 + size])
         except OSError as err:
             if entry.path == main:
-                raise _error(text, f"cannot be laid out: {err.strerror}", None) from err
+                raise _error(text, f"cannot be laid out: {err.strerror}") from err
         start = end + 1 + size + 1
 
 
@@ -184,11 +184,11 @@ def _git(text: str, *arguments: str, given: bytes | None = None) -> bytes | None
             check=False,
         )
     except FileNotFoundError as err:
-        raise _error(text, "is no file, and there is no git that could tell a revision", None) from err
+        raise _error(text, "is no file, and there is no git that could tell a revision") from err
     except (OSError, ValueError, subprocess.SubprocessError) as err:
-        raise _error(text, f"git could not run: {type(err).__name__}", None) from err
+        raise _error(text, f"git could not run: {type(err).__name__}") from err
     return done.stdout if done.returncode == 0 else None
 
 
-def _error(text: str, message: str, help: str | None) -> AuditError:
-    return AuditError([Diagnostic("DIF002", Severity.ERROR, message, "", Span(text), help)])
+def _error(text: str, message: str, help: str | None = None) -> AuditError:
+    return AuditError.of("DIF002", message, Span(text), help=help)

@@ -14,7 +14,7 @@ from actspec.audit.ignores import REMARKS
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, strength
 from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular, why
 from actspec.readings.versions import Versions
 
 OWN_FILE = "actspec.toml"
@@ -178,12 +178,8 @@ def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str
 
     try:
         data = read_regular(path, MOST_BYTES)
-    except (NotRegular, TooLarge) as err:
-        collector.error("AUD001", f"the settings cannot be read: {err}", span=Span(path))
-        return {}
-    except (OSError, ValueError) as err:
-        reason = (getattr(err, "strerror", None) or str(err)).lower()
-        collector.error("AUD001", f"the settings cannot be read: {reason}", span=Span(path))
+    except FAULTS as err:
+        collector.error("AUD001", f"the settings cannot be read: {why(err)}", span=Span(path))
         return {}
     try:
         return tomllib.loads(data.decode("utf-8"))
@@ -352,3 +348,53 @@ def _got(value: Any) -> str:
     if isinstance(value, dict):
         return "a table"
     return shortened(repr(value))
+
+
+def glob_matches(glob: str, path: str) -> bool:
+    """Whether a path (with `/`) fits a glob; a glob without `/` is held against the last part alone.
+
+    `*` and `?` stand for anything but `/`, `**` for anything.
+    """
+    if "/" not in glob:
+        path = path.rpartition("/")[2]
+    # All places of the glob at once, character by character: a regular expression of many stars takes forever.
+    found = re.findall(r"\*\*/|\*\*|.", glob, re.DOTALL)
+    parts = [part for one in found for part in (("", one) if one == "**/" else (one,))]
+    places = _with_skips({0}, parts)
+    for char in path:
+        places = _with_skips(
+            {after for place in places if place < len(parts) for after in _after(place, parts[place], char)},
+            parts,
+        )
+    return len(parts) in places
+
+
+def _with_skips(places: set[int], parts: Sequence[str]) -> set[int]:
+    """Places in a glob, and those that are reached from them without a character."""
+    found: set[int] = set()
+    waiting = list(places)
+    while waiting:
+        place = waiting.pop()
+        if place in found:
+            continue
+        found.add(place)
+        if place == len(parts):
+            continue
+        if parts[place] == "":  # before `**/`: folders, or none
+            waiting += [place + 1, place + 2]
+        elif parts[place] in ("*", "**"):
+            waiting.append(place + 1)
+    return found
+
+
+def _after(place: int, part: str, char: str) -> Iterator[int]:
+    """Places in a glob after a character."""
+    if part == "**/":
+        yield place
+        if char == "/":
+            yield place + 1
+    elif part in ("*", "**"):
+        if char != "/" or part == "**":
+            yield place
+    elif part == char or (part == "?" and char != "/"):
+        yield place + 1

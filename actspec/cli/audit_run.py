@@ -27,7 +27,7 @@ from actspec.diagnostics import (
     listed,
     one_line,
 )
-from actspec.files import replace_file
+from actspec.files import FAULTS, replace_file, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, render, renderer
@@ -216,10 +216,8 @@ def _refuse_audited(report: Report, option: str, path: str) -> None:
 def _write(path: str, text: str) -> None:
     try:
         replace_file(path, text.encode("utf-8", "backslashreplace"))
-    except (OSError, ValueError) as err:
-        reason = (getattr(err, "strerror", None) or str(err)).lower()
-        message = f"the report cannot be written: {reason}"
-        raise AuditError.of("AUD006", message, Span(path)) from err
+    except FAULTS as err:
+        raise AuditError.of("AUD006", f"the report cannot be written: {why(err)}", Span(path)) from err
 
 
 def _print_problems(report: Report) -> None:

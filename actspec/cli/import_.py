@@ -202,16 +202,13 @@ def write_spec(path: str, text: str) -> None:
 
     Raises: EmitError: it cannot be written.
     """
-    from actspec.files import replace_file
+    from actspec.files import FAULTS, replace_file, why
 
     try:
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         replace_file(path, text.encode("utf-8"))
-    except OSError as err:
-        raise EmitError.of("OUT002", f"cannot be written: {err.strerror}", Span(path)) from err
-    except ValueError as err:
-        # A name with a NUL in it.
-        raise EmitError.of("OUT002", f"cannot be written: {err}", Span(path)) from err
+    except FAULTS as err:
+        raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(path)) from err
 
 
 def commands(path: str, *names: str) -> list[str]:

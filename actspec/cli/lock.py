@@ -21,7 +21,7 @@ from actspec.diagnostics import (
     Span,
     one_line,
 )
-from actspec.files import NotRegular, TooLarge, read_regular, replace_file
+from actspec.files import FAULTS, read_regular, replace_file, why
 from actspec.readings.versions import Versions
 from actspec.report.terminal import print_json
 
@@ -66,10 +66,8 @@ def run(arguments: argparse.Namespace) -> int:
     data = text_of(lock)
     try:
         replace_file(path, data)
-    except (OSError, ValueError) as err:
-        raise AuditError.of(
-            "LCK001", f"cannot be written: {getattr(err, 'strerror', None) or err}", Span(path)
-        ) from err
+    except FAULTS as err:
+        raise AuditError.of("LCK001", f"cannot be written: {why(err)}", Span(path)) from err
     if arguments.output_format == "json":
         print_json(lock)
     else:
@@ -127,14 +125,8 @@ def _old(path: str, needed: bool, figures: bool) -> dict[str, Any] | None:
                 "LCK001", "there is no such lock", Span(path), help="write one with `actspec lock FILE`"
             ) from err
         return None
-    except NotRegular as err:
-        raise AuditError.of("LCK001", f"is {err}", Span(path)) from err
-    except TooLarge as err:
-        raise AuditError.of("LCK001", f"is larger than {MOST_BYTES >> 20} MiB", Span(path)) from err
-    except (OSError, ValueError) as err:
-        raise AuditError.of(
-            "LCK001", f"cannot be read: {getattr(err, 'strerror', None) or err}", Span(path)
-        ) from err
+    except FAULTS as err:
+        raise AuditError.of("LCK001", f"cannot be read: {why(err)}", Span(path)) from err
     return read_lock(path, data, figures=figures)
 
 

@@ -13,7 +13,7 @@ from actspec.audit.selection import selected
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
-from actspec.files import replace_file
+from actspec.files import FAULTS, replace_file, why
 from actspec.report.terminal import print_json
 
 
@@ -64,8 +64,6 @@ def _write(folder: str, rules: tuple[type[Rule], ...]) -> None:
         try:
             os.makedirs(folder, exist_ok=True)
             replace_file(path, text.encode("utf-8"))
-        except OSError as err:
-            out.error(
-                "AUD006", f"the page cannot be written: {(err.strerror or str(err)).lower()}", span=Span(path)
-            )
+        except FAULTS as err:
+            out.error("AUD006", f"the page cannot be written: {why(err)}", span=Span(path))
     out.raise_if_failed(AuditError)

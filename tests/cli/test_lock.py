@@ -207,7 +207,7 @@ def joint(found: Any) -> Any:
         (["--check"], "actspec.lock: LCK001: there is no such lock"),
         ([], "actspec.lock: LCK001: there is no such lock"),
         (["leg.xml", "-o", "leg.yaml"], "leg.yaml: LCK001: is no dynamics lock"),
-        (["leg.xml", "-o", "."], ".: LCK001: is a folder"),
+        (["leg.xml", "-o", "."], ".: LCK001: cannot be read: a folder"),
         (["leg.xml", "-o", "no/actspec.lock"], "no/actspec.lock: LCK001: cannot be written"),
         (["none.xml"], "none.xml: DIF001: cannot be read"),
     ],

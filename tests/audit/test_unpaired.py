@@ -17,7 +17,7 @@ DEPLOY = "joint_names: [{}]\nkp: [4, 5]\nkd: [1, 1]\n"
 
 
 @pytest.mark.parametrize(
-    ("name", "joints", "told"),
+    ("name", "joints", "reported"),
     [
         ("walk.yaml", "hip, knee", True),
         ("biped_walk.yaml", "hip, knee", False),
@@ -28,9 +28,9 @@ DEPLOY = "joint_names: [{}]\nkp: [4, 5]\nkd: [1, 1]\n"
     ids=["another-name", "its-name", "no-name", "other-joints"],
 )
 def test_another_name(
-    name: str, joints: str, told: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    name: str, joints: str, reported: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """A deploy file that is called otherwise than the model with its joints is told to be on its own."""
+    """A deploy file that is called otherwise than the model with its joints is reported as not compared."""
     monkeypatch.chdir(tmp_path)
     Path("biped.xml").write_text(MODEL)
     Path(name).write_text(DEPLOY.format(joints))
@@ -41,4 +41,4 @@ def test_another_name(
         "this has the joints of biped.xml, and is not compared with it: "
         "the names do not say that it is the same robot"
     )
-    assert found == ([f"{name}: AUD015 [info]: {message}"] if told else [])
+    assert found == ([f"{name}: AUD015 [info]: {message}"] if reported else [])
