@@ -46,6 +46,31 @@ class TargetFiles:
         """Where a file lies that is verified."""
         return os.path.join(self.folder, file)
 
+    def fault(
+        self,
+        quantity: str,
+        code: str,
+        message: str,
+        *,
+        actuator: JointActuator | None = None,
+        joints: int | None = None,
+        **more: Any,
+    ) -> Row:
+        """A row that does not agree.
+
+        Args:
+            quantity: As in `Row`.
+            code: What is wrong.
+            message: The same in words.
+            actuator: The joint's; None: it concerns the whole target.
+            joints: How many; default 1 of a joint.
+            more: Other attributes of the row.
+        """
+        group, joint, count = ("", "", 0) if actuator is None else (actuator.group, actuator.joint, 1)
+        many = count if joints is None else joints
+        rest: dict[str, Any] = {"unit": "", "max_error": None, "tolerance": 0.0, **more}
+        return Row(self.name, group, joint, many, quantity, ok=False, code=code, message=message, **rest)
+
     def losses_of(self, joint: str, fields: Sequence[str]) -> tuple[Approximation, ...]:
         """What it loses of fields of a joint, by the names of `Approximation.field`."""
         return tuple(loss for loss in self.losses if loss.joint in (joint, "") and loss.field in fields)
@@ -190,14 +215,7 @@ def row_record(row: Row) -> dict[str, Any]:
 
 def skip_record(skip: Skip) -> dict[str, Any]:
     """A skip as machine output has it."""
-    return {
-        "target": skip.target,
-        "group": skip.group or None,
-        "what": skip.what,
-        "reason": skip.reason,
-        "help": skip.help,
-        "setup": skip.setup,
-    }
+    return {**asdict(skip), "group": skip.group or None}
 
 
 def _number(value: float | None) -> float | str | None:

@@ -114,12 +114,16 @@ def _differences(
         return
     turned = asked[wrong] != 0.0 and _equal(asked[wrong], -got[wrong])
     which = f"{name}[{wrong}]" if len(asked) > 1 else name
-    yield Row(
-        *(target.name, actuator.group, actuator.joint, 1, name, "", abs(got[wrong] - asked[wrong])),
-        *(TOLERANCE * abs(asked[wrong]), False, asked[wrong], got[wrong]),
-        code="VFY106" if turned else "VFY110",
-        message=f"MuJoCo's {which} is {got[wrong]:.6g}, and should be {asked[wrong]:.6g}"
+    yield target.fault(
+        name,
+        "VFY106" if turned else "VFY110",
+        f"MuJoCo's {which} is {got[wrong]:.6g}, and should be {asked[wrong]:.6g}"
         + (": the sign is wrong" if turned else ", as actspec writes it"),
+        actuator=actuator,
+        max_error=abs(got[wrong] - asked[wrong]),
+        tolerance=TOLERANCE * abs(asked[wrong]),
+        expected=asked[wrong],
+        got=got[wrong],
         place=place,
     )
 
@@ -128,22 +132,13 @@ def _options(target: TargetFiles, ours: Any, theirs: Any) -> Iterator[Row]:
     for name in OPTIONS:
         asked, got = (int(getattr(model.opt, name, 0)) for model in (ours, theirs))
         if asked != got:
-            yield Row(
-                *(
-                    target.name,
-                    "",
-                    "",
-                    0,
-                    name,
-                    "",
-                    float(abs(got - asked)),
-                    0.0,
-                    False,
-                    float(asked),
-                    float(got),
-                ),
-                code="VFY110",
-                message=f"the option {name} is {_option(name, got)}, and should be {_option(name, asked)}",
+            yield target.fault(
+                name,
+                "VFY110",
+                f"the option {name} is {_option(name, got)}, and should be {_option(name, asked)}",
+                max_error=float(abs(got - asked)),
+                expected=float(asked),
+                got=float(got),
                 place=Span(target.path(target.files[0])),
             )
 
@@ -183,12 +178,7 @@ def _keyframes(target: TargetFiles, ours: Any, theirs: Any) -> Iterator[Row]:
 
 
 def _key_row(target: TargetFiles, key: str, message: str, place: Span) -> Row:
-    return Row(
-        *(target.name, "", "", 0, one_line(f"keyframe {key}"), "", None, 0.0, False),
-        code="VFY110",
-        message=one_line(message),
-        place=place,
-    )
+    return target.fault(one_line(f"keyframe {key}"), "VFY110", one_line(message), place=place)
 
 
 def _keys(model: Any) -> dict[str, dict[str, list[float]]]:

@@ -101,12 +101,8 @@ def _same(target: TargetFiles, file: str) -> bool:
 
 
 def _code_row(target: TargetFiles, file: str, line: int, what: str) -> Row:
-    return Row(
-        *(target.name, "", "", 0, "code", "", None, 0.0, False),
-        code="VFY110",
-        message=f"{what}; it was not executed, and no field tells what it does",
-        place=Span(target.path(file), line),
-    )
+    message = f"{what}; it was not executed, and no field shows what it does"
+    return target.fault("code", "VFY110", message, place=Span(target.path(file), line))
 
 
 def _statements(data: bytes) -> list[tuple[str, int]]:

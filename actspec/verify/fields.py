@@ -151,9 +151,7 @@ def engine_rows(
 
 def broken(target: TargetFiles, message: str, engine: str | None = None) -> Row:
     """The row of a file that cannot be read, or that an engine refuses."""
-    return Row(
-        target.name, "", "", 0, "file", "", None, 0.0, False, engine=engine, code="VFY111", message=message
-    )
+    return target.fault("file", "VFY111", message, engine=engine)
 
 
 def _compare(

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Mapping
+from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import one_line
@@ -60,12 +61,8 @@ def _missing(
         gone = [a for a in members if not driven(a.joint, fresh, built)]
         if gone:
             had = gone[0].joint in built.figures
-            yield Row(
-                *(target.name, gone[0].group, gone[0].joint, len(gone), "joint", ""),
-                *(None, 0.0, False),
-                code="VFY109",
-                message=f"the file does not {'drive' if had else 'have'} the joint",
-            )
+            what = f"the file does not {'drive' if had else 'have'} the joint"
+            yield target.fault("joint", "VFY109", what, actuator=gone[0], joints=len(gone))
 
 
 def _settings(
@@ -101,11 +98,9 @@ def _order(target: TargetFiles, fresh: FileFigures, built: FileFigures) -> Itera
     if kept == fresh.order:
         return
     wrong = next((a, b) for a, b in zip(fresh.order, kept, strict=False) if a != b)
-    yield Row(
-        *(target.name, "", wrong[0], len(kept), "order", "", None, 0.0, False),
-        code="VFY109",
-        message=f"the order of the joints is another one: {wrong[1]} stands where {wrong[0]} belongs",
-    )
+    what = f"the order of the joints is another one: {wrong[1]} stands where {wrong[0]} belongs"
+    row = target.fault("order", "VFY109", what, joints=len(kept))
+    yield replace(row, joint=wrong[0])
 
 
 def _raw(
@@ -124,11 +119,9 @@ def _raw(
                     wrong.setdefault(name, []).append(joint)
         for name, joints in wrong.items():
             asked, got = (_written(reading, joints[0]).get(name) for reading in (fresh, built))
-            yield Row(
-                *(target.name, members[0].group, joints[0], len(joints), name, "", None, 0.0, False),
-                code="VFY110",
-                message=one_line(f"{name} is {got!r}, and should be {asked!r}"),
-            )
+            what = one_line(f"{name} is {got!r}, and should be {asked!r}")
+            first = next(one for one in members if one.joint == joints[0])
+            yield target.fault(name, "VFY110", what, actuator=first, joints=len(joints))
 
 
 def _written(reading: FileFigures, joint: str) -> dict[str, object]:

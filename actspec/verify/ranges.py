@@ -79,7 +79,7 @@ def _json_rows(target: TargetFiles, file: str, actuators: ActuatorSet) -> Iterat
     for actuator in actuators.joints:
         name = actuator.joint
         if name not in joints:
-            yield _fault(target, actuator, "randomize", "VFY109", f"{file} does not have the joint")
+            yield target.fault("randomize", "VFY109", f"{file} does not have the joint", actuator=actuator)
             continue
         row, word = _range_row(target, actuator, file, joints[name])
         ranges = row if row.ok else replace(row, place=_place(target, file, text, name, word))
@@ -91,15 +91,11 @@ def _json_rows(target: TargetFiles, file: str, actuators: ActuatorSet) -> Iterat
         ]
         yield from values
         if ranges.ok and not values and _rest(joints[name]) != _rest(ours[name]):
-            wrong = _fault(target, actuator, "randomize", "VFY110", "a unit or a word is another one")
+            wrong = target.fault("randomize", "VFY110", "a unit or a word is another one", actuator=actuator)
             yield replace(wrong, place=_place(target, file, text, name, '"joint"'))
     if _rest(record) != _rest(fresh):
-        yield Row(
-            *(target.name, "", "", len(joints), f"randomize ({file})", "", None, 0.0, False),
-            code="VFY110",
-            message="the head of the file is another one",
-            place=Span(target.path(file)),
-        )
+        what, place = "the head of the file is another one", Span(target.path(file))
+        yield target.fault(f"randomize ({file})", "VFY110", what, joints=len(joints), place=place)
 
 
 def _nominal(entry: Any) -> dict[str, float | None]:
@@ -132,11 +128,15 @@ def _nominal_rows(
         name = next((name for name, figure in FIGURES.items() if figure == field), field)
         unit = units.get(name, "")
         should = f"{figure_text(have, unit)}, and should be {figure_text(want, unit)}"
-        yield Row(
-            *(target.name, actuator.group, joint, 1, name, unit),
-            *(None if want is None or have is None else abs(have - want), 0.0, False, want, have),
-            code=code,
-            message=one_line(f"the nominal {name} is {should}: {reason}"),
+        yield target.fault(
+            name,
+            code,
+            one_line(f"the nominal {name} is {should}: {reason}"),
+            actuator=actuator,
+            unit=unit,
+            max_error=None if want is None or have is None else abs(have - want),
+            expected=want,
+            got=have,
         )
 
 
@@ -167,11 +167,13 @@ def _range_row(target: TargetFiles, actuator: JointActuator, file: str, entry: A
             if want is None or got is None:
                 what = "is not in the spec" if want is None else "is missing"
                 text = f"the range of {one_line(field)} {what}"
-                return _fault(target, actuator, f"randomize.{field}", "VFY110", text), '"ranges"'
+                return target.fault(f"randomize.{field}", "VFY110", text, actuator=actuator), '"ranges"'
             wrong = _difference(want, got)
             if wrong is not None:
                 text = f"of the range of {field}, {wrong}"
-                return _fault(target, actuator, f"randomize.{field}", "VFY110", text), f'"field": "{field}"'
+                return target.fault(
+                    f"randomize.{field}", "VFY110", text, actuator=actuator
+                ), f'"field": "{field}"'
     except (KeyError, TypeError, ValueError, OverflowError) as err:
         raise _Unreadable(f"{actuator.joint}: its ranges are none ({type(err).__name__})") from err
     return Row(target.name, actuator.group, actuator.joint, 1, "randomize", "", 0.0, 0.0, True), ""
@@ -203,12 +205,8 @@ def _python_rows(target: TargetFiles, file: str, actuators: ActuatorSet, robot: 
     )
     wrong = list(_changed(fresh, built)) or ["its text is another one"]
     for text in wrong:
-        yield Row(
-            *(target.name, "", "", len(actuators.joints), f"randomize ({file})", "", None, 0.0, False),
-            code="VFY110",
-            message=text,
-            place=Span(theirs),
-        )
+        count = len(actuators.joints)
+        yield target.fault(f"randomize ({file})", "VFY110", text, joints=count, place=Span(theirs))
 
 
 def _tree(path: str) -> str:
@@ -238,11 +236,3 @@ def _changed(fresh: tuple[RandomizedRange, ...], built: tuple[RandomizedRange, .
 def _words(one: tuple[str, float, float, str]) -> str:
     operation, low, high, distribution = one
     return f"{one_line(operation)} {low:g} to {high:g} ({one_line(distribution)})"
-
-
-def _fault(target: TargetFiles, actuator: JointActuator, quantity: str, code: str, message: str) -> Row:
-    return Row(
-        *(target.name, actuator.group, actuator.joint, 1, quantity, "", None, 0.0, False),
-        code=code,
-        message=message,
-    )

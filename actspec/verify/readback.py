@@ -43,19 +43,10 @@ OVERLAY_FIELDS = (
 _OF_PRIM = ("newton:armature", "newton:friction", "newton:damping", "newton:velocityLimit")
 
 ABSENT = {
-    "delay_nominal": 0.0,
-    "delay_low": 0.0,
-    "delay_high": 0.0,
-    "encoder_bias": 0.0,
-    "default_position": 0.0,
-    "filter_cutoff": math.inf,
+    **dict.fromkeys(("delay_nominal", "delay_low", "delay_high", "encoder_bias", "default_position"), 0.0),
+    **dict.fromkeys(("filter_cutoff", "command_high", "stall_torque", "no_load_speed"), math.inf),
+    **dict.fromkeys(("curve.drive_torque", "curve.brake_torque", "curve.knee_speed"), math.inf),
     "command_low": -math.inf,
-    "command_high": math.inf,
-    "stall_torque": math.inf,
-    "no_load_speed": math.inf,
-    "curve.drive_torque": math.inf,
-    "curve.brake_torque": math.inf,
-    "curve.knee_speed": math.inf,
 }
 """What a field is where there is no such thing: no delay, no filter, no clamp, no line; a joint that no pose names."""
 
@@ -252,30 +243,17 @@ def _bias(drive: ActuatorView) -> float:
 
 _SETTINGS: dict[Framework, dict[str, str]] = {
     Framework.ISAACLAB: {
-        "stall_torque": "stall_torque",
-        "no_load_speed": "no_load_speed",
-        "drive_torque": "curve.drive_torque",
-        "brake_torque": "curve.brake_torque",
-        "knee_speed": "curve.knee_speed",
-        "encoder_bias": "encoder_bias",
-        "command_low": "command_low",
-        "command_high": "command_high",
-        "filter_cutoff": "filter_cutoff",
+        **{name: name for name in ("stall_torque", "no_load_speed", "encoder_bias", "filter_cutoff")},
+        **{name: f"curve.{name}" for name in ("drive_torque", "brake_torque", "knee_speed")},
+        **{name: name for name in ("command_low", "command_high")},
         "joint_effort_limit": "solver_effort_limit",
     },
     Framework.MJLAB: {},
     Framework.DEPLOY: {
-        name: name
-        for name in (
-            "position_low",
-            "position_high",
-            "command_low",
-            "command_high",
-            "delay_low",
-            "delay_high",
-        )
-    }
-    | {"delay": "delay_nominal"},
+        **{name: name for name in ("position_low", "position_high", "command_low", "command_high")},
+        **{name: name for name in ("delay_low", "delay_high")},
+        "delay": "delay_nominal",
+    },
 }
 """Settings of a cfg, where no ledger row has them, to fields."""
 
@@ -288,27 +266,10 @@ _STEPS = {
 """Settings in physics steps to fields in seconds."""
 
 _READ = {
-    "stiffness",
-    "damping",
-    "armature",
-    "friction",
-    "dynamic_friction",
-    "viscous_friction",
-    "frictionloss",
-    "viscous_damping",
-    "saturation_effort",
-    "effort_limit",
-    "velocity_limit",
-    "effort_limit_sim",
-    "velocity_limit_sim",
-    "actuator_effort_limit",
-    "actuator_velocity_limit",
-    "joint_velocity_limit",
-    "kp",
-    "kd",
-    "joint_damping",
-    "default_position",
-    "action_scale",
+    *("stiffness", "damping", "armature", "friction", "dynamic_friction", "viscous_friction", "frictionloss"),
+    *("viscous_damping", "saturation_effort", "effort_limit", "velocity_limit", "effort_limit_sim"),
+    *("velocity_limit_sim", "actuator_effort_limit", "actuator_velocity_limit", "joint_velocity_limit"),
+    *("kp", "kd", "joint_damping", "default_position", "action_scale"),
     *_STEPS,
     *(name for settings in _SETTINGS.values() for name in settings),
 }

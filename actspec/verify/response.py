@@ -207,7 +207,7 @@ def response_skips(
 def broken_response(target: TargetFiles, why: EngineRefused) -> Row:
     """The row of a file that an engine does not let move."""
     message = f"its simulator does not let it move: {why}"
-    return Row(*(target.name, "", "", 0, "responses", "", None, 0.0, False), code="VFY111", message=message)
+    return target.fault("responses", "VFY111", message)
 
 
 def _share(row: Row) -> float:

@@ -137,12 +137,8 @@ def _judge(
     fields = CONSTANT if quantity == "torque" else (*CONSTANT, *HISTORY)
     lost = target.losses_of(actuator.joint, fields)
     if not np.isfinite(got).all():
-        row = Row(
-            *(target.name, actuator.group, actuator.joint, 1, quantity, unit, None, 0.0, False),
-            engine=answer.engine,
-            code="VFY109",
-            message="the engine has no drive for the joint",
-        )
+        what = "the engine has no drive for the joint"
+        row = target.fault(quantity, "VFY109", what, actuator=actuator, unit=unit, engine=answer.engine)
         return math.inf, row
     error = _error(law, actuator, motion, column, step, got, ranged=_draws(target))
     strict = _strict(law, motion, column, single=answer.single)
