@@ -21,18 +21,45 @@ from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.sampling import nominal_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
+from actspec.spec.models import IsaacLabTarget
+from actspec.targets.base import EmittedFile
+from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.fields import viscous_in_damping
+from actspec.targets.kit.draw_losses import Losses, each, factor_error, factor_lost, viscous_change
+from actspec.targets.kit.draws import Draw, Draws, as_abs, as_scale, as_uniform, draws_of, stated_range
+from actspec.targets.kit.events import EventTerm, Namer, StackWriter, comments, patterns_of
 from actspec.targets.kit.python_text import grouped
-from actspec.targets.randomization.draws import Draw, as_abs, as_scale, as_uniform, draws_of, stated_range
-from actspec.targets.randomization.losses import Losses, each, factor_error, factor_lost, viscous_change
-from actspec.targets.randomization.terms import EventTerm, Namer, comments, patterns_of
 
 INDENT = "    "
 
 GAINS = "mdp.randomize_actuator_gains"
 """The term that draws kp and kd."""
 
-Draws = dict[str, dict[str, Draw]]
+
+def write(stack: StackWriter) -> EmittedFile | None:
+    """The events of a robot; None: there are none, or an error."""
+    dialect = dialect_for(stack.options, stack.version("isaaclab"))
+    terms = isaaclab_terms(stack.actuators, stack.names, dialect, stack.losses, stack.collector)
+    if not terms:
+        return None
+    late = any(term.func == GAINS and term.mode != "startup" for term in terms)
+    labs = [o.of(IsaacLabTarget) for o in stack.options.siblings if o.kind == "isaaclab"]
+    implicit = any(lab.actuator_class == "implicit" for lab in labs)
+    through_cpu = (
+        'Gains of implicit groups are written to the simulator through the CPU: prefer mode="startup".'
+    )
+    return stack.file(
+        "isaaclab_events.py.j2",
+        "isaaclab_events.py",
+        f"Isaac Lab {dialect.text} on Isaac Sim {dialect.sim_text}",
+        [
+            through_cpu if late and implicit else "",
+            "" if dialect.executed else "Text-checked, not run.",
+            "" if dialect.friction.torque else "Friction stays as it is: it has no known unit here.",
+        ],
+        terms=terms,
+        configclass="isaaclab.utils.configclass" if dialect.row.native else "isaaclab.utils",
+    )
 
 
 def isaaclab_terms(

@@ -17,11 +17,8 @@ from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
 from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, stated
-from actspec.targets.mjlab.joint_cfg import JointCfg, cfg_of
+from actspec.targets.mjlab.joint_cfg import OF_A_JOINT, JointCfg, cfg_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
-
-OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
-"""Errors that several joints of a group can have: said once, with their names."""
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:

@@ -25,6 +25,9 @@ from actspec.targets.kit.network import read_network, tap_stride
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.units import format_quantity
 
+OF_A_JOINT = ("MJL001", "MJL002", "MJL003")
+"""Errors that several joints of a group can have: said once, with their names."""
+
 
 @dataclass(frozen=True, slots=True)
 class JointCfg:

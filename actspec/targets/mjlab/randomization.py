@@ -21,16 +21,18 @@ from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.sampling import nominal_of
-from actspec.simulators.mjlab import MjlabDialect
+from actspec.simulators import UnknownVersion, text_of
+from actspec.simulators.mjlab import EVENTS, MjlabDialect, mjlab_dialect
+from actspec.targets.base import EmittedFile
+from actspec.targets.kit.draw_losses import Losses, capped_error, each, factor_error, factor_lost
+from actspec.targets.kit.draws import Draw, Draws, as_abs, as_uniform, draws_of, stated_range
+from actspec.targets.kit.events import EventTerm, Namer, StackWriter, comments, patterns_of
+from actspec.targets.kit.joint import joint_by_joint
 from actspec.targets.kit.python_text import grouped
-from actspec.targets.mjlab.joint_cfg import cfg_of
-from actspec.targets.randomization.draws import Draw, as_abs, as_uniform, draws_of, stated_range
-from actspec.targets.randomization.losses import Losses, capped_error, each, factor_error, factor_lost
-from actspec.targets.randomization.terms import EventTerm, Namer, comments, patterns_of
+from actspec.targets.mjlab.joint_cfg import OF_A_JOINT, JointCfg, cfg_of
+from actspec.targets.mjlab.text import WIDTH
 
 INDENT = "  "
-
-Draws = dict[str, dict[str, Draw]]
 
 WITH_GAINS = frozenset({"BuiltinPositionActuatorCfg", "DcMotorActuatorCfg", "IdealPdActuatorCfg"})
 """Classes that `dr.pd_gains` and `dr.effort_limits` take; the others that actspec writes raise a TypeError."""
@@ -39,6 +41,40 @@ ONE_NUMBER = "mjlab 1.6 draws one number of a gaussian for all environments and 
 
 IN_PYTHON = frozenset({"DcMotorActuatorCfg", "IdealPdActuatorCfg", "LearnedMlpActuatorCfg"})
 """Explicit classes, whose limit MuJoCo repeats."""
+
+
+def write(stack: StackWriter) -> EmittedFile | None:
+    """The events of a robot; None: there are none, or an error.
+
+    Raises: UnknownVersion: there is no such mjlab, or none that events are written for.
+    """
+    dialect = mjlab_dialect(stack.version("mjlab"))
+    if dialect.version < EVENTS:
+        raise UnknownVersion(
+            f"randomisation for mjlab {dialect.text} is not written",
+            f'write version: "{text_of(EVENTS)}", or leave it out',
+        )
+    configs = configs_of(stack.actuators, stack.robot, dialect, stack.collector)
+    if stack.collector.failed:
+        return None
+    # mjlab calls a joint what is behind the last `/`.
+    short = {name: name.rsplit("/", 1)[-1] for name in stack.names}
+    terms = mjlab_terms(stack.actuators, configs, short, stack.losses)
+    if not terms:
+        return None
+    notes = []
+    if any(term.actuators is not None for term in terms):
+        notes = ["actuator_ids count the configs of the articulation that actspec's mjlab target writes:"]
+        notes += [f"{index}: {', '.join(config.joints)}" for index, config in enumerate(configs)]
+    return stack.file(
+        "mjlab_events.py.j2",
+        "mjlab_events.py",
+        f"mjlab {dialect.text}",
+        notes,
+        width=WIDTH,
+        terms=terms,
+        variable=f"{stack.stem.upper()}_EVENTS",
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,15 +89,13 @@ def configs_of(
     actuators: ActuatorSet, robot: RobotView, dialect: MjlabDialect, collector: Collector
 ) -> tuple[Config, ...]:
     """The configs of the articulation that the mjlab target writes, in its order; its errors are ours."""
-    found = []
-    inner = Collector()
-    for actuator in actuators.joints:
+    step = actuators.physics_dt.value or STEP
+
+    def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
         joint = None if robot.format is ModelFormat.NONE else robot.joint(actuator.joint)
-        cfg = cfg_of(actuator, joint, dialect, actuators.physics_dt.value or STEP, "mjlab", inner)
-        if cfg is not None:
-            found.append(cfg)
-    for item in inner:
-        collector.add(item)
+        return cfg_of(actuator, joint, dialect, step, "mjlab", own)
+
+    found = joint_by_joint(actuators, cfg, OF_A_JOINT, collector)
     return tuple(
         Config(members[0].kind, tuple(member.actuator.joint for member in members))
         for _, members in grouped(found, lambda cfg: cfg.key)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Randomization
@@ -11,10 +12,13 @@ from actspec.readings.joint import read_joint
 from actspec.resolution.model_values import finite_limit
 from actspec.robot.view import RobotView
 from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges, unit_of
-from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
+from actspec.simulators import UnknownVersion
+from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect, mujoco_dialect
+from actspec.targets.base import EmittedFile
+from actspec.targets.kit.draw_losses import Losses, factor_lost, lost
+from actspec.targets.kit.draws import draws_of, stated_range
+from actspec.targets.kit.events import StackWriter
 from actspec.targets.kit.python_text import WIDTH, grouped, py
-from actspec.targets.randomization.draws import draws_of, stated_range
-from actspec.targets.randomization.losses import Losses, factor_lost, lost
 
 _REASONS = {
     "friction.static": "MuJoCo's frictionloss is one number for sticking and sliding",
@@ -182,6 +186,62 @@ class Function:
     lines: tuple[str, ...]
     fields: tuple[str, ...]
     dcmotor: bool
+
+
+ADDRESSES = {
+    "jnt": ("index", "np.array(joints)"),
+    "dof": ("degree of freedom", "np.asarray(model.jnt_dofadr)[joints]"),
+    "act": ("actuator", "np.array([target.index(joint) for joint in joints])"),
+}
+"""What the function looks up of a joint: in words, and as it finds it."""
+
+
+def write(stack: StackWriter) -> EmittedFile | None:
+    """The module with the robot's function; None: it would draw nothing, or an error."""
+    dialect = _model_dialect(stack)
+    if dialect is None:
+        return None
+    function = playground_function(stack.actuators, stack.robot, dialect, stack.losses)
+    if not function.joints:
+        return None
+    warp = "The model has <dcmotor> actuators, which MJX runs in its Warp implementation alone."
+    return stack.file(
+        "playground.py.j2",
+        "playground_randomize.py",
+        f"MuJoCo Playground, MuJoCo {dialect.text}",
+        [
+            "For the model that actspec's mujoco target writes; pass it as `randomization_fn`.",
+            warp if function.dcmotor else "",
+        ],
+        function=function,
+        about=" and ".join(ADDRESSES[name][0] for name in function.addresses).capitalize(),
+        looked_up=", ".join(ADDRESSES[name][1] for name in function.addresses),
+    )
+
+
+def _model_dialect(stack: StackWriter) -> MujocoDialect | None:
+    """MuJoCo of the model that the function is for; None after an error."""
+    models = [o for o in stack.options.siblings if o.kind == "mujoco"]
+    default = mujoco_dialect(stack.version("mujoco"))
+    if stack.options.version or not models:
+        return default
+    dialects = {}
+    for model in models:
+        # A version that there is not is the MuJoCo target's error.
+        with suppress(UnknownVersion):
+            dialects[model.name] = mujoco_dialect(model.version)
+    words = {dialect.dcmotor for dialect in dialects.values()}
+    if len(words) > 1 and any(a.level is Level.DC_MOTOR for a in stack.actuators.joints):
+        said = " or ".join(f"'{name}' ({dialect.text})" for name, dialect in dialects.items())
+        stack.collector.error(
+            "RND014",
+            f"Playground's function could be for the model of {said}, whose motors have their numbers elsewhere",
+            where=stack.options.where("version"),
+            span=stack.options.span("version"),
+            help="write a target for it: {target: randomization, for: [playground], version: ...}",
+        )
+        return None
+    return next(iter(dialects.values()), default)
 
 
 def playground_function(

@@ -10,18 +10,22 @@ The clamp is `NewtonDCMotorClampingAPI`, whose formula is the law's, or `NewtonM
 from __future__ import annotations
 
 import math
+import os
 from dataclasses import dataclass
+from typing import Any
 
-from actspec.diagnostics import Collector
-from actspec.ir import JointActuator, JointKind, Quantity
+from actspec.diagnostics import Collector, shortened
+from actspec.ir import Command, JointActuator, JointKind, Quantity
 from actspec.simulators import text_of
 from actspec.simulators.newton import JOINT_DAMPING, NewtonDialect
+from actspec.spec.results import NetworkManifest
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
+from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.targets.kit.sizes import lined
-from actspec.targets.newton.network import network_attributes
-from actspec.targets.newton.usda import Attribute
+from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
+from actspec.targets.newton.usda import Attribute, asset
 from actspec.units import format_quantity
 
 Schemas = tuple[tuple[str, ...], tuple[Attribute, ...]]
@@ -266,3 +270,151 @@ def _in_degrees(joint: Joint, name: str, quantity: Quantity, factor: float) -> A
     unit = quantity.unit.replace("rad", "deg")
     said = format_quantity(quantity.value, quantity.unit)
     return given(name, quantity.require() * factor, f"{unit}: {said}", origin_of(quantity))
+
+
+TENSORS = (
+    "input_name",
+    "hidden_in_name",
+    "cell_in_name",
+    "output_name",
+    "hidden_out_name",
+    "cell_out_name",
+)
+"""Names of an lstm's inputs and outputs, which Newton takes from the file's own metadata."""
+
+
+def network_attributes(joint: Joint) -> tuple[list[Attribute], tuple[str, bytes]] | None:
+    """`newton:modelPath` and the file; None after an error."""
+    network = joint.actuator.network
+    found = read_network(network, joint.where, joint.actuator.span, joint.collector)
+    if found is None or network is None:
+        return None
+    manifest, span, where = found.manifest, network.span, f"{joint.where}.network"
+    if not joint.dialect.networks:
+        joint.collector.error(
+            "NWT003",
+            f"Newton {joint.dialect.text} reads no ONNX, and gives a network the velocity's error for the velocity",
+            where=where,
+            span=span,
+            help="write for Newton 1.4 or later, or leave this target out",
+        )
+        return None
+    if joint.actuator.command is not Command.POSITION:
+        joint.collector.error(
+            "NWT002",
+            f"Newton's network takes position errors, got command {joint.actuator.command.value}",
+            where=f"{joint.where}.command",
+            span=span,
+            help="write command: position, or leave this target out",
+        )
+    if manifest.kind == "gru":
+        joint.collector.error(
+            "NWT003",
+            "actspec writes no network of kind gru for Newton, whose inputs it names otherwise",
+            where=where,
+            span=span,
+            help="use an mlp or an lstm, or leave this target out",
+        )
+    stride = tap_stride(manifest, joint.step, where, span, joint.collector)
+    metadata = None if stride is None else _metadata(joint, found, stride)
+    if metadata is None or joint.collector.failed:
+        return None
+    if manifest.initial_history == "first_sample" and manifest.kind == "mlp" and any(manifest.taps):
+        joint.approximate(
+            "network.initial_history",
+            "first_sample",
+            "zero",
+            "Newton clears a network's history at a reset",
+            joint.both_limits,
+        )
+    # Newton takes a file for torch's by the end of its name.
+    name = f"{os.path.splitext(found.name)[0]}.onnx"
+    return [Attribute("asset", "newton:modelPath", asset(name))], (name, with_metadata(found.data, metadata))
+
+
+def _metadata(joint: Joint, file: NetworkFile, stride: int) -> dict[str, Any] | None:
+    """What Newton is to read of the network; None after an error."""
+    assert joint.actuator.network is not None
+    manifest, where, span = file.manifest, f"{joint.where}.network", joint.actuator.network.span
+    try:
+        own = read_metadata(file.data)
+    except NotOnnx as err:
+        torch = file.data.startswith(b"PK")
+        joint.collector.error(
+            "NWT004",
+            f"'{shortened(file.name)}' is no ONNX file, which Newton runs: "
+            + ("it is an archive, as torch writes them" if torch else str(err)),
+            where=where,
+            span=span,
+            help="export it with torch.onnx.export, and name that file and its manifest for this target; "
+            "Newton 1.8 refuses TorchScript",
+        )
+        return None
+    asked = _asked(manifest, stride)
+    for scale in ("pos_scale", "vel_scale", "effort_scale"):
+        if asked[scale] == 0.0:
+            joint.collector.error(
+                "NWT006",
+                f"Newton takes no {scale} of 0",
+                where=where,
+                span=span,
+                help="fold it into the network",
+            )
+    if "torque_scale" in own:
+        own.setdefault("effort_scale", own.pop("torque_scale"))
+    for key, value in asked.items():
+        if key in own and not _same(own[key], value):
+            joint.collector.error(
+                "NWT006",
+                f"the network's own metadata have {key} {shortened(str(own[key]))}, its manifest has {value}",
+                where=where,
+                span=span,
+                help="correct the one that is wrong: Newton reads the file's, and actspec writes the manifest's there",
+            )
+    if manifest.kind == "lstm":
+        _check_lstm(joint, manifest, {**own, **asked}, stride)
+    return {**own, **asked}
+
+
+def _asked(manifest: NetworkManifest, stride: int) -> dict[str, Any]:
+    found: dict[str, Any] = {
+        "model_type": manifest.kind,
+        "input_order": "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos",
+        "input_idx": [tap * stride for tap in manifest.taps],
+        "pos_scale": manifest.position_scale,
+        "vel_scale": manifest.velocity_scale,
+        "effort_scale": manifest.torque_scale,
+    }
+    if manifest.kind == "lstm":
+        sizes = (("hidden_size", manifest.hidden_size), ("num_layers", manifest.num_layers))
+        found |= {name: size for name, size in sizes if size is not None}
+    return found
+
+
+def _check_lstm(joint: Joint, manifest: NetworkManifest, metadata: dict[str, Any], stride: int) -> None:
+    assert joint.actuator.network is not None
+    where, span = f"{joint.where}.network", joint.actuator.network.span
+    missing = [name for name in (*TENSORS, "hidden_size", "num_layers") if name not in metadata]
+    if missing:
+        joint.collector.error(
+            "NWT006",
+            f"neither the lstm's own metadata nor its manifest have {', '.join(missing)}",
+            where=where,
+            span=span,
+            help="export the network with them: Newton finds its tensors by these names",
+        )
+    if manifest.taps != (0,) or manifest.inputs != "position_velocity" or stride != 1:
+        joint.collector.error(
+            "NWT003",
+            "Newton gives an lstm position error and velocity of each physics step, in this order, got "
+            f"{manifest.inputs}, taps {list(manifest.taps)} every {stride * joint.step * 1e3:g} ms",
+            where=where,
+            span=span,
+            help=f"train it on position_velocity, taps [0], every {joint.step * 1e3:g} ms",
+        )
+
+
+def _same(own: Any, value: Any) -> bool:
+    if isinstance(value, float) and isinstance(own, int | float):
+        return math.isclose(own, value, rel_tol=1e-6)
+    return bool(own == value)

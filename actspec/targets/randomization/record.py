@@ -8,11 +8,18 @@ from typing import Any
 import actspec
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.sampling import FACTORS, FIELDS, nominal_of, own_ranges, unit_of
+from actspec.targets.base import EmittedFile
+from actspec.targets.kit.events import StackWriter
 
 FORMAT = "actspec-randomization/1"
 
 SHORT = 60
 """Characters of a part that stands on one line. Chosen: a number with its unit does, a range does not."""
+
+
+def write(stack: StackWriter) -> EmittedFile:
+    """The file of all joints, whether a range is stated or not."""
+    return EmittedFile(f"{stack.stem}_randomization.json", record(stack.actuators).encode("utf-8"))
 
 
 def record(actuators: ActuatorSet) -> str:

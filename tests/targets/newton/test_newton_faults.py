@@ -14,7 +14,7 @@ from actspec.api import load
 from actspec.diagnostics import Collector, EmitError, SpecError
 from actspec.spec.models import NewtonTarget
 from actspec.targets.choose import choose_targets
-from actspec.targets.newton.network import NotOnnx, read_metadata, with_metadata
+from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from tests.targets.newton.emitting import group, refused, written
 
 LIMIT = {"effort_limit": "24 N*m"}

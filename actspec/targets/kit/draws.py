@@ -10,7 +10,7 @@ import math
 from dataclasses import dataclass, replace
 
 from actspec.ir import JointActuator, Level, Randomization
-from actspec.sampling import FACTORS, FIELDS, drawn_ends, nominal_of, own_ranges, quantity_of, unit_of
+from actspec.sampling import FACTORS, FIELDS, nominal_of, own_ranges, quantity_of, unit_of
 from actspec.units import format_quantity
 
 WHEN = ("interval", "reset", "startup")
@@ -65,6 +65,10 @@ class Draw:
     def numbers(self) -> tuple[str, float, float, str, str, tuple[float, float] | None]:
         """What an event term takes of it; joints with the same can share one."""
         return (self.operation, self.low, self.high, self.distribution, self.when, self.every)
+
+
+Draws = dict[str, dict[str, Draw]]
+"""Joint to field to its draw."""
 
 
 def draws_of(actuator: JointActuator) -> dict[str, Draw]:
@@ -174,6 +178,3 @@ def stated_range(entry: Randomization, unit: str) -> str:
         return f"{entry.operation} gaussian({low}, {high})"
     kind = "" if entry.distribution == "uniform" else f" {entry.distribution}"
     return f"{entry.operation} {low} to {high}{kind}"
-
-
-__all__ = ["Draw", "as_abs", "as_scale", "as_uniform", "drawn_ends", "draws_of", "stated_range"]

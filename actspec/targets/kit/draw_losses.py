@@ -11,8 +11,8 @@ from actspec.ir import JointActuator, Randomization
 from actspec.laws import TorqueLaw, law_of
 from actspec.sampling import drawn_ends, unit_of
 from actspec.targets.base import Approximation
+from actspec.targets.kit.draws import Draw, stated_range
 from actspec.targets.kit.sizes import held_step_error, static_error, viscous_error
-from actspec.targets.randomization.draws import Draw, stated_range
 from actspec.units import format_quantity
 
 
