@@ -59,8 +59,7 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
 def _rows(
     artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
 ) -> tuple[LedgerRow, ...]:
-    from actspec.readings.ledger import rows_of_robot, rows_of_spec
-    from actspec.readings.ledger_config import rows_of_config
+    from actspec.readings.ledger import rows_of_config, rows_of_robot, rows_of_spec
 
     rows: list[LedgerRow] = []
     for index, artifact in enumerate(artifacts):

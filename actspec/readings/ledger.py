@@ -7,30 +7,37 @@ Of a robot file, a joint is one row for each actuator that drives it directly, a
 `none`. What drives a tendon, a site, a body, a ball or a joint without a name has a row without a joint, without
 figures at a joint, after all others. How much of it reaches a joint depends on the pose: limit, total damping and
 what follows from them are unknown at a joint that it moves.
+
+A configuration speaks in patterns; which joints they mean, and the joints' inertia, come from the model that it is
+paired with. Without one, each pattern is a row of its own.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
 from actspec.diagnostics import Span
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
-from actspec.joints import JointKind
-from actspec.readings.artifact import Artifact
+from actspec.joints import InertiaRange, JointKind
+from actspec.readings.artifact import ActuatorGroup, Artifact, Framework
+from actspec.readings.config_figures import Found, control_of_group, figures_of, models_of, selected
 from actspec.readings.fields import FIELDS
 from actspec.readings.joint import (
     IMPLICIT,
     DriveReading,
     JointReading,
+    explicit_ratio,
     joint_inertias,
     loose_actuators,
     read_joints,
     resonance,
 )
-from actspec.robot.view import ActuatorView, ModelFormat
+from actspec.readings.pair import joint_names
+from actspec.readings.versions import Versions
+from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
 CONTROLS = (
     "position",
@@ -179,7 +186,6 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
     joint, inertia = reading.joint, reading.inertia
     implicit, places = reading.is_passive_implicit, reading.places
     damping = reading.total_damping
-    frequency, ratio = resonance(reading.total_stiffness, damping, None if inertia is None else inertia.held)
     shared: dict[str, Any] = {
         "file": file,
         "artifact": index,
@@ -194,17 +200,17 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         "actuator_damping": 0.0 if mjcf else None,
         "actuator_damping_clamped": False if mjcf else None,
         "actuator_damping_implicit": implicit,
-        "total_damping": damping,
         "frictionloss": reading.frictionloss.value,
         "effort_limit": reading.effort_limit.value,
         "velocity_limit": joint.velocity_limit,
         "armature": reading.total_armature,
-        "inertia_min": inertia.held.low if inertia is not None else None,
-        "inertia_max": inertia.held.high if inertia is not None else None,
-        "inertia_free_min": inertia.free.low if inertia is not None else None,
-        "natural_frequency": frequency,
-        "damping_ratio": ratio,
         "stability": reading.stability(damping),
+        **_dynamics(
+            reading.total_stiffness,
+            damping,
+            None if inertia is None else inertia.held,
+            None if inertia is None else inertia.free,
+        ),
         "position_range": None if "range" in joint.unknown else joint.range,
         "default_position": joint.reference_position
         if posed and "reference_position" not in joint.unknown
@@ -304,10 +310,10 @@ def rows_of_spec(artifact: Artifact, index: int) -> tuple[LedgerRow, ...]:
         index: Its place in `Case.artifacts`.
     """
     assert artifact.spec is not None
-    return tuple(_row(artifact.path, index, actuator) for actuator in artifact.spec.joints)
+    return tuple(_of_spec(artifact.path, index, actuator) for actuator in artifact.spec.joints)
 
 
-def _row(path: str, index: int, actuator: JointActuator) -> LedgerRow:
+def _of_spec(path: str, index: int, actuator: JointActuator) -> LedgerRow:
     values: dict[str, Any] = {}
     places: dict[str, Span] = {}
     stated = set()
@@ -328,8 +334,6 @@ def _row(path: str, index: int, actuator: JointActuator) -> LedgerRow:
     # With command effort there is no drive gain at all, which is not the same as an unknown one.
     kd = 0.0 if actuator.kd is None else values["kd"]
     total = None if kd is None or viscous is None else kd + viscous
-    held = actuator.inertia_held
-    frequency, ratio = resonance(kp, total, actuator.inertia_held)
     limit = values["effort_limit"]
     effort = actuator.command is Command.EFFORT
     return LedgerRow(
@@ -345,16 +349,11 @@ def _row(path: str, index: int, actuator: JointActuator) -> LedgerRow:
         actuator_damping=0.0,
         actuator_damping_clamped=False,
         back_emf=0.0,
-        total_damping=total,
-        inertia_min=held.low if held is not None else None,
-        inertia_max=held.high if held is not None else None,
-        inertia_free_min=actuator.inertia_free.low if actuator.inertia_free is not None else None,
-        natural_frequency=frequency,
-        damping_ratio=ratio,
         command_range=_range(actuator),
         position_range=actuator.position_range,
         places=places,
         stated=frozenset(stated),
+        **_dynamics(kp, total, actuator.inertia_held, actuator.inertia_free),
         **values,
     )
 
@@ -364,3 +363,133 @@ def _range(actuator: JointActuator) -> tuple[float, float] | None:
         return None
     low, high = (end.value for end in actuator.command_range)
     return None if low is None or high is None else (low, high)
+
+
+_PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)
+"""Frameworks whose viscous friction is the joint's, outside the drive's limit."""
+
+_CLAMPED = ("implicit", "ideal_pd", "dc_motor", "position", "velocity", "dcmotor")
+
+
+def rows_of_config(
+    artifact: Artifact, index: int, partners: Sequence[Artifact], versions: Versions
+) -> tuple[LedgerRow, ...]:
+    """The rows of one configuration: what its actuator classes do with what is written.
+
+    Args:
+        artifact: With a `config`.
+        index: Of the artifact in the case.
+        partners: The other artifacts of the same robot. The model among them that the configuration names names the
+            joints, else the one in which it selects the most, an MJCF and then the first of equals.
+        versions: Decides what Isaac Lab's `friction` means; unknown without.
+    """
+    config = artifact.config
+    assert config is not None
+    models = models_of(config, partners)
+    named = next((names for names in map(joint_names, (*models, *partners)) if names), None)
+    if named is None and config.framework is Framework.DEPLOY:
+        named = joint_names(artifact)
+    robots = [model.robot for model in models if model.robot is not None]
+    massive = next((robot for robot in robots if robot.inertia is not None), None)
+    passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
+    members = [
+        (group, joint, figures_of(config, group, joint, pattern, named, versions))
+        for group in config.groups
+        for joint, pattern in selected(config, group, named)
+    ]
+    inertia = _inertia(massive, {joint: figures.get("armature") for _, joint, figures in members})
+    rows = []
+    for group, joint, figures in members:
+        view = robots[0].joint(joint) if robots else None
+        own = passive.joint(joint) if passive is not None and config.framework is Framework.MJLAB else None
+        rows.append(_of_group(artifact, index, group, joint, figures, view, inertia.get(joint), own))
+    if named is not None:
+        order = {name: place for place, name in enumerate(named)}
+        rows.sort(key=lambda row: order.get(row.joint, len(order)))
+    return tuple(rows)
+
+
+def _of_group(
+    artifact: Artifact,
+    index: int,
+    group: ActuatorGroup,
+    joint: str,
+    figures: Mapping[str, Found],
+    view: JointView | None,
+    inertia: JointInertia | None,
+    own: JointView | None,
+) -> LedgerRow:
+    """One joint of a group; `own` is the joint whose passive part mjlab's actuators leave as it is."""
+    config = artifact.config
+    assert config is not None
+    control = control_of_group(config.framework, group)
+    delay = _delay(group, config.physics_dt)
+    figures = figures if delay is None else {**figures, "delay": delay}
+    numbers: dict[str, Any] = {field: found.value for field, found in figures.items()}
+    if own is not None:
+        # mjlab's actuators act on the XML's joints, whose passive part stays unless the cfg sets it.
+        numbers = {"joint_damping": own.damping, "frictionloss": own.frictionloss, **numbers}
+    kd, joint_damping = numbers.get("kd"), numbers.get("joint_damping")
+    total = None if kd is None or joint_damping is None else kd + joint_damping
+    held, free = (None, None) if inertia is None else (inertia.held, inertia.free)
+    explicit = control in ("ideal_pd", "dc_motor", "network") and config.framework is not Framework.DEPLOY
+    return LedgerRow(
+        file=artifact.path,
+        artifact=index,
+        span=group.span,
+        joint=joint,
+        actuator=group.name,
+        control=control,
+        kind=view.kind if view is not None else None,
+        kd_clamped=True if control in _CLAMPED else None,
+        kd_implicit=True if control == "implicit" else False if explicit else None,
+        joint_damping_clamped=False if config.framework in _PASSIVE else None,
+        actuator_damping=0.0 if own is not None else None,
+        actuator_damping_clamped=False if own is not None else None,
+        back_emf=0.0 if kd is not None else None,
+        stability=explicit_ratio(config.physics_dt, kd, free) if explicit else None,
+        position_range=view.range if view is not None and view.kind is not JointKind.BALL else None,
+        places={field: found.span for field, found in figures.items()},
+        stated=frozenset(field for field, found in figures.items() if found.stated),
+        **_dynamics(numbers.get("kp"), total, held, free),
+        **numbers,
+    )
+
+
+def _delay(group: ActuatorGroup, step: float | None) -> Found | None:
+    """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
+    low, high = (
+        group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
+    )
+    if high is None or not isinstance(high.value, int | float) or step is None:
+        return None
+    least = low.value if low is not None else high.value
+    return Found(float(high.value) * step if least == high.value else None, high.span)
+
+
+def _inertia(robot: RobotView | None, armature: Mapping[str, Found | None]) -> dict[str, JointInertia]:
+    """Inertia of each joint, with the configuration's armature on all of them, else the model's own."""
+    if robot is None or robot.inertia is None:
+        return {}
+    views = {joint: view for joint in armature if (view := robot.joint(joint)) is not None and view.dof >= 0}
+    own = {}
+    for joint, view in views.items():
+        found = armature[joint]
+        own[view.dof] = view.armature if found is None or found.value is None else found.value
+    held, free = robot.inertia.held(own), robot.inertia.free(own)
+    return {joint: JointInertia(held[view.dof], free[view.dof]) for joint, view in views.items()}
+
+
+def _dynamics(
+    stiffness: float | None, damping: float | None, held: InertiaRange | None, free: InertiaRange | None
+) -> dict[str, Any]:
+    """Fields that follow from the sums over what acts on a joint, and from its inertia."""
+    frequency, ratio = resonance(stiffness, damping, held)
+    return {
+        "total_damping": damping,
+        "inertia_min": None if held is None else held.low,
+        "inertia_max": None if held is None else held.high,
+        "inertia_free_min": None if free is None else free.low,
+        "natural_frequency": frequency,
+        "damping_ratio": ratio,
+    }
