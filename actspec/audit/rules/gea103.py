@@ -10,6 +10,7 @@ from actspec.audit.rules.joint_units import shown, unit
 from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
+from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[float, list[LedgerRow]]
@@ -34,7 +35,7 @@ class OneForAll(RuleOver[_Subject]):
             if (
                 row.armature
                 and limit is not None
-                and 0.0 < limit < _PLACEHOLDER
+                and 0.0 < limit < PLACEHOLDER
                 and "effort_limit" in row.stated
             ):
                 groups.setdefault((index, row.armature), []).append(row)
@@ -60,9 +61,6 @@ class OneForAll(RuleOver[_Subject]):
                 if least.place("armature") != most.place("armature")
                 else (),
             )
-
-
-_PLACEHOLDER = 1e5
 
 
 def _effort(row: LedgerRow) -> float:

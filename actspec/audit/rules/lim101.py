@@ -11,6 +11,7 @@ from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joint_units import shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import numbers
 
@@ -35,7 +36,7 @@ class NoEffectiveLimit(RuleInParts):
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     needs = "no file states an effort or velocity limit, and no MJCF has actuators on joints"
-    options: ClassVar[dict[str, float]] = {"least": 1e5}
+    options: ClassVar[dict[str, float]] = {"least": PLACEHOLDER}
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         empty = _empty_ranges(case)

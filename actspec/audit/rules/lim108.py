@@ -11,6 +11,7 @@ from actspec.audit.rules.partners import partner_rows
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind
+from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, LedgerRow, str, Quantity, str, float, float]
@@ -44,7 +45,7 @@ class AboveDatasheet(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare with the specs' motors."""
         spec, row, field, motor, noun, limit, most = subject
-        if self.option(case, "ratio") * most <= limit < _PLACEHOLDER:
+        if self.option(case, "ratio") * most <= limit < PLACEHOLDER:
             yield self._finding(row, field, limit, motor, most, noun, spec.span)
 
     def _finding(
@@ -63,10 +64,6 @@ class AboveDatasheet(RuleOver[_Subject]):
             "set the limit to the motor's figure, or correct the spec",
             (motor.span or span,),
         )
-
-
-_PLACEHOLDER = 1e5
-"""Limits from here on are reported by LIM102."""
 
 
 def _motor_torque(actuator: JointActuator) -> Quantity | None:

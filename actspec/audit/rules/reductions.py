@@ -9,19 +9,14 @@ from dataclasses import dataclass
 from actspec.audit.case import Case
 from actspec.audit.rules.partners import by_joint
 from actspec.ir import JointKind
-from actspec.readings.compare import LEAST_REDUCTION
+from actspec.readings.compare import LEAST_REDUCTION, SAME_POWER
+from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 from actspec.robot import view
 
-SAME_POWER = 0.02
-"""Relative difference up to which two products are one. Source: published pairs of one motor behind two gears (Unitree
-A2, Aliengo, Go1, Go2, G1 and H2) are within 1.3 %; B2 and H1, whose knees are other motors, 2.6 % and 8.7 % apart."""
-
 SAME = 0.05
 """Relative difference up to which two files give a joint the same figure. Chosen: 23.5 and 23.7 N*m are one motor."""
-
-_PLACEHOLDER = 1e5
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,9 +57,9 @@ def figures(case: Case) -> dict[int, dict[str, Figures]]:
         effort = row.effort_limit
         if row.kind is JointKind.SLIDE or effort is None or "effort_limit" not in row.stated:
             continue
-        if 0.0 < effort < _PLACEHOLDER:
+        if 0.0 < effort < PLACEHOLDER:
             speed = row.no_load_speed if row.no_load_speed is not None else row.velocity_limit
-            told = speed if speed is not None and 0.0 < speed < _PLACEHOLDER else None
+            told = speed if speed is not None and 0.0 < speed < PLACEHOLDER else None
             found.setdefault(index, {})[joint] = Figures(row, effort, told)
     return found
 

@@ -9,22 +9,16 @@ from dataclasses import dataclass, field
 from functools import cache
 
 from actspec.audit.case import Case
-from actspec.audit.rules.reductions import SAME_POWER
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import figure
+from actspec.readings.fields import is_placeholder
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot, joint_names
 
-PLACEHOLDER = 1e5
-"""From here on a limit is none. Source: rule LIM102."""
-
 TIMES = 3.0
 """From here a ratio is told as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
-
-_SLIPS = (180.0 / math.pi, 30.0 / math.pi)
-"""Degrees for radians, rpm for rad/s."""
 
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
@@ -108,29 +102,6 @@ def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) ->
                     return True
                 kinds.add(own)
     return False
-
-
-def hidden_gear(effort: float | None, speed: float | None) -> bool:
-    """Whether two ratios of limits, of torque and of speed, are one gear: the power is the same.
-
-    Args:
-        effort: Effort limit of one file over that of the other; None: unknown.
-        speed: Speed likewise.
-    """
-    if effort is None or speed is None:
-        return False
-    return abs(effort * speed - 1.0) <= SAME_POWER < abs(effort - 1.0)
-
-
-def unit_slip(ratio: float | None, tolerance: float) -> bool:
-    """Whether a ratio is that of degrees to radians or of rpm to rad/s, one way or the other."""
-    if ratio is None:
-        return False
-    return any(
-        math.isclose(abs(ratio), factor, rel_tol=tolerance)
-        for slip in _SLIPS
-        for factor in (slip, 1.0 / slip)
-    )
 
 
 def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | None:
@@ -308,7 +279,7 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
 def is_no_limit(found: Disagreement) -> bool:
     """Whether one of two limits is a placeholder or 0, which the LIM rules report."""
     values = [found.mine.value or 0.0, found.theirs.value or 0.0]
-    return min(values) <= 0.0 or max(values) >= PLACEHOLDER
+    return min(values) <= 0.0 or is_placeholder(max(values))
 
 
 def ratio_of(found: Disagreement, *fields: str) -> float | None:

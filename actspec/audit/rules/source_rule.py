@@ -12,9 +12,9 @@ from actspec.audit.rules.source_pairs import (
     Disagreement,
     compared,
     disagreements,
-    unit_slip,
 )
 from actspec.diagnostics import Severity
+from actspec.readings.compare import angle_slip
 from actspec.readings.fields import FIELDS
 from actspec.units import format_quantity
 
@@ -56,7 +56,7 @@ class SourceRule(RuleInParts):
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """Whether another rule says more about it, or it is none."""
-        return unit_slip(found.ratio, tolerance)
+        return angle_slip(found.ratio, tolerance)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """What it does to the robot, with a number."""

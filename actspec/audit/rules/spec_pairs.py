@@ -11,7 +11,7 @@ from actspec.audit.rules.partners import by_joint
 from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
-from actspec.readings.compare import Figure
+from actspec.readings.compare import Figure, torque_slip
 from actspec.readings.dynamics import figure, friction_setting
 from actspec.readings.ledger import LedgerRow
 
@@ -21,9 +21,6 @@ SHARE = 0.1
 
 DRIVEN = frozenset({"position", "velocity", "dcmotor", "pid"})
 """Controls of an MJCF whose actuator is all that drives the joint: what such a file leaves out is the engine's 0."""
-
-_FACTORS = {1000.0: "m{}", 1e-3: "k{}", 1.0 / 0.0980665: "kgf*cm", 1.0 / 9.80665: "kgf*m"}
-"""How many of another unit are one N*m, and that unit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,14 +124,13 @@ def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figur
     if found is None or not found.value:
         return None
     ratio = found.value / wanted.value
-    for factor, unit in _FACTORS.items():
-        if math.isclose(ratio, factor, rel_tol=tolerance):
-            other = unit.format(wanted.unit)
-            return found, (
-                f"is {found.value:.3g}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
-                f"figure in {other}, where the file means {wanted.unit} (x{ratio:.3g})"
-            )
-    return None
+    other = torque_slip(ratio, wanted.unit, tolerance)
+    if other is None:
+        return None
+    return found, (
+        f"is {found.value:.3g}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
+        f"figure in {other}, where the file means {wanted.unit} (x{ratio:.3g})"
+    )
 
 
 def _coefficient(case: Case) -> str | None:

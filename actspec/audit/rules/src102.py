@@ -4,12 +4,11 @@ from actspec.audit.case import Case
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
-    hidden_gear,
     is_no_limit,
     ratio_of,
-    unit_slip,
 )
 from actspec.audit.rules.source_rule import SourceRule
+from actspec.readings.compare import angle_slip, hidden_gear
 
 
 class VelocityLimit(SourceRule):
@@ -20,7 +19,7 @@ class VelocityLimit(SourceRule):
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """A placeholder, a gear, or degrees."""
-        if is_no_limit(found) or unit_slip(found.ratio, tolerance):
+        if is_no_limit(found) or angle_slip(found.ratio, tolerance):
             return True
         return hidden_gear(ratio_of(found, "effort_limit"), found.ratio)
 

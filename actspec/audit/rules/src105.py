@@ -1,9 +1,10 @@
 from __future__ import annotations
 
 from actspec.audit.case import Case
-from actspec.audit.rules.source_pairs import Disagreement, unit_slip
+from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import angle_slip
 
 
 class Friction(SourceRule):
@@ -18,7 +19,7 @@ class Friction(SourceRule):
             urdf = case.artifacts[rows[0].artifact].kind is FileKind.URDF
             if urdf and (found.field == "joint_damping" or not figure.value):
                 return True
-        return found.field == "joint_damping" and unit_slip(found.ratio, tolerance)
+        return found.field == "joint_damping" and angle_slip(found.ratio, tolerance)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

@@ -13,11 +13,10 @@ from actspec.audit.rules.partners import by_joint
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
-
-_DEGREES = 180.0 / math.pi
 
 
 class RangeInDegrees(RuleInParts):
@@ -63,7 +62,7 @@ class RangeInDegrees(RuleInParts):
         low, high = (shown(row, "default_position", end) for end in command)
         return Finding(
             self.code,
-            f"the control range is {low} ... {high}, {_DEGREES:.3g} times the joint's: degrees, which MuJoCo takes for "
+            f"the control range is {low} ... {high}, {DEGREES:.3g} times the joint's: degrees, which MuJoCo takes for "
             "radians here whatever the file's angle is",
             row.place("command_range"),
             row.joint,
@@ -89,8 +88,8 @@ class RangeInDegrees(RuleInParts):
             joint.name,
             most,
             "rad",
-            most / _DEGREES,
-            f"write {ends[0] / _DEGREES:.4g} {ends[1] / _DEGREES:.4g}",
+            most / DEGREES,
+            f"write {ends[0] / DEGREES:.4g} {ends[1] / DEGREES:.4g}",
             confidence=Confidence.MEDIUM,
         )
 
@@ -105,12 +104,12 @@ class RangeInDegrees(RuleInParts):
             "",
             _largest(ends),
             "rad",
-            _largest(ends) * _DEGREES,
+            _largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
         )
 
 
-_LOCKED = 3.2 / _DEGREES
+_LOCKED = 3.2 / DEGREES
 """Largest angle that a range in radians can become when read in degrees. Chosen: a little above pi / 57.3."""
 
 _SEVERAL = 3
@@ -122,9 +121,9 @@ def _is_limited_hinge(joint: JointView) -> bool:
 
 def _is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
     """Whether a range is another one in degrees; ends of 0 agree in both."""
-    span = (joint[1] - joint[0]) * _DEGREES
+    span = (joint[1] - joint[0]) * DEGREES
     return span > 0.0 and all(
-        abs(c - _DEGREES * j) <= 0.02 * span for c, j in zip(command, joint, strict=True)
+        abs(c - DEGREES * j) <= 0.02 * span for c, j in zip(command, joint, strict=True)
     )
 
 

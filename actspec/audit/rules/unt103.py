@@ -12,9 +12,8 @@ from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs, shared_joints
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
+from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
-
-_DEGREES = 180.0 / math.pi
 
 _ONE_FILE = "no two files of one robot with the same joint"
 
@@ -38,7 +37,7 @@ class Factor57(RuleInParts):
         def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
             if JointKind.SLIDE in (one.kind, other.kind):
                 return []
-            return [pair for pair in _angular(one, other) if _off_by(*pair.values, _DEGREES, relative)]
+            return [pair for pair in _angular(one, other) if _off_by(*pair.values, DEGREES, relative)]
 
         for one, other in joint_pairs(case, _figures, lambda one, other: bool(off_pairs(one, other))):
             off = off_pairs(one, other)

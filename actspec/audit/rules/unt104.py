@@ -11,9 +11,9 @@ from actspec.audit.rules.joint_units import SPEEDS, shown, unit
 from actspec.audit.rules.partners import joint_pairs
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.compare import RPM
+from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
-
-_RPM = 30.0 / math.pi
 
 
 class SpeedInRpm(RuleInParts):
@@ -37,7 +37,7 @@ class SpeedInRpm(RuleInParts):
                 (mine, *ratio)
                 for mine, its in ((one, other), (other, one))
                 for ratio in _speed_ratios(mine, its)
-                if math.isclose(ratio[1] / ratio[2], _RPM, rel_tol=relative)
+                if math.isclose(ratio[1] / ratio[2], RPM, rel_tol=relative)
             ]
 
         for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
@@ -52,7 +52,7 @@ class SpeedInRpm(RuleInParts):
                     limit,
                     unit(mine, field),
                     right,
-                    f"{limit:.4g} rpm is {limit / _RPM:.3g} rad/s",
+                    f"{limit:.4g} rpm is {limit / RPM:.3g} rad/s",
                     (place,),
                 )
                 yield (found,)
@@ -65,11 +65,11 @@ class SpeedInRpm(RuleInParts):
                 yield () if known else self._alone(case, row, field, speed)
 
     def _alone(self, case: Case, row: LedgerRow, field: str, speed: float) -> Iterator[Finding]:
-        if self.option(case, "least") <= speed < _PLACEHOLDER:
+        if self.option(case, "least") <= speed < PLACEHOLDER:
             yield Finding(
                 self.code,
                 f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; {speed:.4g} rpm "
-                f"would be {speed / _RPM:.3g} rad/s",
+                f"would be {speed / RPM:.3g} rad/s",
                 row.place(field),
                 row.joint,
                 speed,
@@ -78,9 +78,6 @@ class SpeedInRpm(RuleInParts):
                 severity=Severity.INFO,
                 confidence=Confidence.LOW,
             )
-
-
-_PLACEHOLDER = 1e5
 
 
 def _speed_figures(row: LedgerRow) -> tuple[object, ...]:
