@@ -12,13 +12,11 @@ import re
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import one_line
-from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity
-from actspec.lift.config_joint import ConfigJoint
-from actspec.lift.config_randomized import randomizations
-from actspec.lift.config_unsaid import unsaid
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization
+from actspec.lift.config_joint import ConfigJoint, control_of
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
-from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RobotConfig
+from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
 from actspec.readings.config_figures import selected
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.quantities import stated, unknown
@@ -27,6 +25,24 @@ from actspec.robot.view import JointView
 
 _NAME = re.compile(r"(?:[^\\.^$*+?{}\[\]|()]|\\[^A-Za-z0-9])+", re.DOTALL)
 """A pattern that means one name: characters without a meaning of their own, or escaped ones."""
+
+_DRIVES = ("implicit", "ideal_pd", "dc_motor", "network", "position", "velocity", "motor", "pid")
+"""Controls of the ledger for which the law has words."""
+
+_RANDOMIZED = {
+    "kp": "kp",
+    "kd": "kd",
+    "armature": "armature",
+    "friction": "friction.coulomb",
+    "joint_damping": "friction.viscous",
+    "effort_limit": "effort_limit",
+    "strength": "strength",
+    "encoder_bias": "encoder_bias",
+}
+"""Field of a range as the audit names it to the spec's name; others a spec does not have."""
+
+_WHEN = {"prestartup": "startup", "startup": "startup", "reset": "reset", "interval": "interval"}
+"""Mode of an event to the spec's word; any other, and none, is a reset. Chosen: what most ranges are drawn at."""
 
 
 def lift_config(
@@ -68,7 +84,7 @@ def lift_config(
     for name in named:
         chosen = members.get(name, [])
         view = views.get(name)
-        why = unsaid(config, chosen, view)
+        why = _unsupported(config, chosen, view)
         if why is not None:
             alone.append(LeftAlone(name, why, chosen[-1][0].span if chosen else config.span))
             continue
@@ -76,7 +92,7 @@ def lift_config(
         group, pattern = chosen[-1]
         step = own_step.value or physics_dt
         drive = ConfigJoint(config, group, name, pattern, named, view, versions, step)
-        found.append(drive.actuator(randomizations(config, name, named)))
+        found.append(drive.actuator(_randomizations(config, name, named)))
         said = [*_overlapping(chosen), *drive.notes]
         if said:
             notes[name] = said
@@ -106,6 +122,59 @@ def lift_config(
         {name: tuple(said) for name, said in notes.items()},
         artifact,
     )
+
+
+def _unsupported(
+    config: RobotConfig, chosen: Sequence[tuple[ActuatorGroup, str]], view: JointView | None
+) -> str | None:
+    """Why a joint cannot be described by its groups and its robot file, if that is at hand; None when it can."""
+    if view is not None and view.mimic is not None:
+        return f"follows '{one_line(view.mimic)}' (mimic)"
+    if not chosen:
+        return "no group of the configuration selects it"
+    if len(chosen) > 1 and config.framework is not Framework.ISAACLAB:
+        return f"{len(chosen)} groups select it: {', '.join(one_line(group.name) for group, _ in chosen)}"
+    group = chosen[-1][0]
+    cls = one_line(group.cls)
+    control = control_of(config.framework, group)
+    if config.framework is Framework.LEGGED_GYM and control == "velocity":
+        return "control_type V: its gains act on speeds and accelerations"
+    if config.framework is Framework.MJLAB and "xml" in group.cls.lower():
+        return f"{cls} leaves it to the model's own actuator"
+    if control == "dcmotor":
+        return f"the gains of {cls} are in volts"
+    if control not in _DRIVES:
+        return f"an actuator of another kind ({cls})"
+    return None
+
+
+def _randomizations(config: RobotConfig, joint: str, named: tuple[str, ...]) -> tuple[Randomization, ...]:
+    """The ranges of a joint that a spec has words for, in the author's order."""
+    return tuple(
+        Randomization(
+            _RANDOMIZED[one.field],
+            one.operation,
+            one.low,
+            one.high,
+            one.distribution,
+            _WHEN.get(one.when, "reset"),
+            one.every,
+            "joint",
+            one.span,
+        )
+        for one in config.randomize
+        if one.field in _RANDOMIZED and _concerns(config.framework, one, joint, named)
+    )
+
+
+def _concerns(framework: Framework, one: RandomizedRange, joint: str, named: tuple[str, ...]) -> bool:
+    """Whether a range is for a joint; one by names of actuators is where mjlab gives them the joints' names."""
+    patterns = one.joints if one.joints is not None else one.actuators
+    if patterns is None:
+        return True
+    # mjlab and Isaac Lab match ranges as they match groups; legged_gym has no patterns here.
+    style = Framework.MJLAB if framework is Framework.LEGGED_GYM else framework
+    return joint in named and any(matching(style, pattern, (joint,)) for pattern in patterns)
 
 
 def asset_of(config: RobotConfig) -> str | None:

@@ -16,17 +16,18 @@ from actspec.ir import (
     Quantity,
     Randomization,
 )
-from actspec.lift.config_delay import delay_of
-from actspec.lift.config_unsaid import control_of
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config_figures import Found, figures_of, value_of
-from actspec.readings.quantities import assumed, stated, units_of, unknown
-from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
+from actspec.readings.config_figures import Found, control_of_group, figures_of, value_of
+from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import FrictionUnit
 
 NONE_FROM = 1e9
 """A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
+
+HELD_FROM = 1_000_000
+"""Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
 
 OWN_CLASS = frozenset(
     {
@@ -303,9 +304,54 @@ class ConfigJoint:
         return low or unknown(unit[command]), high or unknown(unit[command])
 
     def _delay(self) -> Delay | None:
-        made = delay_of(self._config, self._group, self._versions, self._physics_dt, self._setting)
-        self.notes += made.notes
-        return made.delay
+        """Physics steps in the frameworks, seconds in a deploy file; Isaac Lab 3.0 has one lag, the largest."""
+        if self._config.framework is Framework.DEPLOY:
+            return self._delay_in_seconds()
+        settings, step = self._group.settings, self._physics_dt
+        sampling = "episode"
+        losses: tuple[str, ...] = ()
+        if self._config.framework is Framework.MJLAB:
+            low, high = (settings.get(f"delay_{end}_lag") for end in ("min", "max"))
+            sampling, losses = _mjlab_sampling(self._group)
+        else:
+            low, high = (settings.get(f"{end}_delay") for end in ("min", "max"))
+            low = high if is_native(self._versions) else low
+        if high is None:
+            return None
+        most, least = high.number, 0.0 if low is None else low.number
+        if least is None or most is None:
+            why = high.unknown or (low.unknown if low else None)
+            return Delay(unknown("s", why, high.span), 0.0, 0.0, sampling)
+        if most == 0.0 == least:
+            return None
+        steps = f"{most:g}" if least == most else f"{least:g} to {most:g}"
+        if not _is_range(least, most):
+            self.notes.append(f"delay: {steps} physics steps, which is none")
+            return None
+        if step is None:
+            why = f"{steps} physics steps, whose length no file says"
+            self.notes.append(f"delay: {why}")
+            return Delay(unknown("s", why, high.span), 0.0, 0.0, sampling)
+        ends, formula = (tidy(least * step), tidy(most * step)), f"{steps} steps x {step:g} s"
+        if least == most:
+            return Delay(stated(ends[1], "s", high.span, formula=formula), *ends, "episode")
+        self.notes += losses
+        return Delay(unknown("s", f"a range: {formula}", high.span), *ends, sampling)
+
+    def _delay_in_seconds(self) -> Delay | None:
+        nominal, low, high = (self._setting(name, "s") for name in ("delay", "delay_low", "delay_high"))
+        if nominal is None and (low is None or high is None):
+            return None
+        middle = None if nominal is None else nominal.value
+        ends = [end.value for end in (low, high) if end is not None and end.value is not None]
+        if len(ends) != 2:
+            ends = [middle or 0.0] * 2
+        middle = ends[0] if middle is None else middle
+        if not (_is_range(ends[0], middle) and _is_range(middle, ends[1])):
+            self.notes.append(f"delay: {middle:g} s in {ends[0]:g} to {ends[1]:g} s, which is none")
+            return None
+        place = None if high is None else high.span
+        return Delay(nominal or unknown("s", "a range", place), ends[0], ends[1], "episode")
 
     def _position_range(self) -> tuple[float, float] | None:
         if self._view is not None:
@@ -351,3 +397,34 @@ def is_own_class(group: ActuatorGroup) -> bool:
         and f"{made.value}Cfg" == group.cls
         and fields <= OWN_CLASS
     )
+
+
+def control_of(framework: Framework, group: ActuatorGroup) -> str:
+    """What a group's class is in the ledger's words; legged_gym's default is a position drive."""
+    if framework is Framework.LEGGED_GYM and not group.cls:
+        return "ideal_pd"
+    return control_of_group(framework, group)
+
+
+def _is_range(low: float, high: float) -> bool:
+    return 0.0 <= low <= high < math.inf
+
+
+def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, tuple[str, ...]]:
+    """When mjlab draws a lag anew. Source: mjlab 1.6.0, actuator.py; without a period, in every step."""
+
+    def number(name: str) -> float:
+        setting = group.settings.get(name)
+        return (setting.number if setting is not None else None) or 0.0
+
+    period, hold = number("delay_update_period"), number("delay_hold_prob")
+    notes = []
+    if hold:
+        notes.append(
+            f"delay: a lag is kept with probability {hold:g} (delay_hold_prob), a spec has no word for it"
+        )
+    if period >= HELD_FROM:
+        return "episode", tuple(notes)
+    if period > 1:
+        notes.append(f"delay: a lag is drawn every {period:g} steps, a spec has every step or every episode")
+    return "step", tuple(notes)
