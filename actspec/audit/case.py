@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
@@ -25,6 +25,7 @@ class Case:
         robots: Artifacts put together; each artifact is in exactly one.
         versions: What the files are meant for.
         options: Rule code to its options (thresholds) from the configuration.
+        explicit: While specs are compiled: what to, in words, to the joints whose drive is integrated explicitly there.
         joints: Rows of each joint of each artifact, in their order; rows without a joint are left out.
         joints_by_artifact: The same, by artifact and then by joint.
         robot_by_artifact: Artifact to its robot.
@@ -37,6 +38,7 @@ class Case:
     robots: tuple[Robot, ...]
     versions: Versions = field(default_factory=Versions)
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    explicit: Mapping[str, Collection[str]] = field(default_factory=dict)
     joints: Mapping[tuple[int, str], Sequence[LedgerRow]] = field(init=False, repr=False, compare=False)
     joints_by_artifact: Mapping[int, Mapping[str, Sequence[LedgerRow]]] = field(
         init=False, repr=False, compare=False

@@ -34,8 +34,8 @@ def compiled(folder: Path, spec: str, *targets: str, integrator: str = "Euler") 
 
 
 def concerned(said: tuple[Diagnostic, ...]) -> str | None:
-    """What STB001 names; None where it is not said."""
-    found = [item.message.partition("; concerns ")[2] for item in said if item.code == "STB001"]
+    """What STB102 names; None where it is not said."""
+    found = [item.message.partition("; concerns ")[2] for item in said if item.code == "STB102"]
     assert len(found) <= 1
     return found[0] if found else None
 

@@ -1,27 +1,58 @@
-"""Rules by family. Those that need an ActuatorSet alone run inside `compile`."""
+"""Rules, one a module, named by its code, with its page beside it. Those that need actuators alone run in `compile`."""
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
+from typing import TYPE_CHECKING
 
-from actspec.audit.rules.damping import model_damping_beside_kd
-from actspec.audit.rules.friction import implausible_friction
-from actspec.audit.rules.stability import explicit_stability
-from actspec.diagnostics import Diagnostic
+from actspec.diagnostics import Diagnostic, Severity, listed
 from actspec.ir import ActuatorSet
+
+if TYPE_CHECKING:
+    from actspec.audit.finding import Finding
+
+_FIELDS = {"FRC101": ".friction.coulomb", "FRC106": ".friction.viscous"}
+"""Rule to the field of a group that its findings are about."""
 
 
 def check_actuators(
     actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]
 ) -> tuple[Diagnostic, ...]:
-    """Run the rules that need no file.
+    """What the rules that need no other file say of a spec that is compiled: one warning a rule and group, its worst.
 
     Args:
-        actuators: What is to be compiled.
-        explicit: What it is compiled to, in words, to the joints whose drive is integrated explicitly there.
+        actuators: What is compiled.
+        explicit: What it is compiled to, in words, to the joints whose drive is explicit there: those of MuJoCo
+            under the Euler integrator, and the torque classes of Isaac Lab and mjlab under any.
     """
-    return (
-        *model_damping_beside_kd(actuators),
-        *implausible_friction(actuators),
-        *explicit_stability(actuators, explicit),
-    )
+    from actspec.audit.case import Case
+    from actspec.audit.finding import Finding
+    from actspec.audit.rules.dmp101 import DriveAndJointDamping
+    from actspec.audit.rules.frc101 import FrictionNotBelowEffort
+    from actspec.audit.rules.frc106 import ViscousTakesTheLimit
+    from actspec.audit.rules.stb102 import ExplicitDrive
+    from actspec.readings.artifact import Artifact, FileKind
+    from actspec.readings.ledger import rows_of_spec
+    from actspec.readings.pair import Robot
+
+    artifact = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
+    robot = Robot(actuators.robot, (0,))
+    case = Case((), (artifact,), rows_of_spec(artifact, 0), (robot,), explicit=explicit)
+    rules = (DriveAndJointDamping, FrictionNotBelowEffort, ViscousTakesTheLimit, ExplicitDrive)
+    found = [item for rule in rules for item in rule().check(case) if isinstance(item, Finding)]
+    return tuple(_worst(actuators, found))
+
+
+def _worst(actuators: ActuatorSet, found: list[Finding]) -> Iterator[Diagnostic]:
+    """For each rule and group the finding with the largest figure, and the joints that have the same."""
+    group_of = {actuator.joint: actuator.group for actuator in actuators.joints}
+    groups: dict[tuple[str, str], list[Finding]] = {}
+    for finding in found:
+        groups.setdefault((finding.code, group_of[finding.joint]), []).append(finding)
+    for (code, group), members in groups.items():
+        worst = max(members, key=lambda finding: finding.value or 0.0)
+        joints = [finding.joint for finding in members if finding.message == worst.message]
+        where = f"actuators.{group}{_FIELDS.get(code, '')}"
+        message = f"{listed(joints)}: {worst.message}"
+        span = worst.span if worst.span.path else None
+        yield Diagnostic(code, Severity.WARNING, message, where, span, worst.help)

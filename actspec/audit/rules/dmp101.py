@@ -10,7 +10,7 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.partners import by_joint, keeps_for_model, partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
@@ -19,6 +19,7 @@ from actspec.readings.ledger import LedgerRow
 class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
     code = "DMP101"
     name = "kv-and-joint-damping"
+    aliases: ClassVar[dict[str, str]] = {"DMP001": "damping-may-be-counted-twice"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     needs = "no MJCF with a drive that has a velocity gain among the files"
@@ -31,16 +32,40 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             if parts is None or parts.kd <= 0.0:
                 continue
             yield rows, parts
+        for key, rows in by_joint(case, FileKind.SPEC).items():
+            parts = everything[key]
+            unsaid = "kd" in rows[0].stated and "joint_damping" not in rows[0].stated
+            if parts is not None and parts.kd > 0.0 and unsaid and keeps_for_model(case, rows[0]):
+                yield rows, parts
 
     def judge(self, case: Case, subject: tuple[Sequence[LedgerRow], Parts]) -> Iterator[Finding]:
         """Find joints with both."""
         rows, parts = subject
-        if parts.passive < self.option(case, "share") * parts.kd or parts.in_three_places:
+        if parts.passive <= self.option(case, "share") * parts.kd or parts.in_three_places:
+            return
+        if case.artifacts[rows[0].artifact].kind is FileKind.SPEC:
+            yield self._unsaid(rows[0], parts)
             return
         others = list(partner_rows(case, rows[0], *INTENT))
         if any(_declares(row, parts) for row in others):
             return
         yield self._finding(case, rows, parts, others)
+
+    def _unsaid(self, row: LedgerRow, parts: Parts) -> Finding:
+        """The file of a spec's robot has damping that the spec does not mention."""
+        passive = shown(row, "kd", parts.passive)
+        return Finding(
+            self.code,
+            f"damping may be counted twice: the drive has kd {shown(row, 'kd', parts.kd)}, and the robot's file adds "
+            f"{passive} of joint damping that the spec does not mention; together {shown(row, 'kd', parts.total)}",
+            row.place("joint_damping"),
+            row.joint,
+            parts.passive,
+            unit(row, "kd"),
+            help=f"state friction: {{viscous: ...}} in the group: `0` if the file's damping was the drive's, "
+            f"`{passive}` if it is the bearing's",
+            related=(row.place("kd"),),
+        )
 
     def _finding(
         self, case: Case, rows: Sequence[LedgerRow], parts: Parts, others: Sequence[LedgerRow]

@@ -2,13 +2,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from os.path import basename
+from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, limiting_row
+from actspec.audit.rules.partners import by_joint, keeps_for_model, limiting_row
 from actspec.diagnostics import Severity
 from actspec.readings.ledger import LedgerRow
 
@@ -18,6 +18,7 @@ _Subject = tuple[LedgerRow, float, LedgerRow, float]
 class FrictionNotBelowEffort(RuleOver[_Subject]):
     code = "FRC101"
     name = "friction-not-below-effort"
+    aliases: ClassVar[dict[str, str]] = {"FRC001": "dry-friction-above-the-limit"}
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
@@ -27,7 +28,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         for rows in by_joint(case).values():
             row = rows[0]
             friction = row.frictionloss
-            if friction is None or "frictionloss" not in row.stated:
+            if friction is None or not ("frictionloss" in row.stated or keeps_for_model(case, row)):
                 continue
             limiting = limiting_row(case, row)
             if limiting is None or limiting.effort_limit is None:
@@ -48,7 +49,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             row.joint,
             friction,
             unit(row, "frictionloss"),
-            help=f"is it in m{unit(row, 'frictionloss')} ({shown(row, 'frictionloss', friction / MILLI)}), or a "
+            help=f"is it in m{unit(row, 'frictionloss')} ({shown(row, 'frictionloss', friction / 1000.0)}), or a "
             "dimensionless coefficient?",
             related=(limiting.place("effort_limit"),),
         )

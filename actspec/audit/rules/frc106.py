@@ -6,9 +6,8 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.friction import MILLI
 from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, limiting_row, partner_rows, top_speed
+from actspec.audit.rules.partners import by_joint, keeps_for_model, limiting_row, partner_rows, top_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
@@ -19,6 +18,7 @@ _Subject = tuple[LedgerRow, float, LedgerRow, float, float]
 class ViscousTakesTheLimit(RuleOver[_Subject]):
     code = "FRC106"
     name = "viscous-takes-the-limit"
+    aliases: ClassVar[dict[str, str]] = {"FRC002": "viscous-friction-that-takes-the-whole-drive"}
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True
@@ -30,8 +30,14 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
             row = rows[0]
             viscous = row.joint_damping
             limiting = limiting_row(case, row)
-            speed = min(filter(None, map(top_speed, (row, *partner_rows(case, row)))), default=None)
-            if viscous is None or "joint_damping" not in row.stated or limiting is None or speed is None:
+            speeds = (_end_of_curve(case, row), *map(top_speed, (row, *partner_rows(case, row))))
+            speed = min(filter(None, speeds), default=None)
+            if (
+                viscous is None
+                or not ("joint_damping" in row.stated or keeps_for_model(case, row))
+                or limiting is None
+                or speed is None
+            ):
                 continue
             limit = limiting.effort_limit
             assert limit is not None
@@ -51,7 +57,14 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
             row.joint,
             viscous,
             unit(row, "joint_damping"),
-            help=f"is it in m{unit(row, 'kd')} ({shown(row, 'kd', viscous / MILLI)})? The slope of the "
+            help=f"is it in m{unit(row, 'kd')} ({shown(row, 'kd', viscous / 1000.0)})? The slope of the "
             "torque-speed line belongs to the motor, not to friction",
             related=(limiting.place("effort_limit"),),
         )
+
+
+def _end_of_curve(case: Case, row: LedgerRow) -> float | None:
+    """Speed at which the asymmetric curve of a spec's motor ends; None without one."""
+    spec = case.artifacts[row.artifact].spec
+    actuator = None if spec is None else spec.joint(row.joint)
+    return None if actuator is None or actuator.curve is None else actuator.curve.no_load_speed.value

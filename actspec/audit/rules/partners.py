@@ -99,8 +99,9 @@ def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
 
 
 def top_speed(row: LedgerRow) -> float | None:
-    """The joint's top speed: its limit, or the end of its torque-speed line."""
-    return finite(row.velocity_limit) or finite(row.no_load_speed)
+    """The joint's top speed: its limit or the end of its torque-speed line, what comes first."""
+    speeds = (finite(row.velocity_limit), finite(row.no_load_speed))
+    return min(filter(None, speeds), default=None)
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:
@@ -113,3 +114,10 @@ def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:
 
 def finite(limit: float | None) -> float | None:
     return limit if limit is not None and 0.0 < limit < math.inf else None
+
+
+def keeps_for_model(case: Case, row: LedgerRow) -> bool:
+    """Whether a row is that of a spec without its model beside it: what it leaves out it has from there."""
+    models = {FileKind.MJCF, FileKind.URDF}
+    is_spec = case.artifacts[row.artifact].kind is FileKind.SPEC
+    return is_spec and case.kinds_by_artifact[row.artifact].isdisjoint(models)

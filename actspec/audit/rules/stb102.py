@@ -16,12 +16,13 @@ from actspec.readings.ledger import LedgerRow
 _EXPLICIT_CLASSES = ("ideal_pd", "dc_motor", "network")
 
 
-_Subject = tuple[LedgerRow, float, float, float]
+_Subject = tuple[LedgerRow, float, float, float, str]
 
 
 class ExplicitDrive(RuleOver[_Subject]):
     code = "STB102"
     name = "explicit-cfg-drive-unstable"
+    aliases: ClassVar[dict[str, str]] = {"STB001": "explicit-drive-near-or-beyond-stability"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
@@ -37,11 +38,18 @@ class ExplicitDrive(RuleOver[_Subject]):
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
             if not explicit or step is None or row.kd is None or inertia is None or inertia <= 0.0:
                 continue
-            yield row, step, inertia, row.kd
+            yield row, step, inertia, row.kd, ""
+        for index, artifact in case.of_kind(FileKind.SPEC):
+            step = artifact.spec.physics_dt.value if artifact.spec is not None else None
+            for row in case.rows_of(index) if step is not None else ():
+                concerned = ", ".join(to for to, joints in case.explicit.items() if row.joint in joints)
+                inertia = row.inertia_free_min
+                if step and concerned and row.kd is not None and inertia is not None and inertia > 0.0:
+                    yield row, step, inertia, row.kd, f"; concerns {concerned}"
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Find explicit drives that the step is too long for."""
-        row, step, inertia, kd = subject
+        row, step, inertia, kd, concerned = subject
         drive = StepDrive(step, row.kp or 0.0, kd, max(row.joint_damping or 0.0, 0.0))
         figure = drive.figure(inertia)
         if kd <= 0.0 or figure < self.option(case, "near"):
@@ -51,12 +59,15 @@ class ExplicitDrive(RuleOver[_Subject]):
         yield Finding(
             self.code,
             f"the drive ({row.control}) takes kd {shown(row, 'kd', kd)} explicitly: with a step of "
-            f"{step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g})",
+            f"{step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g}){concerned}",
             row.place("kd"),
             row.joint,
             figure,
             "1",
-            help="state the true armature, shorten the step, lower kd, or use an implicit class",
+            help="use the implicitfast integrator (MuJoCo) or `class: implicit` (Isaac Lab), a smaller physics_dt, a "
+            "lower kd, or state the true armature"
+            if concerned
+            else "state the true armature, shorten the step, lower kd, or use an implicit class",
             severity=self.severity if figure >= RINGING else Severity.INFO,
             confidence=Confidence.HIGH if beyond else self.confidence,
         )
