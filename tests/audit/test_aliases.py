@@ -16,7 +16,8 @@ from actspec.diagnostics import Severity
 
 FORMER = {
     "SPC102": "SPC101", "SPC103": "SPC101", "SPC104": "SPC101", "SGN105": "SGN101", "SGN103": "SGN102",
-    "SGN104": "SGN102", "DMP001": "DMP101", "FRC001": "FRC101", "FRC002": "FRC106", "STB001": "STB102", "LIM102": "LIM101", "LIM103": "LIM101", "LIM105": "CFG104", "LIM110": "CFG104",
+    "SGN104": "SGN102", "LIM102": "LIM101", "LIM103": "LIM101", "LIM105": "CFG104", "LIM110": "CFG104",
+    "DMP001": "DMP101", "FRC001": "FRC101", "FRC002": "FRC106", "STB001": "STB102",
 }  # fmt: skip
 URDF = """<robot name="leg">
   <link name="base"/>
