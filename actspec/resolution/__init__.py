@@ -16,6 +16,7 @@ from actspec.resolution.quantities import Reports, written
 from actspec.resolution.simplified import simplifications
 from actspec.resolution.stated import bind, joint_inputs, stated_of
 from actspec.robot.view import RobotView
+from actspec.spec.document import Breaches
 from actspec.spec.validate import Spec
 
 DEFAULT_TIMESTEP = 0.002
@@ -31,9 +32,10 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     collector = Collector()
     for item in (*spec.diagnostics, *robot.diagnostics):
         collector.add(item)
-    bindings = bind(spec, robot, collector)
-    stated = [stated_of(spec, binding, collector) for binding in bindings.managed]
-    linkages = linked_motors(spec, stated, bindings, collector)
+    breaches = Breaches(spec.document.spans, collector)
+    bindings = bind(spec, robot, breaches)
+    stated = [stated_of(spec, binding, breaches) for binding in bindings.managed]
+    linkages = linked_motors(spec, stated, bindings, breaches)
     motors = {
         joint: linkage.at_joint(index, item.kind)
         for item in stated
@@ -41,7 +43,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         for index, joint in enumerate(linkage.joints)
         if joint == item.binding.joint.name
     }
-    motors |= own_motors(spec, stated, collector)
+    motors |= own_motors(spec, stated, breaches)
     reports = Reports()
     readings = read_joints(robot)
     said = [
@@ -49,7 +51,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
             item,
             model_values(readings[item.binding.joint.name]),
             motors.get(item.binding.joint.name),
-            collector,
+            breaches,
             reports,
         )
         for item in stated

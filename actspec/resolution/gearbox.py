@@ -6,10 +6,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Collector, Path, dotted
+from actspec.diagnostics import Path
 from actspec.ir import JointKind, Origin, Quantity
 from actspec.readings.quantities import tidy, unit_of
 from actspec.resolution.quantities import Factor, in_words, scaled, written
+from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
 from actspec.spec.models import Motor
 from actspec.spec.rules.motors import number, stage_ratio
@@ -192,14 +193,13 @@ def _ratio(stage: Stage, output: JointKind) -> tuple[float, str]:
     return 1.0 / number(length), f"1/({length.written})"
 
 
-def check_train(train: Train, end: str, spec: Spec, collector: Collector) -> bool:
+def check_train(train: Train, end: str, breaches: Breaches) -> bool:
     """Refuse a screw whose nut would turn, a lever whose joint would travel, an inertia in the other's unit.
 
     Args:
         train: The train.
         end: What it drives, for messages.
-        spec: The spec.
-        collector: Takes what is wrong.
+        breaches: Takes what is wrong.
 
     Returns: Whether its stages fit each other and what they drive.
     """
@@ -209,22 +209,20 @@ def check_train(train: Train, end: str, spec: Spec, collector: Collector) -> boo
         if step.output is WRONG_OUTPUT.get(step.key):
             fits = False
             at = (*step.path, step.key)
-            collector.error(
+            breaches.error(
                 "RES013",
                 f"what stands behind a {step.key} {does}, on the way to {end}",
-                where=dotted(at),
-                span=spec.span(*at),
-                help="a lead makes travel of turns, a lever_arm turns of travel: a screw drives a slide joint, or a "
+                at,
+                "a lead makes travel of turns, a lever_arm turns of travel: a screw drives a slide joint, or a "
                 "lever_arm that drives a hinge",
             )
         elif step.inertia is not None and unfit(step.inertia, step.output):
             at = (*step.path, "inertia")
-            collector.error(
+            breaches.error(
                 "RES001",
                 f"the inertia is {step.inertia.written}, but the stage's output {does}, on the way to {end}",
-                where=dotted(at),
-                span=spec.span(*at),
-                help="what turns has an inertia in kg*m^2, what travels one in kg",
+                at,
+                "what turns has an inertia in kg*m^2, what travels one in kg",
             )
     return fits
 

@@ -10,12 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Collector, Path, dotted, listed
+from actspec.diagnostics import Path, listed
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
 from actspec.readings.quantities import tidy, unit_of, unknown
 from actspec.resolution.gearbox import Train, gear_train, unfit
 from actspec.resolution.motor import Drivetrain, JointMotor, check_motor, joint_motor
 from actspec.resolution.stated import Bindings, Stated
+from actspec.spec.document import Breaches
 from actspec.spec.gears import Linkage
 from actspec.spec.rules.motors import number
 from actspec.spec.validate import Spec
@@ -230,19 +231,19 @@ OUTSIDE = ("motor", "motors_per_joint", "reduction", "transmission")
 
 
 def linked_motors(
-    spec: Spec, stated: Sequence[Stated], bindings: Bindings, collector: Collector
+    spec: Spec, stated: Sequence[Stated], bindings: Bindings, breaches: Breaches
 ) -> tuple[LinkedMotors, ...]:
-    """Every linkage of a spec that is sound; what is wrong with the others goes to the collector.
+    """Every linkage of a spec that is sound; what is wrong with the others is reported.
 
     Args:
         spec: The spec.
         stated: What it states of each managed joint.
         bindings: Its joints.
-        collector: Takes what is wrong.
+        breaches: Takes what is wrong.
     """
     by_joint = {item.binding.joint.name: item for item in stated}
     found = (
-        _linked(name, linkage, spec, by_joint, bindings, collector)
+        _linked(name, linkage, spec, by_joint, bindings, breaches)
         for name, linkage in spec.model.linkages.items()
     )
     return tuple(item for item in found if item is not None)
@@ -254,24 +255,24 @@ def _linked(
     spec: Spec,
     by_joint: Mapping[str, Stated],
     bindings: Bindings,
-    collector: Collector,
+    breaches: Breaches,
 ) -> LinkedMotors | None:
     path: Path = ("linkages", name)
-    members = _members(path, linkage, spec, by_joint, bindings, collector)
+    members = _members(path, linkage, by_joint, bindings, breaches)
     if members is None:
         return None
     kind = members[0].kind
     pose = _default_pose(linkage, spec, bindings)
-    geometries = _geometries(path, linkage, spec, collector)
+    geometries = _geometries(path, linkage, breaches)
     if geometries is None:
         return None
     used = min(geometries, key=lambda one: 0.0 if one.at is None else math.dist(one.at, pose), default=None)
     motors = []
     for index, key in enumerate(linkage.motors):
-        output = _output_kind(path, linkage, index, kind, spec, collector)
+        output = _output_kind(path, linkage, index, kind, breaches)
         motor = spec.model.motors[key]
         drivetrain = Drivetrain(gear_train(motor, key, output), Train("", (), output, None), 1, output)
-        check_motor(motor, key, drivetrain, f"the linkage '{name}'", spec, collector)
+        check_motor(motor, key, drivetrain, f"the linkage '{name}'", breaches)
         motors.append(joint_motor(motor, key, drivetrain, spec))
     return LinkedMotors(
         name=name,
@@ -289,10 +290,9 @@ def _linked(
 def _members(
     path: Path,
     linkage: Linkage,
-    spec: Spec,
     by_joint: Mapping[str, Stated],
     bindings: Bindings,
-    collector: Collector,
+    breaches: Breaches,
 ) -> list[Stated] | None:
     """The linkage's joints; None where one is missing, of another kind, or has a motor of its own."""
     members = []
@@ -300,14 +300,13 @@ def _members(
         place = (*path, "joints", index)
         stated = by_joint.get(joint)
         if stated is None:
-            collector.error(
+            breaches.error(
                 "RES014",
                 f"the joint '{joint}' of the linkage is in no group"
                 if joint in bindings.unmanaged
                 else f"the robot has no hinge or slide joint '{joint}' for the linkage",
-                where=dotted(place),
-                span=spec.span(*place),
-                help="put it into a group of `actuators`"
+                place,
+                "put it into a group of `actuators`"
                 if joint in bindings.unmanaged
                 else f"joints: {listed(by_joint)}",
             )
@@ -316,48 +315,45 @@ def _members(
         for field in OUTSIDE:
             if stated.get(field) is not None:
                 at = stated.path(field)
-                collector.error(
+                breaches.error(
                     "RES015",
                     f"'{joint}' is driven by the linkage '{path[-1]}', and its group states {field}",
-                    where=dotted(at),
-                    span=spec.span(*at),
-                    help="remove it here: the linkage names the motors and how they drive; for other joints of the "
+                    at,
+                    "remove it here: the linkage names the motors and how they drive; for other joints of the "
                     "group, give these a group of their own",
                 )
     kinds = {stated.kind for stated in members}
     if len(kinds) > 1:
-        collector.error(
+        breaches.error(
             "RES014",
             "the linkage has hinge and slide joints",
-            where=dotted((*path, "joints")),
-            span=spec.span(*path, "joints"),
-            help="its joints are of one kind",
+            (*path, "joints"),
+            "its joints are of one kind",
         )
     if len(members) < len(linkage.joints) or len(kinds) > 1:
         return None
-    _check_poses(path, linkage, members[0].kind, spec, collector)
+    _check_poses(path, linkage, members[0].kind, breaches)
     return members
 
 
-def _check_poses(path: Path, linkage: Linkage, kind: JointKind, spec: Spec, collector: Collector) -> None:
+def _check_poses(path: Path, linkage: Linkage, kind: JointKind, breaches: Breaches) -> None:
     """Poses are in the unit of the joints."""
     poses: list[tuple[Path, tuple[SpecValue, ...] | str | None]] = [((*path, "at"), linkage.at)]
     poses += [((*path, "table", index, "at"), pose.at) for index, pose in enumerate(linkage.table or ())]
     for place, pose in poses:
         for value in pose if isinstance(pose, tuple) else ():
             if unfit(value, kind):
-                collector.error(
+                breaches.error(
                     "RES001",
                     f"the joints of the linkage are {kind.value} joints, but a position is given as {value.written}",
-                    where=dotted(place),
-                    span=spec.span(*place),
-                    help="a hinge is in rad, a slide in m",
+                    place,
+                    "a hinge is in rad, a slide in m",
                 )
                 return
 
 
 def _output_kind(
-    path: Path, linkage: Linkage, index: int, joints: JointKind, spec: Spec, collector: Collector
+    path: Path, linkage: Linkage, index: int, joints: JointKind, breaches: Breaches
 ) -> JointKind:
     """What a motor's output does: as the joints, or travel where its row is in m/rad."""
     matrices: list[tuple[Path, tuple[tuple[SpecValue, ...], ...]]] = []
@@ -370,20 +366,17 @@ def _output_kind(
         wrong = len(travels) > 1 or (True in travels and joints is JointKind.SLIDE)
         if wrong:
             at = (*path, *place, index)
-            collector.error(
+            breaches.error(
                 "RES001",
                 "a motor's row is in m/rad where the motor travels and the joints turn, and without a unit otherwise",
-                where=dotted(at),
-                span=spec.span(*at),
-                help="write the whole row in one unit, in every pose",
+                at,
+                "write the whole row in one unit, in every pose",
             )
             break
     return JointKind.SLIDE if True in travels else joints
 
 
-def _geometries(
-    path: Path, linkage: Linkage, spec: Spec, collector: Collector
-) -> tuple[Geometry, ...] | None:
+def _geometries(path: Path, linkage: Linkage, breaches: Breaches) -> tuple[Geometry, ...] | None:
     """The Jacobian at each pose; none for a plain factor, None where one cannot be inverted."""
     import numpy as np
 
@@ -405,12 +398,11 @@ def _geometries(
             torques = np.linalg.inv(scaled).T / scale if invertible else matrix
         if not invertible or not np.isfinite(torques).all():
             sound = False
-            collector.error(
+            breaches.error(
                 "RES016",
                 "the Jacobian has no inverse: some movement of the joints moves no motor, or two rows are the same",
-                where=dotted(place),
-                span=spec.span(*place),
-                help="signs tell a parallel linkage apart: `[[1, 0.6], [1, -0.6]]`; a linkage at its dead point "
+                place,
+                "signs tell a parallel linkage apart: `[[1, 0.6], [1, -0.6]]`; a linkage at its dead point "
                 "has no limits",
             )
             continue

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from actspec.diagnostics import Collector, Path, dotted
+from actspec.diagnostics import Path
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
 from actspec.readings.quantities import tidy, unit_of, unknown
 from actspec.resolution.gearbox import (
@@ -19,6 +19,7 @@ from actspec.resolution.gearbox import (
 )
 from actspec.resolution.quantities import Factor, scaled, written
 from actspec.resolution.stated import Stated
+from actspec.spec.document import Breaches
 from actspec.spec.models import Motor
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
@@ -60,8 +61,8 @@ class Drivetrain:
     kind: JointKind
 
 
-def own_motors(spec: Spec, stated: Sequence[Stated], collector: Collector) -> dict[str, JointMotor]:
-    """The motor of every joint whose group names one, at the joint; what does not fit goes to the collector."""
+def own_motors(spec: Spec, stated: Sequence[Stated], breaches: Breaches) -> dict[str, JointMotor]:
+    """The motor of every joint whose group names one, at the joint; what does not fit is reported."""
     found = {}
     checked = set()
     for item in stated:
@@ -74,7 +75,7 @@ def own_motors(spec: Spec, stated: Sequence[Stated], collector: Collector) -> di
         if key not in checked:
             checked.add(key)
             end = f"'{joint}', a {item.kind.value} joint"
-            check_motor(item.motor, name, drivetrain, end, spec, collector)
+            check_motor(item.motor, name, drivetrain, end, breaches)
         found[joint] = joint_motor(item.motor, name, drivetrain, spec)
     return found
 
@@ -92,9 +93,7 @@ def drivetrain_of(motor: Motor, name: str, stated: Stated) -> Drivetrain:
     return Drivetrain(gearbox, transmission, stated.get("motors_per_joint") or 1, stated.kind)
 
 
-def check_motor(
-    motor: Motor, name: str, drivetrain: Drivetrain, end: str, spec: Spec, collector: Collector
-) -> None:
+def check_motor(motor: Motor, name: str, drivetrain: Drivetrain, end: str, breaches: Breaches) -> None:
     """Refuse what cannot drive the joint: gears of the wrong sort, figures in the unit of the other sort of shaft.
 
     Args:
@@ -102,11 +101,10 @@ def check_motor(
         name: Its key in `motors`.
         drivetrain: What stands between it and what it drives.
         end: What it drives, for messages: "'hip', a hinge joint".
-        spec: The spec.
-        collector: Takes what is wrong.
+        breaches: Takes what is wrong.
     """
     trains = (drivetrain.gearbox, drivetrain.transmission)
-    fits = [check_train(train, end, spec, collector) for train in trains]
+    fits = [check_train(train, end, breaches) for train in trains]
     # Units of shafts mean nothing where it is wrong which of them turn.
     if not all(fits):
         return
@@ -116,12 +114,8 @@ def check_motor(
         help = "what turns has figures in rad and N*m, what travels in m and N"
         if shaft is JointKind.SLIDE and shaft is drivetrain.kind:
             help += "; a screw between the two is a stage `{lead: 5 mm/rev}` of gearbox or transmission"
-        collector.error(
-            "RES001",
-            f"{field} is {value.written}, but its shaft {does}, on the way to {end}",
-            where=dotted(path),
-            span=spec.span(*path),
-            help=help,
+        breaches.error(
+            "RES001", f"{field} is {value.written}, but its shaft {does}, on the way to {end}", path, help
         )
 
 

@@ -15,6 +15,7 @@ from actspec.patterns import PatternError, match_names, suggest_pattern
 from actspec.readings.quantities import unit_of
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
+from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, DerivedGain
 from actspec.spec.models import Actuators, Motor
 from actspec.spec.validate import Spec
@@ -90,7 +91,7 @@ class Stated:
         return written(value, unit_of(kind, self.kind), self.spec.span(*self.path(field)))
 
 
-def stated_of(spec: Spec, binding: Binding, collector: Collector) -> Stated:
+def stated_of(spec: Spec, binding: Binding, breaches: Breaches) -> Stated:
     """Lay the overrides of a joint over its group's fields; two for one field are an error."""
     name = binding.group
     group = spec.model.actuators[name]
@@ -102,13 +103,12 @@ def stated_of(spec: Spec, binding: Binding, collector: Collector) -> Stated:
         _lay(layer, group.overrides[pattern], ("actuators", name, "overrides", pattern))
         for field, (value, path) in layer.items():
             if field in overridden:
-                collector.error(
+                breaches.error(
                     "BIND006",
                     f"two overrides of '{binding.joint.name}' state {field}: {dotted(overridden[field])} "
                     f"and {dotted(path)}",
-                    where=dotted(path),
-                    span=spec.span(*path),
-                    help="make the patterns disjoint",
+                    path,
+                    "make the patterns disjoint",
                 )
             overridden[field] = path
             fields[field] = (value, path)
@@ -118,7 +118,7 @@ def stated_of(spec: Spec, binding: Binding, collector: Collector) -> Stated:
     if group.identified is not None:
         result = spec.results[group.identified].joints.get(binding.joint.name)
     found = Stated(spec, binding, group, motor, result, fields)
-    _check_units(found, collector)
+    _check_units(found, breaches)
     return found
 
 
@@ -134,32 +134,32 @@ def _lay(fields: dict[str, tuple[Any, Path]], source: Any, path: Path) -> None:
                 fields[f"friction.{part}"] = (value, (*path, "friction", part))
 
 
-def _check_units(stated: Stated, collector: Collector) -> None:
+def _check_units(stated: Stated, breaches: Breaches) -> None:
     """A hinge takes rad, a slide m: refuse the other one's unit."""
+
+    def check(field: str, value: SpecValue, path: Path) -> None:
+        _check_unit(stated, value, f"{field} is given as {value.written}", path, breaches)
+
     for field, (value, path) in stated.fields.items():
-        if isinstance(value, SpecValue) and value.value is not None and value.linear is not None:
-            _fault(stated, field, value, path, collector)
+        if isinstance(value, SpecValue) and value.value is not None:
+            check(field, value, path)
         if isinstance(value, DerivedGain):
             for key, number in value.numbers.items():
-                _fault(stated, f"{key} of {field}", number, (*path, key), collector)
+                check(f"{key} of {field}", number, (*path, key))
             if isinstance(value.inertia, SpecValue):
-                _fault(stated, f"inertia of {field}", value.inertia, (*path, "inertia"), collector)
+                check(f"inertia of {field}", value.inertia, (*path, "inertia"))
         if isinstance(value, CommandRange):
             for end in (value.low, value.high):
-                _fault(stated, field, end, path, collector)
+                check(field, end, path)
 
 
-def _fault(stated: Stated, field: str, value: SpecValue, path: Path, collector: Collector) -> None:
-    kind = stated.kind
-    if value.linear is None or value.linear is (kind is JointKind.SLIDE):
-        return
-    collector.error(
-        "RES001",
-        f"'{stated.binding.joint.name}' is a {kind.value} joint, but {field} is given as {value.written}",
-        where=dotted(path),
-        span=stated.spec.span(*path),
-        help=UNITS_OF_JOINTS,
-    )
+def _check_unit(
+    stated: Stated, value: SpecValue, but: str, path: Path, breaches: Breaches, help: str = UNITS_OF_JOINTS
+) -> None:
+    """Refuse a number that is in the other kind of joint's unit; `but` says what it is said to be."""
+    if value.linear is not None and value.linear is not (stated.kind is JointKind.SLIDE):
+        name = stated.binding.joint.name
+        breaches.error("RES001", f"'{name}' is a {stated.kind.value} joint, but {but}", path, help)
 
 
 @dataclass(frozen=True, slots=True)
@@ -190,10 +190,10 @@ class Bindings:
     """Joint to the pattern of `default_pose` that matches it."""
 
 
-def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
-    """Match every pattern of the spec; breaches go to the collector."""
+def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
+    """Match every pattern of the spec; what is wrong is reported."""
     joints = [joint for joint in robot.joints if joint.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    matcher = _Matcher(spec, robot, [joint.name for joint in joints], collector)
+    matcher = _Matcher(spec, robot, [joint.name for joint in joints], breaches)
     model = spec.model
     owner: dict[str, tuple[str, str, int]] = {}
     for name, group in model.actuators.items():
@@ -203,13 +203,12 @@ def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
                 if joint in owner and owner[joint][0] != name:
                     other, other_pattern, other_index = owner[joint]
                     place = spec.span("actuators", other, "joints", other_index)
-                    collector.error(
+                    breaches.error(
                         "BIND002",
                         f"the joint '{joint}' is in two groups: '{name}' by '{pattern}' and '{other}' by "
                         f"'{other_pattern}' ({place})",
-                        where=dotted(path),
-                        span=spec.span(*path),
-                        help="make the patterns disjoint; to change one field of some joints use `overrides`",
+                        path,
+                        "make the patterns disjoint; to change one field of some joints use `overrides`",
                     )
                 owner.setdefault(joint, (name, pattern, index))
     unmanaged: dict[str, str] = {}
@@ -218,12 +217,11 @@ def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
         for joint in matcher.match(pattern, path):
             unmanaged.setdefault(joint, pattern)
             if joint in owner:
-                collector.error(
+                breaches.error(
                     "BIND003",
                     f"the joint '{joint}' is unmanaged by '{pattern}' and in the group '{owner[joint][0]}'",
-                    where=dotted(path),
-                    span=spec.span(*path),
-                    help="narrow one of the two patterns",
+                    path,
+                    "narrow one of the two patterns",
                 )
     overrides: dict[tuple[str, str], list[str]] = {}
     for name, group in model.actuators.items():
@@ -239,17 +237,17 @@ def bind(spec: Spec, robot: RobotView, collector: Collector) -> Bindings:
         path = ("robot", "default_pose", pattern)
         for joint in matcher.match(pattern, path, key=True):
             if joint in pose:
-                collector.error(
+                breaches.error(
                     "BIND004",
                     f"the joint '{joint}' has two default positions, by '{pose[joint]}' and '{pattern}'",
-                    where=dotted(path),
-                    span=spec.document.spans.key(path),
-                    help="make the patterns disjoint",
+                    path,
+                    "make the patterns disjoint",
+                    key=True,
                 )
             pose.setdefault(joint, pattern)
     loose = [joint.name for joint in joints if joint.name not in owner and joint.name not in unmanaged]
     if loose and not matcher.failed:
-        _report_loose(spec, robot, loose, collector)
+        _report_loose(spec, robot, loose, breaches.collector)
     managed = tuple(
         Binding(
             joint,
@@ -294,11 +292,11 @@ def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector:
 class _Matcher:
     """Matches patterns and reports those that match nothing."""
 
-    def __init__(self, spec: Spec, robot: RobotView, names: Sequence[str], collector: Collector) -> None:
+    def __init__(self, spec: Spec, robot: RobotView, names: Sequence[str], breaches: Breaches) -> None:
         self.spec = spec
         self.robot = robot
         self.names = names
-        self.collector = collector
+        self.breaches = breaches
         self.failed = False
 
     def match(
@@ -311,13 +309,11 @@ class _Matcher:
         key: bool = False,
     ) -> tuple[str, ...]:
         names = self.names if names is None else names
-        spans = self.spec.document.spans
-        span = spans.key(path) if key else spans.value(path)
         try:
             found = match_names(pattern, names)
         except PatternError as err:
             self.failed = True
-            self.collector.error("SPEC122", err.message, where=dotted(path), span=span, help=err.help)
+            self.breaches.error("SPEC122", err.message, path, err.help, key=key)
             return ()
         if found:
             return found
@@ -339,12 +335,12 @@ class _Matcher:
             help = f"did you mean '{guess}'? (matches {listed(match_names(guess, names))})"
         else:
             help = f"joints: {listed(names)}" if names else "it has no hinge or slide joint with a name"
-        self.collector.error(
+        self.breaches.error(
             "BIND001",
             f"the pattern '{pattern}' matches no joint {scope or f'of {self.robot.name!r}'}",
-            where=dotted(path),
-            span=span,
-            help=help,
+            path,
+            help,
+            key=key,
         )
         return ()
 
@@ -372,7 +368,7 @@ class JointInputs:
         motor: Its motor, at the joint; None without one.
         command: What is commanded.
         level: How much of the drive is modelled.
-        collector: Takes what concerns this joint alone.
+        breaches: Takes what concerns this joint alone.
         reports: Takes what may concern others in the same way.
     """
 
@@ -381,7 +377,7 @@ class JointInputs:
     motor: JointMotor | None
     command: Command
     level: Level
-    collector: Collector
+    breaches: Breaches
     reports: Reports
 
     @property
@@ -417,15 +413,7 @@ class JointInputs:
             path: Where it is written.
             help: Units of the two kinds.
         """
-        if value.linear is None or value.linear is (self.kind is JointKind.SLIDE):
-            return
-        self.collector.error(
-            "RES001",
-            f"'{self.joint.name}' is a {self.kind.value} joint, but {but}",
-            where=dotted(path),
-            span=self.stated.spec.span(*path),
-            help=help,
-        )
+        _check_unit(self.stated, value, but, path, self.breaches, help)
 
     def identified(self, field: str, kind: Kind) -> Quantity | None:
         """The fitted value of a field, or None."""
@@ -481,7 +469,7 @@ class JointInputs:
             )
         apart = conflict(authored, fitted)
         if apart is not None:
-            self.collector.warning(
+            self.breaches.collector.warning(
                 "RES010",
                 f"{self.joint.name}: {field}: {apart}",
                 where=dotted(self.stated.path(field)),
@@ -492,11 +480,11 @@ class JointInputs:
 
 
 def joint_inputs(
-    stated: Stated, model: ModelValues, motor: JointMotor | None, collector: Collector, reports: Reports
+    stated: Stated, model: ModelValues, motor: JointMotor | None, breaches: Breaches, reports: Reports
 ) -> JointInputs:
     """Gather what is said about a joint.
 
     Args: as the fields of `JointInputs`.
     """
     command, level = Command(stated.group.command), Level(stated.group.level)
-    return JointInputs(stated, model, motor, command, level, collector, reports)
+    return JointInputs(stated, model, motor, command, level, breaches, reports)

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import Collector, Path, Span, SpecError
+from actspec.diagnostics import Collector, Path, Span, SpecError, dotted
 from actspec.spec.yaml_text import MAX_BYTES, cut, read_file, too_large
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
 
@@ -20,6 +20,7 @@ __all__ = [
     "MAX_ERRORS",
     "MAX_INCLUDES",
     "MAX_NODES",
+    "Breaches",
     "Document",
     "Scalar",
     "SourceMap",
@@ -58,6 +59,30 @@ class SourceMap:
                 node = held[part]
                 key = node.span
         return key, node.span
+
+
+@dataclass(frozen=True, slots=True)
+class Breaches:
+    """Takes what is wrong in a document, with its place.
+
+    Attributes:
+        spans: Where what is written.
+        collector: Takes the diagnostics.
+        left_out: Sections and named parts about which nothing is said.
+    """
+
+    spans: SourceMap
+    collector: Collector
+    left_out: frozenset[Path] = frozenset()
+
+    def error(
+        self, code: str, message: str, path: Path, help: str | None = None, *, key: bool = False
+    ) -> None:
+        """Add an error at a value, or at its key."""
+        if path[:1] in self.left_out or path[:2] in self.left_out:
+            return
+        span = self.spans.key(path) if key else self.spans.value(path)
+        self.collector.error(code, message, where=dotted(path), span=span, help=help)
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,8 +13,8 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, dotted, listed, nearest
-from actspec.spec.document import load_document
+from actspec.diagnostics import Collector, Path, Span, SpecError, listed, nearest
+from actspec.spec.document import Breaches, Document, load_document
 from actspec.spec.models import (
     GAPPED,
     SPEC_VERSION,
@@ -30,7 +30,6 @@ from actspec.spec.rules import check_spec
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
-    from actspec.spec.document import Document
     from actspec.spec.results import Results
 
 
@@ -65,33 +64,32 @@ def validate(document: Document) -> Spec:
         SpecError: with every error of the document.
     """
     collector = Collector()
+    breaches = Breaches(document.spans, collector)
     data = document.data
     version = data.get("actspec")
     if isinstance(version, int) and not isinstance(version, bool) and version > SPEC_VERSION:
-        collector.error(
+        breaches.error(
             "SPEC102",
             f"the spec is written for version {version} of the language, this actspec reads version {SPEC_VERSION}",
-            where="actspec",
-            span=document.spans.value(("actspec",)),
-            help=f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
+            ("actspec",),
+            f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
     faults: list[Path] = []
     model = checked(SpecModel, document, collector, faults)
     if model is not None and version is not None and version < SPEC_VERSION:
-        collector.error(
+        breaches.error(
             "SPEC102",
             f"there is no version {version} of the language",
-            where="actspec",
-            span=document.spans.value(("actspec",)),
-            help=f"write `actspec: {SPEC_VERSION}`",
+            ("actspec",),
+            f"write `actspec: {SPEC_VERSION}`",
         )
     if model is not None:
-        check_spec(model, document, collector)
+        check_spec(model, document, breaches)
     else:
         rest = salvaged(data, faults)
         if rest is not None:
-            check_spec(rest[0], document, collector, rest[1])
+            check_spec(rest[0], document, replace(breaches, left_out=rest[1]))
     collector.raise_if_failed(SpecError)
     assert model is not None
     return Spec(model, document, diagnostics=collector.sorted())
@@ -100,7 +98,7 @@ def validate(document: Document) -> Spec:
 def checked(
     root: type[M], document: Document, collector: Collector, faults: list[Path] | None = None
 ) -> M | None:
-    """The document as a model; None when it is none, with every reason in the collector.
+    """The document as a model; None when it is none, with every reason reported.
 
     Args:
         root: The model.
@@ -109,6 +107,7 @@ def checked(
         faults: Takes their places.
     """
     data = document.data
+    breaches = Breaches(document.spans, collector)
     empty = dict.fromkeys(_nulls(data))
     model: M | None = None
     try:
@@ -124,15 +123,9 @@ def checked(
                 empty.pop(path, None)
             elif below in empty or _made_short(item):
                 continue
-            report(collector, document, item, path, root)
+            report(breaches, item, path, root)
     for path in empty:
-        collector.error(
-            "SPEC103",
-            "is empty",
-            where=dotted(path),
-            span=document.spans.key(path),
-            help="write a value, `unknown`, or remove the line",
-        )
+        breaches.error("SPEC103", "is empty", path, "write a value, `unknown`, or remove the line", key=True)
         if faults is not None:
             faults.append(path)
     return None if empty else model
@@ -146,55 +139,42 @@ def _made_short(item: Any) -> bool:
     )
 
 
-def report(collector: Collector, document: Document, item: Any, path: Path, root: type[BaseModel]) -> None:
+def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> None:
     """Add one pydantic error as a diagnostic in actspec's words."""
     kind = item["type"]
     context = item.get("ctx", {})
     given = item.get("input")
-    span = document.spans.value(path)
     if kind == "actspec":
         path = (*path, *context["at"])
-        collector.error(
-            "SPEC110",
-            context["message"],
-            where=dotted(path),
-            span=document.spans.value(path),
-            help=context["help"],
-        )
+        breaches.error("SPEC110", context["message"], path, context["help"])
     elif kind == "missing":
         key = str(item["loc"][-1])
         parent = path if path and path[-1] != key else path[:-1]
-        collector.error(
-            "SPEC104",
-            f"the key '{key}' is missing",
-            where=dotted(parent),
-            span=document.spans.value(parent),
-            help=_description(root, (*parent, key)),
-        )
+        breaches.error("SPEC104", f"the key '{key}' is missing", parent, _description(root, (*parent, key)))
     elif kind == "extra_forbidden":
         key = str(item["loc"][-1])
-        collector.error(
+        breaches.error(
             "SPEC101",
             f"unknown key '{short(key)}'",
-            where=dotted(path),
-            span=document.spans.key(path),
-            help=_help_for_key(key, _model_at(root, path[:-1])),
+            path,
+            _help_for_key(key, _model_at(root, path[:-1])),
+            key=True,
         )
     elif kind == "literal_error":
         expected = str(context.get("expected", ""))
         options = [option.strip("' ") for option in expected.replace(" or ", ", ").split(",")]
         on_key = bool(item["loc"]) and item["loc"][-1] == "[key]"
         guess = nearest(str(given), options)
-        collector.error(
+        breaches.error(
             "SPEC105",
             f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
-            where=dotted(path),
-            span=document.spans.key(path) if on_key else span,
-            help=f"did you mean '{guess}'?" if guess else None,
+            path,
+            f"did you mean '{guess}'?" if guess else None,
+            key=on_key,
         )
     else:
         message, help = _in_yaml_words(kind, str(item["msg"]), context, given, _model_at(root, path))
-        collector.error("SPEC106", message, where=dotted(path), span=span, help=help)
+        breaches.error("SPEC106", message, path, help)
 
 
 def _in_yaml_words(

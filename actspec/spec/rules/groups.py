@@ -6,10 +6,11 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from actspec.diagnostics import Path, nearest
+from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Friction, Motor, Randomize, SpecModel, Tunable
 from actspec.spec.rules.motors import check_stages, may_be_linked
-from actspec.spec.rules.robot import Breaches, check_pattern
+from actspec.spec.rules.robot import check_pattern
 from actspec.spec.values import Fault, Pair, SpecValue, pair_or_fault
 from actspec.units import Kind
 

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Path, nearest
 from actspec.patterns import PatternError, match_names
+from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
 from actspec.spec.models import Motor, Source
-from actspec.spec.rules.robot import Breaches
 from actspec.spec.values import SpecValue
 
 SIDED = ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque", "torque_constant", "curve")

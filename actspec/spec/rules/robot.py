@@ -1,17 +1,14 @@
-"""Rules of `robot`, `sources`, `targets` and `accept`; and how the breach of any rule is reported."""
+"""Rules of `robot`, `sources`, `targets` and `accept`."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from actspec.diagnostics import Collector, Path, dotted, nearest
+from actspec.diagnostics import Path, nearest
 from actspec.patterns import PatternError, compile_pattern
+from actspec.spec.document import Breaches
 from actspec.spec.models import KINDS, AnyTarget, Robot, Source, Target
-
-if TYPE_CHECKING:
-    from actspec.spec.document import SourceMap
 
 
 def check_robot(robot: Robot, breaches: Breaches) -> None:
@@ -65,30 +62,6 @@ def _source_keys(node: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
     elif isinstance(node, list):
         for index, value in enumerate(node):
             yield from _source_keys(value, (*path, index))
-
-
-@dataclass(frozen=True, slots=True)
-class Breaches:
-    """Takes breaches with their place.
-
-    Attributes:
-        spans: Where what is written.
-        collector: Takes the diagnostics.
-        left_out: Sections and named parts about which nothing is said.
-    """
-
-    spans: SourceMap
-    collector: Collector
-    left_out: frozenset[Path]
-
-    def error(
-        self, code: str, message: str, path: Path, help: str | None = None, *, key: bool = False
-    ) -> None:
-        """Add a breach at a value, or at its key."""
-        if path[:1] in self.left_out or path[:2] in self.left_out:
-            return
-        span = self.spans.key(path) if key else self.spans.value(path)
-        self.collector.error(code, message, where=dotted(path), span=span, help=help)
 
 
 def check_pattern(pattern: str, path: Path, breaches: Breaches, *, key: bool = False) -> None:
