@@ -10,8 +10,7 @@ from actspec.diagnostics import ActspecError, Collector, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import lift_newton
-from actspec.lift.newton_joint import READ
-from actspec.lift.newton_prims import TARGETS, NewtonJoint, newton_joints
+from actspec.lift.newton import READ, TARGETS, NewtonJoint, newton_joints
 from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
