@@ -1,6 +1,7 @@
 """Functions that are folded by what is published about them: Python's, numpy's and mjlab's pure ones.
 
-Each takes positional and named arguments and gives data, or `Unknown`. `copy` and methods are here too.
+Each takes positional and named arguments and gives data, or `Unknown`. The methods of dicts, texts and paths that
+change nothing are here too.
 """
 
 from __future__ import annotations
@@ -13,11 +14,13 @@ from actspec.diagnostics import Span
 from actspec.readings.python.arithmetic import bounded, text_of
 from actspec.readings.python.values import (
     MAX_ITEMS,
+    MAX_TEXT,
     Budget,
     Data,
     External,
     Key,
     Obj,
+    PathText,
     Seq,
     Table,
     Unknown,
@@ -37,11 +40,15 @@ Number = Callable[..., object]
 
 CONSTANTS: dict[str, float] = {
     **dict.fromkeys(("math.pi", "numpy.pi", "torch.pi"), math.pi),
-    **dict.fromkeys(("math.tau",), math.tau),
     **dict.fromkeys(("math.e", "numpy.e"), math.e),
     **dict.fromkeys(("math.inf", "numpy.inf", "torch.inf"), math.inf),
+    "math.tau": math.tau,
 }
 """Names of other modules that are numbers."""
+
+_OF_ONE_PATH = frozenset(
+    f"os.path.{name}" for name in ("abspath", "realpath", "normpath", "fspath", "dirname")
+)
 
 
 def _two_stage(rotor_inertia: tuple[float, ...], gear_ratio: tuple[float, ...]) -> float:
@@ -74,40 +81,26 @@ def _rounded(number: float, digits: int | None = None) -> float:
     return round(number, digits)
 
 
-def _named(*modules: str, **functions: Number) -> dict[str, Number]:
-    return {f"{module}.{name}": function for module in modules for name, function in functions.items()}
-
+_SHARED = (
+    "sqrt", "radians", "degrees", "sin", "cos", "tan", "exp", "log", "hypot", "fabs", "floor", "ceil",
+)  # fmt: skip
+"""Functions that math and numpy have under one name."""
 
 NUMERIC: dict[str, Number] = {
-    **_named(
-        "math",
-        "numpy",
-        sqrt=math.sqrt,
-        radians=math.radians,
-        degrees=math.degrees,
-        sin=math.sin,
-        cos=math.cos,
-        tan=math.tan,
-        exp=math.exp,
-        log=math.log,
-        hypot=math.hypot,
-        fabs=math.fabs,
-        floor=math.floor,
-        ceil=math.ceil,
-    ),
-    **_named("math", asin=math.asin, acos=math.acos, atan=math.atan, atan2=math.atan2, pow=math.pow),
-    **_named(
-        "numpy", deg2rad=math.radians, rad2deg=math.degrees, abs=abs, arctan2=math.atan2, power=math.pow
-    ),
-    **_named("builtins", abs=abs, round=_rounded),
-    **_named(
-        "mjlab",
-        # Source: mjlab 1.6.0, mjlab/utils/actuator.py: J N^2; 2 pi / 60.
-        reflected_inertia=lambda rotor_inertia, gear_ratio: rotor_inertia * gear_ratio**2,
-        rpm_to_rad=lambda rpm: rpm * 2 * math.pi / 60,
-        reflect_rotary_to_linear=_linear,
-        reflected_inertia_from_two_stage_planetary=_two_stage,
-    ),
+    **{f"{module}.{name}": getattr(math, name) for module in ("math", "numpy") for name in _SHARED},
+    **{f"math.{name}": getattr(math, name) for name in ("asin", "acos", "atan", "atan2", "pow")},
+    "numpy.deg2rad": math.radians,
+    "numpy.rad2deg": math.degrees,
+    "numpy.abs": abs,
+    "numpy.arctan2": math.atan2,
+    "numpy.power": math.pow,
+    "builtins.abs": abs,
+    "builtins.round": _rounded,
+    # Source: mjlab 1.6.0, mjlab/utils/actuator.py: J N^2; 2 pi / 60.
+    "mjlab.reflected_inertia": lambda rotor_inertia, gear_ratio: rotor_inertia * gear_ratio**2,
+    "mjlab.rpm_to_rad": lambda rpm: rpm * 2 * math.pi / 60,
+    "mjlab.reflect_rotary_to_linear": _linear,
+    "mjlab.reflected_inertia_from_two_stage_planetary": _two_stage,
 }
 """Functions of numbers and tuples of numbers."""
 
@@ -348,6 +341,70 @@ def table_method(
             return args[1] if len(args) == 2 else None
         return look_up(owner, args[0].data)
     return Unknown(f"calls .{name}() of a dict, which is not folded")
+
+
+def path_call(name: str, args: Args) -> Data | None:
+    """`Path(...)` and the functions of `os.path`; None for any other."""
+    texts = [text_of(arg.data) for arg in args]
+    joins = name in ("pathlib.Path", "pathlib.PurePath", "os.path.join")
+    if not texts or not (joins or (name in _OF_ONE_PATH and len(texts) == 1)):
+        return None
+    reason = next((reason_of(arg.data) for arg in args if reason_of(arg.data)), None)
+    text, *others = (one or "" for one in texts)
+    if None in texts:
+        return Unknown(reason or "a path of what is no text")
+    for part in others:
+        text = part if part.startswith("/") else f"{text.rstrip('/')}/{part}" if text else part
+    if name == "os.path.dirname":
+        text = _parent(text)
+    if len(text) > MAX_TEXT:
+        return Unknown("a path that is too long")
+    return Unknown(reason, text) if reason is not None else PathText(text)
+
+
+def _parent(text: str) -> str:
+    return text.rstrip("/").rpartition("/")[0] or "."
+
+
+def path_attribute(path: str, name: str) -> Data | None:
+    """An attribute of a `pathlib.Path`; None where it has none that is folded."""
+    if name == "parent":
+        return PathText(_parent(path))
+    if name == "name":
+        return path.rpartition("/")[2]
+    if name == "stem":
+        return path.rpartition("/")[2].rpartition(".")[0] or path.rpartition("/")[2]
+    if name == "parents":
+        found = []
+        for _ in range(8):
+            path = _parent(path)
+            found.append(Value(PathText(path), _NOWHERE))
+        return Seq(found, "tuple")
+    return None
+
+
+def text_method(text: str, name: str, args: Args) -> Data:
+    """A method of a text."""
+    if isinstance(text, PathText) and name in ("resolve", "absolute", "expanduser", "as_posix"):
+        return str(text) if name == "as_posix" else text
+    plain = [arg.data for arg in args]
+    reason = next((r for r in map(reason_of, plain) if r), None)
+    if reason is not None:
+        return Unknown(reason)
+    if name in ("lower", "upper", "strip", "title") and not plain:
+        return str(getattr(text, name)())
+    texts = [one for one in plain if isinstance(one, str)]
+    if len(texts) == len(plain):
+        if name in ("startswith", "endswith") and len(texts) == 1:
+            return text.startswith(texts[0]) if name == "startswith" else text.endswith(texts[0])
+        if name == "replace" and len(texts) == 2 and (text.count(texts[0]) + 1) * len(texts[1]) <= MAX_TEXT:
+            return bounded(text.replace(texts[0], texts[1]))
+    if name == "join" and len(plain) == 1 and isinstance(plain[0], Seq):
+        parts = [one.data for one in plain[0].items]
+        words = [part for part in parts if isinstance(part, str)]
+        if len(words) == len(parts) and sum(map(len, words)) + len(text) * len(words) <= MAX_TEXT:
+            return text.join(words)
+    return Unknown(f"calls .{name}() of a text, which is not folded")
 
 
 def field_default(obj: Obj) -> tuple[str, Value] | None:

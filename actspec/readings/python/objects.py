@@ -10,7 +10,7 @@ import ast
 from collections.abc import Sequence
 
 from actspec.diagnostics import Span
-from actspec.readings.python import calls, texts
+from actspec.readings.python import calls
 from actspec.readings.python.arithmetic import bounded
 from actspec.readings.python.fold import Expressions
 from actspec.readings.python.source import Library
@@ -30,14 +30,15 @@ from actspec.readings.python.values import (
     ancestors,
     clone,
     is_configclass,
+    perhaps,
     possible,
     reason_of,
-    same,
     shallow,
 )
 
 _COPIES = {"copy.copy": shallow, "copy.deepcopy": clone}
 
+_CHANGE_A_LIST = frozenset({"append", "extend", "insert", "remove", "clear", "pop", "sort", "reverse"})
 
 _KEPT = frozenset({"property", "staticmethod", "classmethod", "cache", "lru_cache", "override"})
 """Decorators that leave a function what it is."""
@@ -57,10 +58,6 @@ class Objects(Expressions):
     def run(self, body: Sequence[ast.stmt], scope: Scope) -> bool:
         """Take statements."""
         raise NotImplementedError
-
-    def same(self, one: Value, other: Value) -> bool:
-        """Whether two values are known and equal."""
-        return same(one, other, self.budget)
 
     # Calls.
 
@@ -100,7 +97,7 @@ class Objects(Expressions):
         function = calls.NUMERIC.get(calls.known(what.dotted))
         if function is not None:
             return calls.numeric(function, args, named)
-        path = texts.path_call(what.dotted, args)
+        path = calls.path_call(what.dotted, args)
         if path is not None:
             return path
         if what.is_class or what.dotted == "dataclasses.field":
@@ -246,7 +243,7 @@ class Objects(Expressions):
         result = scope.returned or Value(None, span)
         if scope.maybe:
             reason = reason_of(scope.maybe[0].data) or "a branch"
-            return Value(Unknown(reason, among=possible([result, *scope.maybe])), span)
+            return perhaps([result, *scope.maybe], reason, span)
         return result
 
     def _is_generator(self, node: ast.FunctionDef) -> bool:
@@ -274,28 +271,16 @@ class Objects(Expressions):
                 among = possible([*among, calls.look_up(owner, Unknown(data.reason))])
             return Unknown(data.reason, among=among)
         if isinstance(data, Obj):
-            copied = clone(owner, self.budget) if is_configclass(data.cls) else shallow(owner, self.budget)
-            return (
-                self._settled(self._replaced(copied, named))
-                if is_configclass(data.cls)
-                else self._replaced(copied, named)
-            )
+            if is_configclass(data.cls):
+                return self._settled(self._replaced(clone(owner, self.budget), named))
+            return self._replaced(shallow(owner, self.budget), named)
         if isinstance(data, str):
-            return texts.text_method(data, name, args)
+            return calls.text_method(data, name, args)
         if isinstance(data, Table) and name in ("update", "pop", "setdefault"):
             return self._change_table(owner, data, name, args, named)
         if isinstance(data, Table):
             return calls.table_method(owner, data, name, args, named, self.budget)
-        if isinstance(data, Seq) and name in (
-            "append",
-            "extend",
-            "insert",
-            "remove",
-            "clear",
-            "pop",
-            "sort",
-            "reverse",
-        ):
+        if isinstance(data, Seq) and name in _CHANGE_A_LIST:
             found = calls.elements(args[0].data, self.budget) if name == "extend" and args else args
             if name not in ("append", "extend") or self.doubt is not None or isinstance(found, Unknown):
                 self._spoil(owner, self.doubt or f"changed by .{name}()")
@@ -334,18 +319,19 @@ class Objects(Expressions):
 
     # Stores.
 
+    def doubted(self, value: Value) -> Value:
+        """What a store leaves: the value, or while there is a doubt perhaps that."""
+        return value if self.doubt is None else perhaps((value,), self.doubt)
+
     def store_attribute(self, owner: Value, name: str, value: Value, span: Span) -> None:
         """`owner.name = value`."""
         data = owner.data
         if isinstance(data, Unknown):
             for one in data.among:
                 if isinstance(one.data, Obj):
-                    one.data.fields[name] = Value(
-                        Unknown(self.doubt or data.reason, among=possible((value,))), span
-                    )
+                    one.data.fields[name] = perhaps((value,), self.doubt or data.reason, span)
             return
-        if self.doubt is not None:
-            value = Value(Unknown(self.doubt, among=possible((value,))), value.span)
+        value = self.doubted(value)
         if isinstance(data, Obj):
             data.fields[name] = value
         elif isinstance(data, Cls):
@@ -362,8 +348,7 @@ class Objects(Expressions):
         if isinstance(key, Unknown):
             self._spoil(owner, self.doubt or key.reason)
             return
-        if self.doubt is not None:
-            value = Value(Unknown(self.doubt, among=possible((value,))), value.span)
+        value = self.doubted(value)
         if isinstance(data, Table):
             data.items[key] = value
             if isinstance(bounded(data), Unknown):

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from actspec.diagnostics import Span
 from actspec.readings.python import calls
 from actspec.readings.python.arithmetic import binary
-from actspec.readings.python.fold import Expressions
 from actspec.readings.python.objects import Objects
 from actspec.readings.python.source import Source
 from actspec.readings.python.values import (
@@ -27,8 +26,10 @@ from actspec.readings.python.values import (
     Table,
     Unknown,
     Value,
+    perhaps,
     possible,
     reason_of,
+    same,
     truth,
 )
 
@@ -36,7 +37,7 @@ LOOP = "built in a loop"
 """Reason of what a loop assigns."""
 
 
-class Interpreter(Objects, Expressions):
+class Interpreter(Objects):
     """Folds the files of one reading."""
 
     def load(self, source: Source) -> Value:
@@ -146,13 +147,8 @@ class Interpreter(Objects, Expressions):
         names = []
         for node in nodes:
             inner = node.func if isinstance(node, ast.Call) else node
-            names.append(
-                inner.attr
-                if isinstance(inner, ast.Attribute)
-                else inner.id
-                if isinstance(inner, ast.Name)
-                else "?"
-            )
+            named = inner.attr if isinstance(inner, ast.Attribute) else getattr(inner, "id", "?")
+            names.append(named)
         return tuple(names)
 
     def _function(self, node: ast.FunctionDef, scope: Scope) -> None:
@@ -218,12 +214,12 @@ class Interpreter(Objects, Expressions):
             known = [self.resolved(value, scope) for value in values if value is not None]
             merged = self.either(known, reason)
             if len(known) < len(values):
-                merged = Value(Unknown(reason, among=possible(known)), merged.span)
+                merged = perhaps(known, reason, merged.span)
             scope.names[name] = merged
         if ended == len(bodies):
             scope.returned = self.either(returned, reason) if returned else None
             return True
-        scope.maybe.extend(Value(Unknown(reason, among=possible((value,))), value.span) for value in returned)
+        scope.maybe.extend(perhaps((value,), reason) for value in returned)
         return False
 
     def _take(self, body: Sequence[ast.stmt], scope: Scope) -> tuple[bool, Value | None]:
@@ -234,9 +230,7 @@ class Interpreter(Objects, Expressions):
 
     def either(self, values: Sequence[Value], reason: str) -> Value:
         first, *others = values
-        if all(self.same(first, other) for other in others):
-            return first
-        return Value(Unknown(reason, among=possible(values)), first.span)
+        return first if all(same(first, one, self.budget) for one in others) else perhaps(values, reason)
 
     def _loop(self, node: ast.For | ast.AsyncFor | ast.While, scope: Scope) -> None:
         before = dict(scope.names)
@@ -252,12 +246,11 @@ class Interpreter(Objects, Expressions):
         finally:
             self.doubt = doubt
         if returned is not None:
-            scope.maybe.append(Value(Unknown(LOOP, among=possible((returned,))), returned.span))
+            scope.maybe.append(perhaps((returned,), LOOP))
         for name, value in scope.names.items():
             if before.get(name) is not value:
                 values = [value, *([before[name]] if name in before else [])]
-                known = [self.resolved(one, scope) for one in values]
-                scope.names[name] = Value(Unknown(LOOP, among=possible(known)), known[0].span)
+                scope.names[name] = perhaps([self.resolved(one, scope) for one in values], LOOP)
         self.run(node.orelse, scope)
 
     def _try(self, node: ast.Try, scope: Scope) -> bool:
@@ -273,9 +266,7 @@ class Interpreter(Objects, Expressions):
     def bind(self, target: ast.expr, value: Value, scope: Scope, nested: bool = False) -> None:
         if isinstance(target, ast.Name):
             where = scope.module if target.id in scope.globals else scope
-            if where is not scope and self.doubt is not None:
-                value = Value(Unknown(self.doubt, among=possible((value,))), value.span)
-            where.names[target.id] = value
+            where.names[target.id] = value if where is scope else self.doubted(value)
         elif isinstance(target, (ast.Tuple, ast.List)):
             self._unpack(target.elts, value, scope, nested)
         elif isinstance(target, ast.Attribute):
@@ -284,11 +275,8 @@ class Interpreter(Objects, Expressions):
             )
         elif isinstance(target, ast.Subscript):
             owner = self.place(target.value, scope)
-            index = (
-                Unknown("a slice")
-                if isinstance(target.slice, ast.Slice)
-                else self.eval(target.slice, scope).data
-            )
+            sliced = isinstance(target.slice, ast.Slice)
+            index = Unknown("a slice") if sliced else self.eval(target.slice, scope).data
             self.store_item(owner, index, value, scope.source.span(target))
         elif isinstance(target, ast.Starred):
             self.bind(target.value, Value(Unknown("a starred target"), value.span), scope)

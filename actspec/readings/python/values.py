@@ -7,7 +7,7 @@ where it is written, through names and attributes.
 from __future__ import annotations
 
 import ast
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -375,6 +375,11 @@ def possible(values: Iterable[Value]) -> tuple[Value, ...]:
             if isinstance(one.data, (Seq, Table, Obj)) and len(found) < MAX_ITEMS:
                 found[id(one.data)] = one
     return tuple(found.values())
+
+
+def perhaps(values: Sequence[Value], reason: str, span: Span | None = None) -> Value:
+    """What may be any of several values, at the place of the first unless another is given."""
+    return Value(Unknown(reason, among=possible(values)), span or values[0].span)
 
 
 def truth(value: Value) -> bool | None:
