@@ -113,7 +113,7 @@ def _target(spec: Spec, version: str, asked: str | None) -> str:
     if len(names) > 1:
         names = [name for name in names if _stated_release(spec, name) == version] or names
     if len(names) > 1:
-        raise ValueError(f"the spec has several isaaclab targets, {', '.join(names)}: say which by `target`")
+        raise ValueError(f"the spec has several isaaclab targets, {', '.join(names)}: name one with `target`")
     return names[0] if names else "isaaclab"
 
 
@@ -138,7 +138,7 @@ def _installed_release(package: ModuleSpec) -> str:
     version = _checkout_version(package) or distribution_version("isaaclab")
     if version is None:
         raise ModuleNotFoundError(
-            "nothing here tells which Isaac Lab this is: install it with pip, or from its repository",
+            "the version of Isaac Lab is unknown: install it with pip, or from its repository",
             name="isaaclab",
         )
     return newest_known(version, tuple(RELEASES))

@@ -63,5 +63,5 @@ def _installed_release() -> str:
     find_package("mjlab", "pip install mjlab")
     version = distribution_version("mjlab")
     if version is None:
-        raise ModuleNotFoundError("nothing here tells which mjlab this is: install it with pip", name="mjlab")
+        raise ModuleNotFoundError("the version of mjlab is unknown: install it with pip", name="mjlab")
     return newest_known(version, tuple(RELEASES))

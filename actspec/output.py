@@ -88,7 +88,7 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
     """All files of a compilation, each target's manifest last, beside what is on disk.
 
     Raises:
-        EmitError: a path is there and is no regular file.
+        EmitError: a path exists and is not a regular file.
     """
     collector = Collector()
     found = []
@@ -100,7 +100,7 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
             try:
                 if os.path.lexists(path):
                     if not os.path.isfile(path):
-                        collector.error("OUT001", "is there and is no regular file", span=Span(path))
+                        collector.error("OUT001", "exists and is not a regular file", span=Span(path))
                         continue
                     with open(path, "rb") as stream:
                         old = stream.read()
@@ -128,7 +128,7 @@ def write(files: tuple[Output, ...], *, force: bool = False) -> None:
             if file.changed and file.old is not None and not _is_ours(file):
                 collector.error(
                     "OUT003",
-                    "is there already, and actspec did not write it as it stands now",
+                    "exists already, and is not as actspec wrote it",
                     span=Span(file.path),
                     help="choose another folder with -o, or replace it with --force",
                 )

@@ -118,7 +118,7 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         message = (
             "the baseline is of another version of actspec" if newer else "this is no baseline of actspec"
         )
-        raise _error("AUD005", message, path, f"write it anew with --write-baseline {path}")
+        raise _error("AUD005", message, path, f"write it again with --write-baseline {path}")
     entries: Counter[Entry] = Counter()
     records = data.get("findings")
     for record in records if isinstance(records, list) else [None]:
@@ -127,7 +127,7 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         count = known.get("count")
         if not isinstance(count, int) or count < 1 or not all(isinstance(text, str) for text in texts):
             message = "an entry of the baseline is not as actspec writes it"
-            raise _error("AUD005", message, path, f"write it anew with --write-baseline {path}")
+            raise _error("AUD005", message, path, f"write it again with --write-baseline {path}")
         entries[Entry(former.get(texts[0], texts[0]), *texts[1:])] += count
     return entries
 

@@ -272,5 +272,5 @@ def _stale(
             f"{code} is in the baseline and is no longer found in {file}{where}",
             "",
             Span(path),
-            f"write the baseline anew with --write-baseline {path}",
+            f"write the baseline again with --write-baseline {path}",
         )

@@ -162,7 +162,7 @@ def _refusal(item: Reported, fix: Fix, reason: str) -> Diagnostic:
     return Diagnostic(
         "AUD011",
         Severity.WARNING,
-        f"the fix of {item.finding.code} is not made ({fix.title}): {reason}",
+        f"the fix of {item.finding.code} is not applied ({fix.title}): {reason}",
         item.finding.joint,
         item.finding.span,
     )

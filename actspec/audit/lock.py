@@ -107,13 +107,15 @@ def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]
     with contextlib.suppress(ValueError, RecursionError):
         lock = json.loads(data.decode("utf-8"))
     if not isinstance(lock, dict) or not str(lock.get("format", "")).startswith("actspec-lock/"):
-        out.error("LCK001", "is no dynamics lock", span=Span(path), help="move it away, and write one anew")
+        out.error(
+            "LCK001", "is not a dynamics lock", span=Span(path), help="move it away and write a new one"
+        )
     elif lock["format"] != FORMAT:
         told = shortened(str(lock["format"]))
         out.error("LCK001", f"has the format {told}, and this actspec knows {FORMAT}", span=Span(path))
     else:
         for fault in _faults(lock, figures):
-            out.error("LCK002", fault, span=Span(path), help="write it anew with `actspec lock FILE`")
+            out.error("LCK002", fault, span=Span(path), help="write it again with `actspec lock FILE`")
         if not out.failed:
             read_versions(lock["versions"], "versions", Span(path), out)
     out.raise_if_failed(AuditError)
@@ -215,10 +217,10 @@ def _robot_fault(record: Any) -> str | None:
             return f"{shortened(name)} {shape}"
         own = {key: value for key, value in joint.items() if key != "hash"}
         if _hash(own) != joint.get("hash"):
-            return f"the figures of {shortened(name)} do not fit their hash: somebody has edited the lock"
+            return f"the figures of {shortened(name)} do not match their hash: the lock has been edited"
         hashes[name] = joint["hash"]
     if _hash({"settings": settings, "joints": hashes}) != record.get("hash"):
-        return "the joints do not fit their hash: somebody has edited the lock"
+        return "the joints do not match their hash: the lock has been edited"
     return None
 
 

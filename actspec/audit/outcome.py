@@ -148,8 +148,8 @@ def _unpaired(case: Case) -> Iterator[Diagnostic]:
                 yield Diagnostic(
                     "AUD015",
                     Severity.INFO,
-                    f"this has the joints of {listed(map(basename, near), 2)}, and is not compared with it: the names "
-                    "do not say that it is the same robot",
+                    f"this has the joints of {listed(map(basename, near), 2)}, and is not compared with it: no name "
+                    "shows that it is the same robot",
                     "",
                     Span(member.path),
                     "write the robot's name into the file's name",

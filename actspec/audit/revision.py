@@ -74,9 +74,9 @@ def lay_out(text: str, folder: str) -> Revision:
     """
     name, _, path = text.partition(":")
     if not name or name.startswith("-"):
-        raise _error(text, f"names no revision: {shortened(name)!r}", "HEAD~1:robot.xml, say")
+        raise _error(text, f"names no revision: {shortened(name)!r}", "for example HEAD~1:robot.xml")
     if not path:
-        raise _error(text, "names no file of the revision", f"{name}:robot.xml, say")
+        raise _error(text, "names no file of the revision", f"for example {name}:robot.xml")
     commit = _git(text, "rev-parse", "--verify", "--quiet", "--end-of-options", f"{name}^{{commit}}")
     if commit is None:
         if _git(text, "rev-parse", "--git-dir") is None:
@@ -156,7 +156,7 @@ def _write(text: str, entries: list[_Entry], main: str, folder: str) -> None:
         end = (blobs or b"").find(b"\n", start)
         header = (blobs or b"")[start:end].split()
         if blobs is None or end < 0 or len(header) != 3 or header[1] != b"blob":
-            raise _error(text, f"git does not give {shortened(entry.path)!r} of the revision")
+            raise _error(text, f"git cannot read {shortened(entry.path)!r} of the revision")
         size = int(header[2])
         target = os.path.join(folder, *PurePosixPath(entry.path).parts)
         try:
@@ -184,7 +184,7 @@ def _git(text: str, *arguments: str, given: bytes | None = None) -> bytes | None
             check=False,
         )
     except FileNotFoundError as err:
-        raise _error(text, "is no file, and there is no git that could tell a revision") from err
+        raise _error(text, "is not a file, and git is not installed, so it cannot be a revision") from err
     except (OSError, ValueError, subprocess.SubprocessError) as err:
         raise _error(text, f"git could not run: {type(err).__name__}") from err
     return done.stdout if done.returncode == 0 else None

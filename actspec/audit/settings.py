@@ -121,7 +121,7 @@ def read_versions(data: Mapping[str, str], where: str, span: Span | None, out: C
             near = nearest(name, known)
             out.error(
                 "AUD002",
-                f"'{shortened(written)}' is nothing that files can be meant for",
+                f"'{shortened(written)}' is not a simulator or backend that files can be for",
                 where=place,
                 span=span,
                 help=f"did you mean '{near}'?" if near else f"one of {', '.join(known)}",

@@ -105,7 +105,7 @@ def _fix(
             break
         back = next((file for file in fixes.files if (file.path, file.new) in before), None)
         if back is not None:
-            message = "the fixes that are left are not made: they undo those before them"
+            message = "the remaining fixes are not applied: they undo earlier ones"
             print_diagnostics([Diagnostic("AUD011", Severity.WARNING, message, "", Span(back.path))])
             break
         before.update((file.path, file.old) for file in fixes.files)
@@ -187,7 +187,7 @@ def _check_spec(report: Report, spec: str | None) -> None:
     # None: --skip-other has passed over it.
     if file is None or (file.readable and file.kind is not FileKind.SPEC):
         kind = file.kind.value if file is not None and file.kind is not None else "something else"
-        message = f"this is no actspec spec but {kind}"
+        message = f"this is not an actspec spec but {kind}"
         raise AuditError.of("AUD010", message, Span(spec), where="--spec")
 
 
@@ -209,7 +209,7 @@ def _refuse_audited(report: Report, option: str, path: str) -> None:
     """
     audited = {os.path.realpath(file.path) for reading in report.case.files for file in reading.files}
     if os.path.realpath(path) in audited:
-        message = "this is one of the audited files, and would be written over"
+        message = "this is one of the audited files, and would be overwritten"
         raise AuditError.of("AUD010", message, Span(path), where=option)
 
 

@@ -99,7 +99,7 @@ def _refusals(losses: list[Approximation]) -> Iterator[str]:
     for key in keys:
         count = sum(loss.key == key for loss in losses)
         yield f"  {key} ({count} joint{'s' * (count != 1)})"
-    yield f'  help: take one knowingly with `accept: {{{keys[0]}: "the reason"}}` in the spec'
+    yield f'  help: accept one with `accept: {{{keys[0]}: "the reason"}}` in the spec'
 
 
 def _record(done: list[output.Compilation], files: list[tuple[output.Output, ...]]) -> dict[str, Any]:

@@ -138,7 +138,7 @@ def _warning(item: Disagreement, more: str) -> Diagnostic:
     taken, lost = (format_quantity(q.value, q.unit) for q in (item.taken, item.lost))
     who = f"{listed(map(one_line, item.joints), 4)}: " if item.joints else ""
     place = item.lost.span or Span(item.lost.source or "another file")
-    told = f"{who}{item.field} is {taken} here, which is taken, and {lost} in {place}{more}"
+    told = f"{who}{item.field} is {taken} here, which is used, and {lost} in {place}{more}"
     return Diagnostic("DRF010", Severity.WARNING, told, "", item.taken.span)
 
 
@@ -150,7 +150,7 @@ def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequ
         f"({listed(spec.groups)}), from {', '.join(map(one_line, dict.fromkeys(files)))}"
     )
     for why, left in combined.reasons().items():
-        yield f"  left as they are, {one_line(why)}: {listed(map(one_line, left))}"
+        yield f"  unmanaged, {one_line(why)}: {listed(map(one_line, left))}"
     remarks: dict[str, list[str]] = {}
     for joint, texts in combined.notes.items():
         for text in texts:
@@ -160,7 +160,7 @@ def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequ
     for text in spec.inferred:
         yield f"  {one_line(text)}"
     for field, lacking in spec.unknown.items():
-        yield f"  no file says {field}: {listed(lacking)}"
+        yield f"  no file states {field}: {listed(lacking)}"
     if output is not None:
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
@@ -190,10 +190,10 @@ def check_free(path: str, sources: Sequence[str], force: bool) -> None:
             "OUT003", "is the file to import itself", Span(path), help="name another file for the spec"
         )
     if not os.path.isfile(path):
-        raise EmitError.of("OUT001", "is there and is no regular file", Span(path))
+        raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
     if not force:
         raise EmitError.of(
-            "OUT003", "is there already", Span(path), help="name another file, or replace it with --force"
+            "OUT003", "exists already", Span(path), help="name another file, or replace it with --force"
         )
 
 

@@ -80,7 +80,7 @@ def _skipped(model: str, folder: str) -> str:
     if model == "none":
         return ""
     if model.startswith("package://"):
-        return " (patterns not checked against the robot: `actspec compile --check` does)"
+        return " (patterns are not checked against the robot; `actspec compile --check` checks them)"
     if not os.path.isfile(os.path.join(folder, model)):
-        return f" (its model {model!r} is not there: patterns not checked)"
+        return f" (its model {model!r} was not found: patterns are not checked)"
     return ""

@@ -105,7 +105,7 @@ def _plan(folder: Path, frameworks: bool, releases: Sequence[str]) -> Iterator[s
     if frameworks:
         yield f"  Isaac Lab 2.2 and 2.3, mjlab, Newton, MuJoCo 3.11, torch: {SIZE}, {TIME}"
         yield "  (several GB more where pip's index brings the torch for graphics cards)"
-    yield "set ACTSPEC_ENGINES for another folder; remove the folder to be rid of it"
+    yield "set ACTSPEC_ENGINES for another folder; remove the folder to uninstall"
 
 
 def _check_space(folder: Path, collector: Collector) -> None:
@@ -125,7 +125,7 @@ def _check_space(folder: Path, collector: Collector) -> None:
 def _agreed() -> bool:
     """Whether the user wants it; asked on a terminal alone."""
     if not sys.stdin.isatty():
-        print("say --yes to install it", file=sys.stderr)
+        print("use --yes to install it", file=sys.stderr)
         return False
     try:
         return input("install? [y/N] ").strip().lower() in ("y", "yes")

@@ -67,7 +67,7 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
         f"{path}, {timing}"
     )
     if actuators.unmanaged:
-        yield f"  left as they are: {listed(actuators.unmanaged)}"
+        yield f"  unmanaged: {listed(actuators.unmanaged)}"
     yield from table(list(_rows(actuators.joints)), headings=2)
 
 

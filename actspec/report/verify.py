@@ -1,4 +1,4 @@
-"""What `actspec verify` prints: a row for each target and distinct actuator, what is wrong, what was not asked."""
+"""What `actspec verify` prints: a row for each target and distinct actuator, what is wrong, what was not run."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     marked = list(_marked(agreement))
     if marked:
         yield ""
-        yield "  known approximations, which --strict and `accept` are about"
+        yield "  known approximations (see --strict and `accept`)"
         yield from table(marked, indent="    ", headings=0)
     if any(SOFT in row.approximations for row in agreement.rows):
         yield ""
@@ -44,7 +44,7 @@ def text(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     missed = list(_missed(agreement.skipped))
     if missed:
         yield ""
-        yield from table([("not asked", "because", ""), *missed])
+        yield from table([("not run", "because", ""), *missed])
     yield ""
     yield _summary(compilation, agreement)
 
@@ -74,7 +74,7 @@ def markdown(compilation: Compilation, agreement: Agreement) -> Iterator[str]:
     for row in agreement.faults:
         yield f"- {_fault(row)}"
     for target, reason, help in _missed(agreement.skipped):
-        yield f"- {target}: not asked: {reason}{f' ({help})' if help else ''}"
+        yield f"- {target}: not run: {reason}{f' ({help})' if help else ''}"
     yield ""
     yield _summary(compilation, agreement)
 
@@ -99,7 +99,7 @@ def github(compilation: Compilation, agreement: Agreement, *, built: bool, stric
         yield command(Severity.ERROR, f"{loss.key} is not accepted", spec, text)
     for target, reason, help in _missed(agreement.skipped):
         yield command(
-            Severity.INFO, f"{target} not asked", spec, one_line(f"{reason}{f' ({help})' if help else ''}")
+            Severity.INFO, f"{target} not run", spec, one_line(f"{reason}{f' ({help})' if help else ''}")
         )
     verdict = Severity.INFO if agreement.ok else Severity.ERROR
     yield command(verdict, one_line(compilation.actuators.robot), spec, _summary(compilation, agreement))

@@ -83,7 +83,7 @@ def test_stale_entries_are_told(folder: Path) -> None:
     (problem,) = judged(baseline="base.json").problems
     assert str(problem) == (
         "base.json: AUD007 [warning]: LIM901 is in the baseline and is no longer found in a.xml (hip, knee)\n"
-        "  help: write the baseline anew with --write-baseline base.json"
+        "  help: write the baseline again with --write-baseline base.json"
     )
     assert not judged(baseline="base.json", select=("DMP",)).problems
     other = judge(

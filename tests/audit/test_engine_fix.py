@@ -94,7 +94,7 @@ def test_a_crash_of_the_engine_loses_only_its_fix(monkeypatch: pytest.MonkeyPatc
     found = fixed(LEG, fatal, good)
     assert found.files[0].new == LEG[: LEG.rindex(b'"2"')] + b'"3"' + LEG[LEG.rindex(b'"2"') + 3 :]
     assert [item.message for item in found.refused] == [
-        "the fix of LIM901 is not made (Take the damping out): "
+        "the fix of LIM901 is not applied (Take the damping out): "
         "leg.xml could not be compiled to check it: MuJoCo crashed on it (signal 11)"
     ]
 
@@ -162,7 +162,7 @@ def test_a_fix_that_does_more_than_it_says_is_not_made(fix: Fix, reason: str) ->
     good = unsafe(edit(LEG, b'damping="2"', b'damping="1"', nth=1))
     found = fixed(LEG, fix, good)
     (refused,) = found.refused
-    assert refused.message.startswith(f"the fix of LIM901 is not made (Take the damping out): {reason}")
+    assert refused.message.startswith(f"the fix of LIM901 is not applied (Take the damping out): {reason}")
     assert (refused.code, str(refused.span)) == ("AUD011", "leg.xml:1:1")
     assert found.files[0].new == b'damping="1"'.join(LEG.rsplit(b'damping="2"', 1))
 

@@ -145,7 +145,7 @@ def test_never_fails_the_run(folder: Path) -> None:
         (
             "[audit.versions]\nisaclab = '2.3'",
             [
-                "AUD002 audit.versions.isaclab: 'isaclab' is nothing that files can be meant for"
+                "AUD002 audit.versions.isaclab: 'isaclab' is not a simulator or backend that files can be for"
                 "|did you mean 'isaaclab'?"
             ],
         ),

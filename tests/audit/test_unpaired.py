@@ -39,6 +39,6 @@ def test_another_name(
     found = [str(item).partition("\n")[0] for item in report.for_people()]
     message = (
         "this has the joints of biped.xml, and is not compared with it: "
-        "the names do not say that it is the same robot"
+        "no name shows that it is the same robot"
     )
     assert found == ([f"{name}: AUD015 [info]: {message}"] if reported else [])

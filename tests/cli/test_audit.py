@@ -106,7 +106,7 @@ def test_a_report_is_not_written_over_what_it_is_about(capsys: pytest.CaptureFix
     """`-o` with a file's name behind it that was meant to be audited would end that file."""
     for option in ("-o", "--write-baseline"):
         assert run("audit", "leg.xml", option, "./leg.xml") == 2
-        assert "this is one of the audited files, and would be written over" in capsys.readouterr().err
+        assert "this is one of the audited files, and would be overwritten" in capsys.readouterr().err
     assert Path("leg.xml").read_text() == LEG
 
 
@@ -134,7 +134,7 @@ def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> N
     run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes")
     assert capsys.readouterr().err.splitlines() == [
         'part.xml: Set nsample="4"',
-        "part.xml: AUD011 [warning]: the fixes that are left are not made: they undo those before them",
+        "part.xml: AUD011 [warning]: the remaining fixes are not applied: they undo earlier ones",
     ]
     assert 'nsample="4"' in Path("part.xml").read_text()
 
@@ -208,7 +208,7 @@ def test_option_errors_come_together(capsys: pytest.CaptureFixture[str]) -> None
     ]
     assert run("audit", "leg.xml", *arguments) == 2
     assert capsys.readouterr().err.splitlines() == [
-        "AUD002 --target: 'isaclab' is nothing that files can be meant for",
+        "AUD002 --target: 'isaclab' is not a simulator or backend that files can be for",
         "  help: did you mean 'isaaclab'?",
         "AUD003 --select: no rule has the code, the beginning of a code or the name 'LIN101'",
         "  help: did you mean 'LIM101'?",
@@ -304,7 +304,7 @@ def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run("audit", "leg.xml") == 0
     assert capsys.readouterr().err == (
         "known.json: AUD007 [warning]: LIM101 is in the baseline and is no longer found in leg.xml (hip)\n"
-        "  help: write the baseline anew with --write-baseline known.json\n"
+        "  help: write the baseline again with --write-baseline known.json\n"
     )
     # Written anew it does not hide itself first.
     assert run("audit", "leg.xml", "--write-baseline", "known.json") == 0

@@ -44,15 +44,15 @@ def test_to_a_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = capsys.readouterr()
     assert said.out == (
         "wrote specs/robot.yaml: 1 joint in 1 group (swing), from robot.xml, deploy.yaml\n"
-        "  left as they are, no actuator: free_end\n"
-        "  no file says armature: swing\n"
-        "  no file says friction.coulomb: swing\n"
+        "  unmanaged, no actuator: free_end\n"
+        "  no file states armature: swing\n"
+        "  no file states friction.coulomb: swing\n"
         "next: check it, then\n"
         "  actspec show specs/robot.yaml\n"
         "  actspec compile specs/robot.yaml\n"
     )
     assert said.err == (
-        "deploy.yaml:2:6: DRF010 [warning]: swing: kp is 25 N*m/rad here, which is taken, and 20 N*m/rad in "
+        "deploy.yaml:2:6: DRF010 [warning]: swing: kp is 25 N*m/rad here, which is used, and 20 N*m/rad in "
         "robot.xml:8:13\n"
     )
     assert load_spec("specs/robot.yaml").model.robot.model == "../robot.xml"
@@ -87,7 +87,7 @@ def test_never_overwrites(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     (folder / "spec.yaml").write_text("mine\n", encoding="utf-8")
     assert main(["import", "robot.xml", "-o", "spec.yaml"]) == 2
     assert capsys.readouterr().err == (
-        "spec.yaml: OUT003: is there already\n"
+        "spec.yaml: OUT003: exists already\n"
         "  help: name another file, or replace it with --force\n"
         "1 error; nothing was written\n"
     )
@@ -248,11 +248,11 @@ def test_what_no_spec_can_say(folder: Path, capsys: pytest.CaptureFixture[str]) 
     out = capsys.readouterr().out
     for line in (
         "wrote spec.yaml: 1 joint in 1 group (plain), from tangle.xml",
-        "left as they are, 2 actuators (motor, motor): two",
-        "left as they are, driven through the tendon 'cable': pulled",
-        "left as they are, follows 'plain' (equality): follower",
-        "left as they are, no actuator, in the closed loop of two_body and looped_body (connect): looped",
-        "left as they are, an actuator of another kind (muscle): muscle",
+        "unmanaged, 2 actuators (motor, motor): two",
+        "unmanaged, driven through the tendon 'cable': pulled",
+        "unmanaged, follows 'plain' (equality): follower",
+        "unmanaged, no actuator, in the closed loop of two_body and looped_body (connect): looped",
+        "unmanaged, an actuator of another kind (muscle): muscle",
     ):
         assert line in out
     assert main(["compile", "spec.yaml", "-o", "out"]) == 0
@@ -285,7 +285,7 @@ def test_followers_are_one_line(folder: Path, capsys: pytest.CaptureFixture[str]
         f'<robot name="hand"><link name="base"/>{FOLLOWERS}</robot>', encoding="utf-8"
     )
     assert main(["import", "hand.urdf", "-o", "spec.yaml"]) == 0
-    assert "left as they are, follow other joints (mimic): L_finger2, R_finger2\n" in capsys.readouterr().out
+    assert "unmanaged, follow other joints (mimic): L_finger2, R_finger2\n" in capsys.readouterr().out
     assert '    - ".*_finger2"    # follow other joints (mimic)\n' in Path("spec.yaml").read_text(
         encoding="utf-8"
     )
@@ -307,7 +307,7 @@ def test_poses_are_one_warning(folder: Path, capsys: pytest.CaptureFixture[str])
     )
     assert main(["import", "leg.xml", "leg.yaml", "-o", "spec.yaml"]) == 0
     assert capsys.readouterr().err == (
-        "leg.yaml:4:26: DRF010 [warning]: knee: default_pose is 0.5 rad here, which is taken, and 0.2 rad in "
+        "leg.yaml:4:26: DRF010 [warning]: knee: default_pose is 0.5 rad here, which is used, and 0.2 rad in "
         "leg.xml:1:435; the poses of 1 other joints differ too\n"
     )
     assert '    "ankle": {value: 0.6 rad, source: leg_deploy}    # leg.xml:1 has 0.3 rad\n' in (

@@ -64,7 +64,7 @@ def test_never_overwrites(folder: Path, source: str | None, capsys: pytest.Captu
     arguments = ["init", "spec.yaml", *(["--from", source] if source else [])]
     assert main(arguments) == 2
     assert capsys.readouterr().err == (
-        "spec.yaml: OUT003: is there already\n"
+        "spec.yaml: OUT003: exists already\n"
         "  help: name another file, or replace it with --force\n"
         "1 error; nothing was written\n"
     )
@@ -82,9 +82,9 @@ def test_draft(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     said = capsys.readouterr().out
     assert said == (
         "wrote specs/new/spec.yaml: 1 joint in 1 group (swing), from models/robot.xml\n"
-        "  left as they are, no actuator: free_end\n"
-        "  no file says armature: swing\n"
-        "  no file says friction.coulomb: swing\n"
+        "  unmanaged, no actuator: free_end\n"
+        "  no file states armature: swing\n"
+        "  no file states friction.coulomb: swing\n"
         "next: check it, then\n"
         "  actspec show specs/new/spec.yaml\n"
         "  actspec compile specs/new/spec.yaml\n"

@@ -154,20 +154,20 @@ def test_in_another_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
             lambda d: d.update(format="actspec-lock/2"),
             "LCK001: has the format actspec-lock/2, and this actspec",
         ),
-        (lambda d: d.update(format="other"), "LCK001: is no dynamics lock"),
+        (lambda d: d.update(format="other"), "LCK001: is not a dynamics lock"),
         (lambda d: d.update(files=[]), "LCK002: `files` is not as actspec writes it"),
         (lambda d: d.update(versions={"isaaclab": "x"}), "AUD004"),
         (lambda d: d["files"]["leg.xml"].update(kind="usd"), "LCK002: the entry of 'leg.xml' is not as"),
         (
             lambda d: joint(d).update(kd=4.0),
-            "LCK002: leg.xml, leg: the figures of knee do not fit their hash",
+            "LCK002: leg.xml, leg: the figures of knee do not match their hash",
         ),
         (lambda d: joint(d).update(kd=True), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (lambda d: joint(d).update(kd=10**400), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (lambda d: joint(d).update(colour=1.0), "LCK002: leg.xml, leg: knee is not as actspec writes it"),
         (
             lambda d: d["files"]["leg.xml"]["robots"]["leg"]["settings"].update(physics_dt=1.0),
-            "LCK002: leg.xml, leg: the joints do not fit their hash",
+            "LCK002: leg.xml, leg: the joints do not match their hash",
         ),
     ],
     ids=[
@@ -206,7 +206,7 @@ def joint(found: Any) -> Any:
     [
         (["--check"], "actspec.lock: LCK001: there is no such lock"),
         ([], "actspec.lock: LCK001: there is no such lock"),
-        (["leg.xml", "-o", "leg.yaml"], "leg.yaml: LCK001: is no dynamics lock"),
+        (["leg.xml", "-o", "leg.yaml"], "leg.yaml: LCK001: is not a dynamics lock"),
         (["leg.xml", "-o", "."], ".: LCK001: cannot be read: a folder"),
         (["leg.xml", "-o", "no/actspec.lock"], "no/actspec.lock: LCK001: cannot be written"),
         (["none.xml"], "none.xml: DIF001: cannot be read"),

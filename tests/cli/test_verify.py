@@ -222,7 +222,7 @@ def test_setup_says_what_it_would_do(capsys: pytest.CaptureFixture[str], folder:
     out = capsys.readouterr()
     assert f"to be installed below {folder / 'engines'}" in out.out
     assert "2.4 GB" in out.out and "minutes" in out.out
-    assert out.err == "say --yes to install it\n"
+    assert out.err == "use --yes to install it\n"
     assert not (folder / "engines").exists()
 
 

@@ -294,7 +294,7 @@ def test_a_spec_that_is_none_is_told(
     monkeypatch.chdir(tmp_path)
     Path("ci.yaml").write_text("on: push\n")
     assert main(["audit", "--skip-other", "--spec", "ci.yaml", "ci.yaml"]) == 2
-    assert "this is no actspec spec but something else" in capsys.readouterr().err
+    assert "this is not an actspec spec but something else" in capsys.readouterr().err
 
 
 def test_other_files_beside_specs_in_a_commit(project: Project) -> None:

@@ -231,7 +231,7 @@ def test_which_target(installed: Installed, version: str, options: dict[str, str
 @pytest.mark.parametrize(
     "options, message",
     [
-        ({}, "several isaaclab targets, old, new: say which by `target`"),
+        ({}, "several isaaclab targets, old, new: name one with `target`"),
         ({"target": "mjlab"}, "no isaaclab target 'mjlab', got old, new"),
         ({"target": "newer"}, "no isaaclab target 'newer', got old, new"),
     ],
