@@ -14,14 +14,22 @@ from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relativ
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
-from actspec.audit.ignores import REMARKS, ignores_of, set_aside, unknown, unused, without_reason
+from actspec.audit.ignores import (
+    REMARKS,
+    Looked,
+    certainly_unused,
+    ignores_of,
+    set_aside,
+    unknown,
+    unused,
+    without_reason,
+)
 from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppressed
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.selection import is_selected, selected, strength
 from actspec.audit.settings import Settings, glob_matches
-from actspec.audit.unused import Looked, certainly_unused
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import PendingFiles, without_fragments

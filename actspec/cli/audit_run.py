@@ -11,7 +11,7 @@ from dataclasses import replace
 from actspec.audit.engine import audit
 from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL
 from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
 from actspec.cli.options import named_versions, overridden

@@ -100,7 +100,7 @@ def configured_versions(targets: Sequence[str]) -> Versions:
 
     Raises: AuditError: either is wrong.
     """
-    from actspec.audit.rules.registry import all_rules
+    from actspec.audit.rules import all_rules
     from actspec.audit.settings import load_settings
     from actspec.diagnostics import AuditError, Collector
 

@@ -8,7 +8,7 @@ import sys
 
 from actspec.audit.pages import INDEX, index, page, record
 from actspec.audit.rule import Rule
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.selection import selected
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe

@@ -9,7 +9,7 @@ import pytest
 
 from actspec.audit.engine import audit
 from actspec.audit.outcome import Report
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings, load_settings
 from actspec.cli.main import main
 from actspec.diagnostics import Severity

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from actspec.audit.rules import check_actuators
-from actspec.audit.rules.stability import LIMIT, StepDrive
+from actspec.audit.rules.stb101 import LIMIT, StepDrive
 from actspec.diagnostics import Severity
 from actspec.ir import ActuatorSet, InertiaRange
 from tests.fitting import NONE, fit, spec_of

@@ -10,7 +10,7 @@ from actspec.audit.build import case_of
 from actspec.audit.engine import audit
 from actspec.audit.finding import Finding
 from actspec.audit.read import read_files
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind
 from actspec.readings.versions import Versions

@@ -39,7 +39,7 @@ import pytest
 import yaml
 
 from actspec import api
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings, load_settings
 from actspec.cli.main import parser
 from actspec.diagnostics import ActspecError, Diagnostic, Severity

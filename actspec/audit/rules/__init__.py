@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping
+from functools import cache
+from importlib import import_module
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, Severity, listed
@@ -10,9 +14,31 @@ from actspec.ir import ActuatorSet
 
 if TYPE_CHECKING:
     from actspec.audit.finding import Finding
+    from actspec.audit.rule import Rule
 
 _FIELDS = {"FRC101": ".friction.coulomb", "FRC106": ".friction.viscous"}
 """Rule to the field of a group that its findings are about."""
+
+
+@cache
+def all_rules() -> tuple[type[Rule], ...]:
+    """Every rule, by code."""
+    files = (path.name for path in Path(__file__).parent.iterdir())
+    return tuple(_rule_in(name[:-3]) for name in sorted(files) if re.fullmatch(r"[a-z]{3}\d{3}\.py", name))
+
+
+def _rule_in(name: str) -> type[Rule]:
+    """The rule of a module: the class that has its name as code."""
+    from actspec.audit.rule import Rule
+
+    (rule,) = (
+        found
+        for found in vars(import_module(f"{__name__}.{name}")).values()
+        if isinstance(found, type)
+        and issubclass(found, Rule)
+        and getattr(found, "code", None) == name.upper()
+    )
+    return rule
 
 
 def check_actuators(

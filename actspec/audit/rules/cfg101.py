@@ -7,7 +7,7 @@ from os.path import basename
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.cfg_groups import Group, groups_of, names_model
+from actspec.audit.rules.configs import Group, groups_of, names_model
 from actspec.diagnostics import Severity, shortened
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import joint_names, matching

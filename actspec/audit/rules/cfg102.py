@@ -8,7 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import names_model
+from actspec.audit.rules.configs import names_model
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework, RobotConfig

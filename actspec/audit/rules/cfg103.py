@@ -5,8 +5,7 @@ from collections.abc import Iterable, Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.cfg_groups import FRAMEWORKS
-from actspec.audit.rules.config_classes import CLASSES, NO_STOCK_CLASSES, StockClass, stock_groups
+from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
 from actspec.diagnostics import Severity, listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.simulators import before, release

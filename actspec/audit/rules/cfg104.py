@@ -7,16 +7,18 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.cfg_groups import (
+from actspec.audit.rules.configs import (
     EXPLICIT,
     MJLAB_WITH_LINE,
+    NO_STOCK_CLASSES,
     WITH_LINE,
     Group,
+    StockClass,
     groups_of,
     major_version,
+    stock_groups,
 )
-from actspec.audit.rules.config_classes import NO_STOCK_CLASSES, StockClass, stock_groups
-from actspec.audit.rules.partners import partner_rows
+from actspec.audit.rules.joints import partner_rows
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 

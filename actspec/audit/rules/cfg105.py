@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import FRAMEWORKS
-from actspec.audit.rules.config_classes import NO_STOCK_CLASSES, StockClass, stock_groups
+from actspec.audit.rules.configs import FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.versions import is_native

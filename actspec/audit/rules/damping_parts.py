@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.rules.partners import partner_rows
+from actspec.audit.rules.joints import partner_rows
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 

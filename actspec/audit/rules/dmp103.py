@@ -6,8 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import finite, top_speed
+from actspec.audit.rules.joints import finite, shown, top_speed, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow

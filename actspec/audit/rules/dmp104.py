@@ -8,7 +8,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import Parts, parts_by_joint
-from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow

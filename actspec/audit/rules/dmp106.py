@@ -8,8 +8,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.damping_parts import first_rows, same
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.joints import by_joint, shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow

@@ -6,7 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.source_rule import shown
+from actspec.audit.rules.source_pairs import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints
 from actspec.diagnostics import Severity
 from actspec.readings.dynamics import figure

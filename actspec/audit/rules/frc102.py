@@ -8,9 +8,8 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import groups_of
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import partner_rows
+from actspec.audit.rules.configs import groups_of
+from actspec.audit.rules.joints import partner_rows, shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.ledger import LedgerRow

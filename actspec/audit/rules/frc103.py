@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import groups_of
-from actspec.audit.rules.joint_units import friction_unit
+from actspec.audit.rules.configs import groups_of
+from actspec.audit.rules.joints import friction_unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.ledger import LedgerRow

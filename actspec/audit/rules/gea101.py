@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.joints import shown, unit
 from actspec.audit.rules.reductions import (
     SAME,
     Figures,

@@ -6,8 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
 from actspec.audit.rules.reductions import figures, limbs_of, reductions, same, states_speed
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind

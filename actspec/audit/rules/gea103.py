@@ -6,8 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.joints import by_joint, shown, unit
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.fields import PLACEHOLDER

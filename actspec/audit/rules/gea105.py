@@ -6,8 +6,7 @@ from collections.abc import Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind

@@ -8,7 +8,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
-from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.fields import PLACEHOLDER

@@ -6,14 +6,14 @@ from itertools import chain
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.cfg_groups import (
+from actspec.audit.rules.configs import (
     EXPLICIT,
     IMPLICIT,
     Group,
     groups_of,
     major_version,
 )
-from actspec.audit.rules.joint_units import shown, unit
+from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 

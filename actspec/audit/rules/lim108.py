@@ -6,8 +6,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import partner_rows
+from actspec.audit.rules.joints import partner_rows, shown, unit
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import Group, groups_of
-from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.configs import Group, groups_of
+from actspec.audit.rules.joints import shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
 from actspec.readings.versions import isaaclab_row

@@ -6,7 +6,7 @@ from os.path import basename
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_order import (
+from actspec.audit.rules.ord101 import (
     differing_places,
     first_drives,
     kept_names,

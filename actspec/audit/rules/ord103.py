@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import FRAMEWORKS
+from actspec.audit.rules.configs import FRAMEWORKS
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.ledger import LedgerRow

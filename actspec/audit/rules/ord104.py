@@ -8,7 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import FRAMEWORKS
+from actspec.audit.rules.configs import FRAMEWORKS
 from actspec.diagnostics import Severity, shortened
 from actspec.patterns import PatternError, compile_pattern, suggest_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from os.path import basename
 
 from actspec.audit.case import Case
-from actspec.audit.rules.cfg_groups import groups_of
-from actspec.audit.rules.joint_units import unit
+from actspec.audit.rules.configs import groups_of
+from actspec.audit.rules.joints import unit
 from actspec.readings.artifact import FileKind, Framework, RandomizedRange, RobotConfig
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching

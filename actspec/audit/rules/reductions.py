@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.audit.case import Case
-from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.joints import by_joint
 from actspec.ir import JointKind
 from actspec.readings.compare import LEAST_REDUCTION, SAME_POWER
 from actspec.readings.fields import PLACEHOLDER

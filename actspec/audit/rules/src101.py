@@ -6,10 +6,10 @@ from actspec.audit.rules.gea101 import HiddenGear
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
+    SourceRule,
     is_no_limit,
     ratio_of,
 )
-from actspec.audit.rules.source_rule import SourceRule
 from actspec.readings.compare import hidden_gear
 
 

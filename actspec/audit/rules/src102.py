@@ -4,10 +4,10 @@ from actspec.audit.case import Case
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
+    SourceRule,
     is_no_limit,
     ratio_of,
 )
-from actspec.audit.rules.source_rule import SourceRule
 from actspec.readings.compare import angle_slip, hidden_gear
 
 

@@ -4,8 +4,7 @@ import math
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.source_pairs import Disagreement
-from actspec.audit.rules.source_rule import SourceRule
+from actspec.audit.rules.source_pairs import Disagreement, SourceRule
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 

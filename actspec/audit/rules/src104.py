@@ -3,8 +3,7 @@ from __future__ import annotations
 from typing import ClassVar
 
 from actspec.audit.case import Case
-from actspec.audit.rules.source_pairs import Disagreement
-from actspec.audit.rules.source_rule import SourceRule, shown
+from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
 
 
 class Armature(SourceRule):

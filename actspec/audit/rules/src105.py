@@ -1,8 +1,7 @@
 from __future__ import annotations
 
 from actspec.audit.case import Case
-from actspec.audit.rules.source_pairs import Disagreement
-from actspec.audit.rules.source_rule import SourceRule, shown
+from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import angle_slip
 

@@ -4,8 +4,7 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
-from actspec.audit.rules.source_rule import SourceRule, shown
+from actspec.audit.rules.source_pairs import Disagreement, SourceRule, compared, disagreements, shown
 from actspec.readings.artifact import FileKind
 
 POSE = 0.01

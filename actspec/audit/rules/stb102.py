@@ -6,9 +6,8 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown
-from actspec.audit.rules.partners import by_joint
-from actspec.audit.rules.stability import LIMIT, RINGING, StepDrive
+from actspec.audit.rules.joints import by_joint, shown
+from actspec.audit.rules.stb101 import LIMIT, RINGING, StepDrive
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow

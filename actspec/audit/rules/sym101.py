@@ -10,7 +10,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.joints import shown
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow

@@ -8,8 +8,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
-from actspec.audit.rules.joint_units import shown
-from actspec.audit.rules.partners import by_joint
+from actspec.audit.rules.joints import by_joint, shown
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind

@@ -7,8 +7,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.joint_units import shown
-from actspec.audit.rules.partners import by_joint, partner_rows
+from actspec.audit.rules.joints import by_joint, partner_rows, shown
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind

@@ -8,8 +8,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joint_units import SPEEDS, shown, unit
-from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.compare import DEGREES

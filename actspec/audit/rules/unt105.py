@@ -7,8 +7,7 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joint_units import shown, unit
-from actspec.audit.rules.partners import joint_pairs, shared_joints
+from actspec.audit.rules.joints import joint_pairs, shared_joints, shown, unit
 from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
-from actspec.audit.rules.cfg_groups import IMPLICIT, Group, groups_of
-from actspec.audit.rules.joint_units import shown
+from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
+from actspec.audit.rules.joints import shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native

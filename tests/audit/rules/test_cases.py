@@ -52,7 +52,7 @@ from actspec.audit.outcome import Report, Reported
 from actspec.audit.pages import FAMILIES, family
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule, sections
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.readings.versions import Versions
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from actspec.audit.pages import INDEX, index, page
-from actspec.audit.rules.registry import all_rules
+from actspec.audit.rules import all_rules
 
 PAGES = Path(__file__).resolve().parents[3] / "actspec" / "audit" / "rules"
 

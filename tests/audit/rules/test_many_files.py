@@ -7,8 +7,8 @@ from dataclasses import replace
 from itertools import combinations
 
 from actspec.audit.case import Case
-from actspec.audit.rules import mujoco_features
-from actspec.audit.rules.partners import by_joint, joint_pairs, partner_rows, shared_joints
+from actspec.audit.rules import ver105
+from actspec.audit.rules.joints import by_joint, joint_pairs, partner_rows, shared_joints
 from actspec.audit.rules.source_pairs import disagreements
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind
@@ -149,14 +149,12 @@ def test_two_artifacts_of_one_file_are_not_compared() -> None:
 def test_each_feature_of_mujoco_has_a_word() -> None:
     """A file without the words of a feature is not parsed for it, so none may lack them."""
     tables = (
-        mujoco_features._OF_JOINT,
-        mujoco_features._OF_TENDON,
-        mujoco_features._OF_ACTUATOR,
-        mujoco_features._OF_TAG,
-        mujoco_features._VALUES,
+        ver105._OF_JOINT,
+        ver105._OF_TENDON,
+        ver105._OF_ACTUATOR,
+        ver105._OF_TAG,
+        ver105._VALUES,
     )
     features = {feature for table in tables for feature in table.values()}
-    features |= {
-        value for value in vars(mujoco_features).values() if isinstance(value, mujoco_features.Feature)
-    }
-    assert features == {feature for feature, _ in mujoco_features.WORDS}
+    features |= {value for value in vars(ver105).values() if isinstance(value, ver105.Feature)}
+    assert features == {feature for feature, _ in ver105.WORDS}
