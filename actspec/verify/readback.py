@@ -29,7 +29,7 @@ from actspec.readings.versions import Versions, friction_is_torque
 from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 from actspec.targets.base import TargetOptions
-from actspec.targets.newton.paths import Layout, converted_actuators, lay_out
+from actspec.targets.newton.paths import StagePaths, converted_actuators, lay_out
 from actspec.targets.newton.usda import path_text
 
 OVERLAY_FIELDS = (
@@ -433,7 +433,7 @@ def _overlay_raw(joint: NewtonJoint) -> Iterator[tuple[str, object]]:
                 yield name, attribute.value
 
 
-def _own_actuators(layer: UsdaLayer, robot: RobotView, layout: Layout) -> Iterator[tuple[str, str, bool]]:
+def _own_actuators(layer: UsdaLayer, robot: RobotView, layout: StagePaths) -> Iterator[tuple[str, str, bool]]:
     """Whether the prims of the model's own actuators, which would act beside, are left on: joint, prim, answer."""
     targets = {actuator.name: actuator.target for actuator in robot.actuators}
     for parts in converted_actuators(robot, layout):

@@ -166,7 +166,7 @@ def test_newton(groups: list[Drive], version: str) -> None:
     actuators, robot = resolved(groups)
     names = [actuator.joint for actuator in actuators.joints]
     paths = {name: f"/World/bot/joints/j{k}" for k, name in enumerate(names)}
-    stated = tuple((re.escape(name), path) for name, path in paths.items())
+    stated = {re.escape(name): path for name, path in paths.items()}
     emission = emitted(
         actuators, robot, kind="newton", version=version, root="/World/bot", joint_paths=stated
     )

@@ -98,7 +98,7 @@ def test_newton_says_or_names_every_number(groups: list[Drive], version: str) ->
         kind="newton",
         version=version,
         root="/World/bot",
-        joint_paths=tuple((re.escape(name), path) for name, path in paths.items()),
+        joint_paths={re.escape(name): path for name, path in paths.items()},
     )
     prims = parsed(emission.files[0].data.decode())
     actuators = {

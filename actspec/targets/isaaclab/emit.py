@@ -15,7 +15,7 @@ from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_name, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
-from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
+from actspec.targets.kit.network import NetworkWithManifest, read_network, tap_stride
 from actspec.targets.kit.python_text import grouped, identifier
 
 CLASSES = ("auto", "implicit", "custom")
@@ -119,10 +119,10 @@ def _check_limits(actuators: ActuatorSet, collector: Collector) -> None:
         )
 
 
-def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[NetworkFile, int]]:
+def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[NetworkWithManifest, int]]:
     """The network of each group, with the physics steps between its taps."""
     step = actuators.physics_dt.require()
-    found: dict[str, tuple[NetworkFile, int]] = {}
+    found: dict[str, tuple[NetworkWithManifest, int]] = {}
     # Files that the target writes itself.
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     firsts: dict[str, JointActuator] = {}
@@ -146,7 +146,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
 
 
 def _check_network(
-    file: NetworkFile,
+    file: NetworkWithManifest,
     stride: int | None,
     actuators: ActuatorSet,
     group: str,

@@ -17,11 +17,11 @@ from actspec.targets.kit.sizes import (
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
-    from actspec.targets.kit.network import NetworkFile
+    from actspec.targets.kit.network import NetworkWithManifest
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class CfgField:
     """One keyword of a cfg.
 
     Attributes:
@@ -39,7 +39,7 @@ class Field:
     file: bool = False
 
 
-class Joint(JointEmission):
+class IsaacJoint(JointEmission):
     """A joint and a dialect, with the losses and remarks that gather as fields are chosen.
 
     Attributes:
@@ -58,7 +58,7 @@ class Joint(JointEmission):
         dialect: IsaacLabDialect,
         step: float,
         target: str,
-        network: tuple[NetworkFile, int] | None,
+        network: tuple[NetworkWithManifest, int] | None,
     ) -> None:
         self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
         super().__init__(actuator, step, target)
@@ -84,7 +84,7 @@ class Joint(JointEmission):
         return "; ".join(filter(None, (quantity.unit, origin_of(quantity), quantity.formula)))
 
 
-def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
+def lags(joint: IsaacJoint, *, filtered: bool) -> tuple[int, int]:
     """Least and largest lag in physics steps, with what is lost; 0 and 0 without a delay."""
     delay = joint.actuator.delay
     if delay is None or delay.high == 0.0:
@@ -119,7 +119,7 @@ def lags(joint: Joint, *, filtered: bool) -> tuple[int, int]:
     return steps, steps
 
 
-def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
+def lag_fields(joint: IsaacJoint, steps: tuple[int, int]) -> list[CfgField]:
     """Least and largest lag of a class that delays."""
     delay = joint.actuator.delay
     assert delay is not None
@@ -127,12 +127,12 @@ def lag_fields(joint: Joint, steps: tuple[int, int]) -> list[Field]:
     if delay.nominal.known:
         first += f"; {origin_of(delay.nominal)}"
     return [
-        Field("min_delay", steps[0], first, scalar=True),
-        Field("max_delay", steps[1], f"{steps[1] * joint.step * 1e3:g} ms", scalar=True),
+        CfgField("min_delay", steps[0], first, scalar=True),
+        CfgField("max_delay", steps[1], f"{steps[1] * joint.step * 1e3:g} ms", scalar=True),
     ]
 
 
-def no_delay(joint: Joint, why: str) -> None:
+def no_delay(joint: IsaacJoint, why: str) -> None:
     """Report the delay as lost, if there is one."""
     delay = joint.actuator.delay
     if delay is None or delay.high == 0.0:
@@ -143,7 +143,7 @@ def no_delay(joint: Joint, why: str) -> None:
     joint.approximate("delay", asked, "none", why, joint.late)
 
 
-def no_command_path(joint: Joint) -> None:
+def no_command_path(joint: IsaacJoint) -> None:
     """Report filter, encoder bias and clamp of the command as lost, where there are any."""
     joint.no_filter("no stock class filters the command")
     joint.no_bias("no stock class has an encoder bias")
@@ -154,7 +154,7 @@ def no_command_path(joint: Joint) -> None:
         joint.approximate("command_range", f"{low} to {high}", "none", why, joint.range_error())
 
 
-def gain_fields(joint: Joint) -> list[Field]:
+def gain_fields(joint: IsaacJoint) -> list[CfgField]:
     """Stiffness and damping; passive viscous friction is in the latter where it has no field of its own."""
     actuator = joint.actuator
     stiffness = _gain(joint, "stiffness", actuator.kp, "no position command")
@@ -191,15 +191,15 @@ def viscous_in_damping(actuator: JointActuator, dialect: IsaacLabDialect) -> flo
     return viscous.require()
 
 
-def _gain(joint: Joint, name: str, quantity: Quantity | None, absent: str) -> Field:
+def _gain(joint: IsaacJoint, name: str, quantity: Quantity | None, absent: str) -> CfgField:
     if quantity is None:
-        return Field(name, 0.0, absent)
+        return CfgField(name, 0.0, absent)
     if quantity.value is None:
-        return Field(name, None, "unknown: the USD's own", scalar=True)
-    return Field(name, quantity.value, joint.note(quantity))
+        return CfgField(name, None, "unknown: the USD's own", scalar=True)
+    return CfgField(name, quantity.value, joint.note(quantity))
 
 
-def joint_fields(joint: Joint, *, summed: bool = True) -> list[Field]:
+def joint_fields(joint: IsaacJoint, *, summed: bool = True) -> list[CfgField]:
     """Armature and friction of the joint, in the units of the solver.
 
     Args:
@@ -208,18 +208,18 @@ def joint_fields(joint: Joint, *, summed: bool = True) -> list[Field]:
     actuator = joint.actuator
     fields = []
     if stated(actuator.armature):
-        fields.append(Field("armature", actuator.armature.require(), joint.note(actuator.armature)))
+        fields.append(CfgField("armature", actuator.armature.require(), joint.note(actuator.armature)))
     fields += _dry_friction(joint)
     viscous = actuator.friction_viscous
     if stated(viscous):
         if joint.dialect.viscous:
-            fields.append(Field("viscous_friction", viscous.require(), joint.note(viscous)))
+            fields.append(CfgField("viscous_friction", viscous.require(), joint.note(viscous)))
         elif not summed and viscous.require():
             joint.no_viscous(_no_field(joint, "viscous"))
     return fields
 
 
-def _dry_friction(joint: Joint) -> list[Field]:
+def _dry_friction(joint: IsaacJoint) -> list[CfgField]:
     coulomb, static = joint.actuator.friction_coulomb, joint.actuator.friction_static
     kinetic = coulomb.require() if stated(coulomb) else None
     sticking = static.require() if static is not None and static.known else None
@@ -241,12 +241,12 @@ def _dry_friction(joint: Joint) -> list[Field]:
                 "the Newton backend has one dry friction for sticking and sliding",
                 sticking - value,
             )
-        return [Field("friction", value, joint.note(named))]
+        return [CfgField("friction", value, joint.note(named))]
     largest = max(kinetic or 0.0, sticking or 0.0)
     if largest == 0.0 and unit is not FrictionUnit.DEAD:
         # No friction is none in every unit.
         both = ["friction"] + ["dynamic_friction"] * (unit is FrictionUnit.COEFFICIENT_VISCOUS)
-        return [Field(name, 0.0, "none, in every unit") for name in both]
+        return [CfgField(name, 0.0, "none, in every unit") for name in both]
     if largest > 0.0:
         asked = format_quantity(largest, joint.unit)
         why = _no_field(joint, "dry")
@@ -265,19 +265,19 @@ def _dry_friction(joint: Joint) -> list[Field]:
 
 
 def _effort_friction(
-    joint: Joint, coulomb: Quantity, static: Quantity | None, kinetic: float | None
-) -> list[Field]:
+    joint: IsaacJoint, coulomb: Quantity, static: Quantity | None, kinetic: float | None
+) -> list[CfgField]:
     """Static and dynamic friction as torques; PhysX needs dynamic <= static."""
     first = static if static is not None else coulomb
-    fields = [Field("friction", first.require(), f"static, {joint.note(first)}")]
+    fields = [CfgField("friction", first.require(), f"static, {joint.note(first)}")]
     if kinetic is not None:
-        fields.append(Field("dynamic_friction", kinetic, f"sliding, {joint.note(coulomb)}"))
+        fields.append(CfgField("dynamic_friction", kinetic, f"sliding, {joint.note(coulomb)}"))
     else:
         joint.remarks.append("Nobody states the sliding friction: the USD's own.")
     return fields
 
 
-def _no_stribeck(joint: Joint, sticking: float | None, kinetic: float | None) -> None:
+def _no_stribeck(joint: IsaacJoint, sticking: float | None, kinetic: float | None) -> None:
     """Report the Stribeck effect as lost, if there is one; no solver has it."""
     if sticking is not None and sticking > (kinetic or 0.0):
         effort = joint.dialect.friction is FrictionUnit.EFFORT
@@ -287,7 +287,7 @@ def _no_stribeck(joint: Joint, sticking: float | None, kinetic: float | None) ->
         )
 
 
-def _no_field(joint: Joint, kind: str) -> str:
+def _no_field(joint: IsaacJoint, kind: str) -> str:
     """Why a friction cannot be written."""
     where = f"Isaac Lab {joint.dialect.text} on Isaac Sim {joint.dialect.sim_text}"
     unit = joint.dialect.friction

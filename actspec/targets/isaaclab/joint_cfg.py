@@ -15,8 +15,8 @@ from actspec.laws import TorqueLaw
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab.fields import (
-    Field,
-    Joint,
+    CfgField,
+    IsaacJoint,
     gain_fields,
     joint_fields,
     lag_fields,
@@ -37,7 +37,7 @@ from actspec.targets.kit.sizes import (
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
-    from actspec.targets.kit.network import NetworkFile
+    from actspec.targets.kit.network import NetworkWithManifest
 
 OUT_OF_THE_WAY = 1e9
 """Torque and speed that no joint reaches [N*m, rad/s]: a torque-speed line that never acts."""
@@ -63,7 +63,7 @@ class JointCfg:
 
     actuator: JointActuator
     cls: str
-    fields: tuple[Field, ...]
+    fields: tuple[CfgField, ...]
     remarks: tuple[str, ...]
     approximations: tuple[Approximation, ...]
 
@@ -74,7 +74,7 @@ def cfg_of(
     actuator_class: str,
     step: float,
     target: str,
-    network: tuple[NetworkFile, int] | None,
+    network: tuple[NetworkWithManifest, int] | None,
 ) -> JointCfg:
     """Choose the class and fields of one joint.
 
@@ -88,7 +88,7 @@ def cfg_of(
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = Joint(actuator, dialect, step, target, network)
+    joint = IsaacJoint(actuator, dialect, step, target, network)
     if actuator.level is Level.ACTUATOR_NET:
         cls, fields = _net(joint)
     elif actuator_class == "implicit":
@@ -113,7 +113,7 @@ def cfg_of(
     return JointCfg(actuator, cls, tuple(fields), tuple(joint.remarks), tuple(joint.lost))
 
 
-def _ideal(joint: Joint) -> tuple[str, list[Field]]:
+def _ideal(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     fields = [*_limits(joint, joint.limit), *gain_fields(joint), *joint_fields(joint)]
     cls = "IdealPDActuator"
     steps = lags(joint, filtered=False)
@@ -124,7 +124,7 @@ def _ideal(joint: Joint) -> tuple[str, list[Field]]:
     return cls, fields
 
 
-def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
+def _dc_motor(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     law = lined(joint.law)
     _one_line(joint, law, "DCMotor")
     fields = [*_limits(joint, law.effort_limit, law), *gain_fields(joint), *joint_fields(joint)]
@@ -133,7 +133,7 @@ def _dc_motor(joint: Joint) -> tuple[str, list[Field]]:
     return "DCMotor", fields
 
 
-def _implicit(joint: Joint) -> tuple[str, list[Field]]:
+def _implicit(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     limited = boxed(joint.law)
     clip = f"a clip at {format_quantity(joint.limit, joint.unit)}"
     why = "the solver's drive has one limit at all speeds"
@@ -149,52 +149,52 @@ def _implicit(joint: Joint) -> tuple[str, list[Field]]:
             "torque_speed_curve", joint.curve_text(joint.law, joint.speed_unit), clip, why, error
         )
     names = joint.dialect.limits
-    fields = [Field(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
+    fields = [CfgField(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
     no_delay(joint, "the solver's drive has no delay")
     no_command_path(joint)
     return IMPLICIT, fields
 
 
-def _custom(joint: Joint) -> tuple[str, list[Field]]:
+def _custom(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     actuator, law = joint.actuator, joint.law
-    fields = [Field("effort_limit", joint.limit, joint.note(actuator.effort_limit))]
+    fields = [CfgField("effort_limit", joint.limit, joint.note(actuator.effort_limit))]
     if actuator.level is Level.DC_MOTOR and actuator.curve is not None:
         for name in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
             quantity = getattr(actuator.curve, name)
-            fields.append(Field(name, quantity.require(), joint.note(quantity)))
+            fields.append(CfgField(name, quantity.require(), joint.note(quantity)))
     elif actuator.level is Level.DC_MOTOR:
         assert actuator.stall_torque is not None and actuator.no_load_speed is not None
         fields.append(
-            Field("stall_torque", actuator.stall_torque.require(), joint.note(actuator.stall_torque))
+            CfgField("stall_torque", actuator.stall_torque.require(), joint.note(actuator.stall_torque))
         )
         fields.append(
-            Field("no_load_speed", actuator.no_load_speed.require(), joint.note(actuator.no_load_speed))
+            CfgField("no_load_speed", actuator.no_load_speed.require(), joint.note(actuator.no_load_speed))
         )
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
     filtered = law.filter_cutoff is not None
     # A stated 0 beside others' biases is a number like them.
     if stated(actuator.encoder_bias) and actuator.command is Command.POSITION:
-        fields.append(Field("encoder_bias", law.encoder_bias, joint.note(actuator.encoder_bias)))
+        fields.append(CfgField("encoder_bias", law.encoder_bias, joint.note(actuator.encoder_bias)))
     if filtered or law.command_range is not None:
-        fields.append(Field("command", actuator.command.value, scalar=True))
+        fields.append(CfgField("command", actuator.command.value, scalar=True))
     if actuator.command_range is not None:
         for name, end in zip(("command_low", "command_high"), actuator.command_range, strict=True):
             if end.known:
-                fields.append(Field(name, end.require(), joint.note(end)))
+                fields.append(CfgField(name, end.require(), joint.note(end)))
     steps = lags(joint, filtered=filtered)
     if steps[1]:
         fields += lag_fields(joint, steps)
     if filtered:
         assert actuator.filter_cutoff is not None
         fields.append(
-            Field("filter_cutoff", actuator.filter_cutoff.require(), joint.note(actuator.filter_cutoff))
+            CfgField("filter_cutoff", actuator.filter_cutoff.require(), joint.note(actuator.filter_cutoff))
         )
-        fields.append(Field("physics_dt", joint.step, "s", scalar=True))
+        fields.append(CfgField("physics_dt", joint.step, "s", scalar=True))
     return CUSTOM, fields
 
 
-def _net(joint: Joint) -> tuple[str, list[Field]]:
+def _net(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     assert joint.network is not None
     file, stride = joint.network
     manifest = file.manifest
@@ -205,15 +205,15 @@ def _net(joint: Joint) -> tuple[str, list[Field]]:
         line = replace(line, stall_torque=OUT_OF_THE_WAY, no_load_speed=OUT_OF_THE_WAY)
     else:
         _one_line(joint, line, "ActuatorNetLSTM" if lstm else "ActuatorNetMLP")
-    fields = [Field("network_file", file.name, scalar=True, file=True)]
+    fields = [CfgField("network_file", file.name, scalar=True, file=True)]
     if not lstm:
         order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
         fields += [
-            Field("pos_scale", manifest.position_scale, scalar=True),
-            Field("vel_scale", manifest.velocity_scale, scalar=True),
-            Field("torque_scale", manifest.torque_scale, scalar=True),
-            Field("input_order", order, scalar=True),
-            Field("input_idx", [tap * stride for tap in manifest.taps], "physics steps back", scalar=True),
+            CfgField("pos_scale", manifest.position_scale, scalar=True),
+            CfgField("vel_scale", manifest.velocity_scale, scalar=True),
+            CfgField("torque_scale", manifest.torque_scale, scalar=True),
+            CfgField("input_order", order, scalar=True),
+            CfgField("input_idx", [tap * stride for tap in manifest.taps], "physics steps back", scalar=True),
         ]
     if manifest.initial_history == "first_sample" and not lstm and any(manifest.taps):
         joint.approximate(
@@ -229,13 +229,13 @@ def _net(joint: Joint) -> tuple[str, list[Field]]:
     return ("ActuatorNetLSTM" if lstm else "ActuatorNetMLP"), fields
 
 
-def _limits(joint: Joint, limit: float, line: TorqueLaw | None = None) -> list[Field]:
+def _limits(joint: IsaacJoint, limit: float, line: TorqueLaw | None = None) -> list[CfgField]:
     """Limits of an explicit group, with a torque-speed line or without."""
     names, actuator = joint.dialect.limits, joint.actuator
     note = joint.note(actuator.effort_limit)
     if limit != joint.limit:
         note = f"{joint.unit}; the curve's drive torque"
-    fields = [Field(names.effort, limit, note)]
+    fields = [CfgField(names.effort, limit, note)]
     if line is not None:
         assert line.stall_torque is not None and line.no_load_speed is not None
         torque, speed = f"{joint.unit} at standstill", f"{joint.speed_unit} at no torque"
@@ -247,24 +247,24 @@ def _limits(joint: Joint, limit: float, line: TorqueLaw | None = None) -> list[F
         if source is not None and source.known:
             speed += f"; {origin_of(source)}"
         per_group = not joint.dialect.dict_saturation
-        fields.append(Field("saturation_effort", line.stall_torque, torque, scalar=per_group))
-        fields.append(Field(names.velocity, line.no_load_speed, speed))
+        fields.append(CfgField("saturation_effort", line.stall_torque, torque, scalar=per_group))
+        fields.append(CfgField(names.velocity, line.no_load_speed, speed))
     if joint.dialect.solver_limit:
-        fields.append(Field(names.solver_effort, limit, f"{joint.unit}; the solver clips too"))
+        fields.append(CfgField(names.solver_effort, limit, f"{joint.unit}; the solver clips too"))
     return fields + _solver_velocity(joint)
 
 
-def _solver_velocity(joint: Joint) -> list[Field]:
+def _solver_velocity(joint: IsaacJoint) -> list[CfgField]:
     quantity = joint.actuator.velocity_limit
     if not quantity.known:
         return []
     if joint.dialect.backend == "newton":
         why = "MuJoCo has no speed limit of a joint"
         joint.no_velocity_limit(why, "a field that the solver does not read")
-    return [Field(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
+    return [CfgField(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
 
 
-def _one_line(joint: Joint, line: TorqueLaw, cls: str) -> None:
+def _one_line(joint: IsaacJoint, line: TorqueLaw, cls: str) -> None:
     """Report what a class with one torque-speed line loses of the law, as one loss.
 
     Args:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from actspec.ir import ActuatorSet
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.targets.base import Approximation
-from actspec.targets.isaaclab.fields import Field
+from actspec.targets.isaaclab.fields import CfgField
 from actspec.targets.isaaclab.joint_cfg import CUSTOM, JointCfg
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import (
@@ -27,7 +27,7 @@ from actspec.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class DictEntry:
     """One key of a dict: a pattern, its number and what stands behind it."""
 
     key: str
@@ -49,7 +49,7 @@ class Keyword:
 
     name: str
     value: float | str | list[int] | None
-    entries: tuple[Entry, ...]
+    entries: tuple[DictEntry, ...]
     note: str
     file: bool
 
@@ -130,7 +130,7 @@ def _group(name: str, cfgs: Sequence[JointCfg], names: Sequence[str]) -> CfgGrou
     return CfgGroup(name, cfgs[0].cls, patterns, tuple(keywords), remarks, tuple(cfgs))
 
 
-def _merged(first: Field, members: list[tuple[JointCfg, Field]], names: Sequence[str]) -> Keyword:
+def _merged(first: CfgField, members: list[tuple[JointCfg, CfgField]], names: Sequence[str]) -> Keyword:
     notes = list(dict.fromkeys(field.note for _, field in members))
     note = notes[0] if len(notes) == 1 else ""
     if all(field.value == first.value for _, field in members):
@@ -139,7 +139,7 @@ def _merged(first: Field, members: list[tuple[JointCfg, Field]], names: Sequence
     for (value, own), part in grouped(members, lambda member: (member[1].value, member[1].note)):
         assert isinstance(value, int | float)
         for pattern in joint_patterns([cfg.actuator for cfg, _ in part], names):
-            entries.append(Entry(pattern, value, "" if note else own))
+            entries.append(DictEntry(pattern, value, "" if note else own))
     return Keyword(first.name, None, tuple(entries), note, first.file)
 
 

@@ -22,7 +22,7 @@ MAX_NETWORK = 64 * 1024 * 1024
 
 
 @dataclass(frozen=True, slots=True)
-class NetworkFile:
+class NetworkWithManifest:
     """A network with its conventions.
 
     Attributes:
@@ -38,7 +38,7 @@ class NetworkFile:
 
 def read_network(
     network: Network | None, where: str, span: Span | None, collector: Collector
-) -> NetworkFile | None:
+) -> NetworkWithManifest | None:
     """Read a network and its manifest; None after an error.
 
     Args:
@@ -81,7 +81,7 @@ def read_network(
             help="name the manifest that was written with this network",
         )
         return None
-    return NetworkFile(os.path.basename(network.file), data, manifest)
+    return NetworkWithManifest(os.path.basename(network.file), data, manifest)
 
 
 def _bytes(path: str, where: str, span: Span | None, collector: Collector) -> bytes | None:

@@ -44,8 +44,8 @@ class JointCfg:
 
     actuator: JointActuator
     kind: str
-    fields: tuple[Field, ...]
-    delay: tuple[Field, ...]
+    fields: tuple[CfgField, ...]
+    delay: tuple[CfgField, ...]
     lost: tuple[Approximation, ...]
     network: tuple[str, bytes] | None = None
 
@@ -81,7 +81,7 @@ def cfg_of(
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = Joint(actuator, view, dialect, step, target, collector)
+    joint = MjlabJoint(actuator, view, dialect, step, target, collector)
     law = joint.law
     network: tuple[str, bytes] | None = None
     if joint.learned:
@@ -114,7 +114,7 @@ def cfg_of(
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class CfgField:
     """One field of a cfg.
 
     Attributes:
@@ -128,7 +128,7 @@ class Field:
     note: str = ""
 
 
-def number(name: str, quantity: Quantity, what: str = "") -> Field:
+def number(name: str, quantity: Quantity, what: str = "") -> CfgField:
     """A known number as a field, with unit and origin behind it.
 
     Args:
@@ -137,10 +137,10 @@ def number(name: str, quantity: Quantity, what: str = "") -> Field:
         what: What it is, where the name does not say.
     """
     about = [quantity.unit, *([what] if what else []), origin_of(quantity)]
-    return Field(name, py(quantity.require()), ", ".join(about))
+    return CfgField(name, py(quantity.require()), ", ".join(about))
 
 
-class Joint(JointEmission):
+class MjlabJoint(JointEmission):
     """A joint with its losses, and a dialect.
 
     Attributes:
@@ -170,24 +170,24 @@ NO_LINE = 1e9
 """Stall torque and no-load speed that leave only effort_limit [N*m, rad/s], where a class must have a line."""
 
 
-def gain_fields(joint: Joint, *, always: bool = False) -> list[Field]:
+def gain_fields(joint: MjlabJoint, *, always: bool = False) -> list[CfgField]:
     """Stiffness and damping, mjlab's names of kp and kd; `always`: 0 where the law has none."""
     found = []
     for name, quantity in (("stiffness", joint.actuator.kp), ("damping", joint.actuator.kd)):
         if quantity is not None and quantity.known:
             found.append(number(name, quantity))
         elif always:
-            found.append(Field(name, "0.0"))
+            found.append(CfgField(name, "0.0"))
     return found
 
 
-def limit_fields(joint: Joint, limit: float, *, required: bool = False) -> list[Field]:
+def limit_fields(joint: MjlabJoint, limit: float, *, required: bool = False) -> list[CfgField]:
     """`effort_limit`; left out where nobody knows it and the class takes that."""
     asked = joint.actuator.effort_limit
     if math.isfinite(limit):
         if asked.value == limit:
             return [number("effort_limit", asked)]
-        return [Field("effort_limit", py(limit), f"{joint.unit}, the curve's")]
+        return [CfgField("effort_limit", py(limit), f"{joint.unit}, the curve's")]
     if required:
         joint.collector.error(
             "MJL002",
@@ -199,7 +199,7 @@ def limit_fields(joint: Joint, limit: float, *, required: bool = False) -> list[
     return []
 
 
-def line_fields(joint: Joint) -> list[Field]:
+def line_fields(joint: MjlabJoint) -> list[CfgField]:
     """Limit and torque-speed line."""
     actuator, law = joint.actuator, joint.law
     if law.curve is not None:
@@ -209,14 +209,14 @@ def line_fields(joint: Joint) -> list[Field]:
         through = f"{joint.unit}, of the line through the curve's knee"
         return [
             *limit_fields(joint, line.effort_limit),
-            Field("saturation_effort", py(line.stall_torque), through),
-            Field("velocity_limit", py(line.no_load_speed), speed),
+            CfgField("saturation_effort", py(line.stall_torque), through),
+            CfgField("velocity_limit", py(line.no_load_speed), speed),
         ]
     limit = limit_fields(joint, law.effort_limit, required=True)
     if law.stall_torque is None:
         why = "no torque-speed line: effort_limit alone"
         names = ("saturation_effort", "velocity_limit")
-        return [*limit, *(Field(name, py(NO_LINE), why) for name in names)]
+        return [*limit, *(CfgField(name, py(NO_LINE), why) for name in names)]
     assert actuator.stall_torque is not None and actuator.no_load_speed is not None
     return [
         *limit,
@@ -229,7 +229,7 @@ HELD = "10**9"
 """Steps between two draws of a lag: longer than any episode, so that it is drawn once after each reset."""
 
 
-def delay_fields(joint: Joint) -> tuple[Field, ...]:
+def delay_fields(joint: MjlabJoint) -> tuple[CfgField, ...]:
     """`delay_*`, in steps of the simulation."""
     delay = joint.actuator.delay
     if delay is None:
@@ -256,18 +256,18 @@ def delay_fields(joint: Joint) -> tuple[Field, ...]:
     if high == 0:
         return ()
     fields = [
-        Field("delay_min_lag", py(low), f"steps of {joint.step * 1e3:g} ms: {', '.join(note)}"),
-        Field("delay_max_lag", py(high)),
+        CfgField("delay_min_lag", py(low), f"steps of {joint.step * 1e3:g} ms: {', '.join(note)}"),
+        CfgField("delay_max_lag", py(high)),
     ]
     if low != high and delay.sampling == "episode":
         fields += [
-            Field("delay_update_period", HELD, "drawn at a reset, then held"),
-            Field("delay_per_env_phase", "False"),
+            CfgField("delay_update_period", HELD, "drawn at a reset, then held"),
+            CfgField("delay_per_env_phase", "False"),
         ]
     return tuple(fields)
 
 
-def no_command_path(joint: Joint) -> None:
+def no_command_path(joint: MjlabJoint) -> None:
     """Report filter, bias and clamp of the command as lost, where there are any."""
     bias = joint.law.encoder_bias
     joint.no_filter("mjlab's actuators have no filter on the command")
@@ -278,7 +278,7 @@ def no_command_path(joint: Joint) -> None:
     joint.no_range("mjlab's actuators do not clamp the command; its action term can (`clip`)")
 
 
-def passive_fields(joint: Joint) -> list[Field]:
+def passive_fields(joint: MjlabJoint) -> list[CfgField]:
     """Armature and friction of the joint; what the spec does not state keeps the model's."""
     actuator, view = joint.actuator, joint.view
     fields = []
@@ -289,7 +289,7 @@ def passive_fields(joint: Joint) -> list[Field]:
         if stated(quantity):
             fields.append(number(name, quantity))
         elif not joint.dialect.keeps_model and own:
-            fields.append(Field(name, py(own), f"{quantity.unit}, the model's own, else it would be 0"))
+            fields.append(CfgField(name, py(own), f"{quantity.unit}, the model's own, else it would be 0"))
     viscous = actuator.friction_viscous
     if stated(viscous):
         own_viscous = 0.0 if view is None else view.damping
@@ -310,7 +310,7 @@ def passive_fields(joint: Joint) -> list[Field]:
     return fields
 
 
-def network_fields(joint: Joint) -> tuple[list[Field], tuple[str, bytes]] | None:
+def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]] | None:
     """Fields of the network and its file; None after an error."""
     actuator = joint.actuator
     where = f"{joint.where}.network"
@@ -363,10 +363,10 @@ def network_fields(joint: Joint) -> tuple[list[Field], tuple[str, bytes]] | None
         )
     order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
     return [
-        Field("network_file", f"str(FOLDER / {py(found.name)})"),
-        Field("pos_scale", py(manifest.position_scale), "of target - measured"),
-        Field("vel_scale", py(manifest.velocity_scale)),
-        Field("torque_scale", py(manifest.torque_scale)),
-        Field("input_order", py(order)),
-        Field("history_length", py(len(taps)), f"every {joint.step * 1e3:g} ms"),
+        CfgField("network_file", f"str(FOLDER / {py(found.name)})"),
+        CfgField("pos_scale", py(manifest.position_scale), "of target - measured"),
+        CfgField("vel_scale", py(manifest.velocity_scale)),
+        CfgField("torque_scale", py(manifest.torque_scale)),
+        CfgField("input_order", py(order)),
+        CfgField("history_length", py(len(taps)), f"every {joint.step * 1e3:g} ms"),
     ], (found.name, found.data)

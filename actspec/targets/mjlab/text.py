@@ -11,7 +11,7 @@ from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py, section_lines
-from actspec.targets.mjlab.joint_cfg import Field, JointCfg
+from actspec.targets.mjlab.joint_cfg import CfgField, JointCfg
 
 WIDTH = 88
 """Columns of mjlab's own code."""
@@ -159,12 +159,12 @@ def _targets(names: Sequence[str], indent: str) -> Iterator[str]:
     yield f"{indent}),"
 
 
-def _agreed(members: Sequence[JointCfg], wrapped: bool) -> Iterator[Field]:
+def _agreed(members: Sequence[JointCfg], wrapped: bool) -> Iterator[CfgField]:
     """The fields of a cfg; a note only where all of its joints have the same."""
     rows = [cfg.fields if wrapped else (*cfg.fields, *cfg.delay) for cfg in members]
     for same in zip(*rows, strict=True):
         notes = {field.note for field in same}
-        yield same[0] if len(notes) == 1 else Field(same[0].name, same[0].text)
+        yield same[0] if len(notes) == 1 else CfgField(same[0].name, same[0].text)
 
 
 def _actuator_lines(constants: Sequence[str]) -> Iterator[str]:
@@ -176,7 +176,7 @@ def _actuator_lines(constants: Sequence[str]) -> Iterator[str]:
         yield from ("  actuators=(", *(f"    {constant}," for constant in constants), "  ),")
 
 
-def _row(field: Field, indent: str) -> Iterator[str]:
+def _row(field: CfgField, indent: str) -> Iterator[str]:
     line = f"{indent}{field.name}={field.text},"
     behind = f"{line}  # {field.note}"
     if not field.note:

@@ -45,7 +45,7 @@ class Form(str, Enum):
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class TorqueSpeedLine:
     """Torque-speed line of a dcmotor, joint side: torque at zero speed, speed at zero torque."""
 
     stall_torque: float
@@ -83,7 +83,7 @@ class Drive:
     kd: float
     offset: float
     effort_limit: float | None
-    line: Line | None
+    line: TorqueSpeedLine | None
     time_constant: float
     delay_steps: int
     step: float
@@ -253,11 +253,11 @@ def _has_dcmotor(dialect: MujocoDialect, command: Command) -> bool:
     )
 
 
-def _line(law: TorqueLaw) -> Line:
+def _line(law: TorqueLaw) -> TorqueSpeedLine:
     """The torque-speed line; of a curve its drive side, the line through knee and no-load speed."""
     law = lined(law)
     assert law.stall_torque is not None and law.no_load_speed is not None
-    return Line(law.stall_torque, law.no_load_speed)
+    return TorqueSpeedLine(law.stall_torque, law.no_load_speed)
 
 
 def _control_range(

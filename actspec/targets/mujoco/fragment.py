@@ -37,7 +37,7 @@ RADIUS = 0.1
 
 
 @dataclass(frozen=True, slots=True)
-class JointClass:
+class DefaultClass:
     """A default class and the joints that it is for."""
 
     name: str
@@ -57,7 +57,7 @@ class Fragment:
     """
 
     plan: Plan
-    classes: tuple[JointClass, ...]
+    classes: tuple[DefaultClass, ...]
     actuators: ActuatorSet
     approximations: tuple[Approximation, ...]
 
@@ -109,13 +109,13 @@ def fragment_of(
     return Fragment(plan, _classes(plan, actuators), actuators, approximations)
 
 
-def _classes(plan: Plan, actuators: ActuatorSet) -> tuple[JointClass, ...]:
+def _classes(plan: Plan, actuators: ActuatorSet) -> tuple[DefaultClass, ...]:
     """One class for each distinct set of numbers, named after the group that has it first.
 
     24 N*m at a hinge and 24 N at a slide are two sets.
     """
     by_name = {actuator.joint: actuator for actuator in actuators.joints}
-    found: dict[str, JointClass] = {}
+    found: dict[str, DefaultClass] = {}
     for (edit, _), members in grouped(
         plan.joints, lambda edit: (replace(edit, joint=""), by_name[edit.joint].kind)
     ):
@@ -126,7 +126,7 @@ def _classes(plan: Plan, actuators: ActuatorSet) -> tuple[JointClass, ...]:
         while name in found:
             count += 1
             name = f"{stem}_{count}"
-        found[name] = JointClass(name, edit, joints)
+        found[name] = DefaultClass(name, edit, joints)
     return tuple(found.values())
 
 

@@ -21,7 +21,7 @@ TEXTURE_FILES = ("file", "fileright", "fileleft", "fileup", "filedown", "filefro
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class FileLayout:
     """Which files are written under which name, and the edits of paths in them.
 
     Attributes:
@@ -35,7 +35,7 @@ class Layout:
     edits: tuple[Edit, ...]
 
 
-def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name: str) -> Layout:
+def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name: str) -> FileLayout:
     """Decide which files are written where.
 
     Args:
@@ -76,11 +76,11 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
             path_edits.append(
                 SetAttribute(element, "file", relative_path(os.path.join(source, file_name), folder))
             )
-    return Layout(tuple(names), tuple(includes), tuple(path_edits))
+    return FileLayout(tuple(names), tuple(includes), tuple(path_edits))
 
 
 def written_files(
-    document: XmlDocument, edited: Sequence[ModelFile], plan: Layout, folder: str
+    document: XmlDocument, edited: Sequence[ModelFile], plan: FileLayout, folder: str
 ) -> tuple[ModelFile, ...]:
     """The model's files as they will stand: written ones in the output folder, the others in place."""
     return tuple(

@@ -28,7 +28,7 @@ _REASONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Held:
+class ModelJoint:
     """What the MuJoCo target's model has of a joint.
 
     Attributes:
@@ -44,7 +44,7 @@ class Held:
     frictionloss: float
 
 
-def held_of(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -> Held:
+def held_of(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -> ModelJoint:
     """What the written model has of a joint; the robot's own numbers where the spec has none."""
     joint = robot.joint(actuator.joint)
     limited, coulomb = actuator.effort_limit.known, actuator.friction_coulomb.value
@@ -54,7 +54,7 @@ def held_of(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -
     if coulomb is None:
         coulomb = 0.0 if joint is None else joint.frictionloss
     capped = joint is not None and joint.effort_range is not None
-    return Held(_form(actuator, dialect), limited, capped, coulomb)
+    return ModelJoint(_form(actuator, dialect), limited, capped, coulomb)
 
 
 def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
@@ -70,7 +70,7 @@ def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
     return {Command.POSITION: "position", Command.VELOCITY: "velocity"}[actuator.command]
 
 
-def kept_ranges(actuator: JointActuator, held: Held, losses: Losses) -> dict[str, Randomization]:
+def kept_ranges(actuator: JointActuator, held: ModelJoint, losses: Losses) -> dict[str, Randomization]:
     """The ranges that the model can hold; the others are reported."""
     form = held.form
     kept = {}
@@ -275,7 +275,7 @@ class _Writer:
         self.keys: dict[tuple[str, str, str, str], int] = {}
         self.joints: tuple[JointActuator, ...] = ()
 
-    def write(self, drawn: Sequence[tuple[JointActuator, Held, dict[str, Randomization]]]) -> Function:
+    def write(self, drawn: Sequence[tuple[JointActuator, ModelJoint, dict[str, Randomization]]]) -> Function:
         self.joints = tuple(actuator for actuator, _, _ in drawn)
         fields = {field for _, _, kept in drawn for field in kept}
         forms = {form: self._indices(a for a, held, _ in drawn if held.form == form)

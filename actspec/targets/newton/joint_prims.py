@@ -21,14 +21,14 @@ from actspec.simulators.newton import JOINT_DAMPING, NewtonDialect
 from actspec.spec.results import NetworkManifest
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
-from actspec.targets.kit.network import NetworkFile, read_network, tap_stride
+from actspec.targets.kit.network import NetworkWithManifest, read_network, tap_stride
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.targets.kit.sizes import lined
 from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
-from actspec.targets.newton.usda import Attribute, asset
+from actspec.targets.newton.usda import UsdAttribute, asset
 from actspec.units import format_quantity
 
-Schemas = tuple[tuple[str, ...], tuple[Attribute, ...]]
+Schemas = tuple[tuple[str, ...], tuple[UsdAttribute, ...]]
 """API schemas of a prim, and its attributes."""
 
 
@@ -65,7 +65,7 @@ def prims_of(
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = Joint(actuator, dialect, step, target, collector)
+    joint = NewtonJoint(actuator, dialect, step, target, collector)
     network = None
     if joint.learned:
         found = network_attributes(joint)
@@ -88,7 +88,7 @@ def prims_of(
     )
 
 
-def number(name: str, quantity: Quantity, what: str = "") -> Attribute:
+def number(name: str, quantity: Quantity, what: str = "") -> UsdAttribute:
     """A known number as an attribute, with unit and origin behind it.
 
     Args:
@@ -99,13 +99,13 @@ def number(name: str, quantity: Quantity, what: str = "") -> Attribute:
     return given(name, quantity.require(), quantity.unit, what, origin_of(quantity))
 
 
-def given(name: str, value: float, *notes: str) -> Attribute:
+def given(name: str, value: float, *notes: str) -> UsdAttribute:
     """A number as an attribute, infinity included."""
     text = py(value) if math.isfinite(value) else ("inf" if value > 0 else "-inf")
-    return Attribute("float", name, text, ", ".join(note for note in notes if note))
+    return UsdAttribute("float", name, text, ", ".join(note for note in notes if note))
 
 
-class Joint(JointEmission):
+class NewtonJoint(JointEmission):
     """A joint with its losses, and a dialect.
 
     Attributes:
@@ -128,7 +128,7 @@ class Joint(JointEmission):
         return self.actuator.kind is JointKind.HINGE
 
 
-def gain_attributes(joint: Joint) -> list[Attribute]:
+def gain_attributes(joint: NewtonJoint) -> list[UsdAttribute]:
     """`newton:kp`, `newton:kd` and the encoder bias, which is a constant torque of -kp * bias before the clamp."""
     actuator = joint.actuator
     found = []
@@ -136,7 +136,7 @@ def gain_attributes(joint: Joint) -> list[Attribute]:
         if quantity is not None and quantity.known:
             found.append(number(name, quantity))
         else:
-            found.append(Attribute("float", name, "0.0"))
+            found.append(UsdAttribute("float", name, "0.0"))
     bias = joint.law.encoder_bias
     if bias and joint.law.kp:
         note = f"-kp times the encoder's bias of {bias:g} {actuator.encoder_bias.unit}"
@@ -144,7 +144,7 @@ def gain_attributes(joint: Joint) -> list[Attribute]:
     return found
 
 
-def clamps(joint: Joint) -> tuple[tuple[str, ...], list[Attribute]]:
+def clamps(joint: NewtonJoint) -> tuple[tuple[str, ...], list[UsdAttribute]]:
     """API schemas and attributes of the clamp: a torque-speed line, or the effort limit alone."""
     law = joint.law
     if law.stall_torque is not None or law.curve is not None:
@@ -154,7 +154,7 @@ def clamps(joint: Joint) -> tuple[tuple[str, ...], list[Attribute]]:
     return ("NewtonMaxEffortClampingAPI",), [number("newton:maxEffort", joint.actuator.effort_limit)]
 
 
-def _line(joint: Joint) -> list[Attribute]:
+def _line(joint: NewtonJoint) -> list[UsdAttribute]:
     actuator, law = joint.actuator, joint.law
     speed = actuator.velocity_limit.unit
     if law.curve is None:
@@ -182,7 +182,7 @@ def _line(joint: Joint) -> list[Attribute]:
     return [*found, given("newton:maxMotorEffort", limit, joint.unit, why)]
 
 
-def delay_attributes(joint: Joint) -> list[Attribute]:
+def delay_attributes(joint: NewtonJoint) -> list[UsdAttribute]:
     """`newton:delaySteps`, in physics steps; empty without a delay."""
     why = "a NewtonActuator has one fixed delay"
     steps, asked = joint.one_delay(why, joint.count, lambda _: joint.late)
@@ -191,10 +191,10 @@ def delay_attributes(joint: Joint) -> list[Attribute]:
         return []
     notes = [f"steps of {joint.step * 1e3:g} ms: {asked * 1e3:g} ms"]
     notes += [origin_of(delay.nominal)] if delay.nominal.known else []
-    return [Attribute("int", "newton:delaySteps", str(steps), ", ".join(notes))]
+    return [UsdAttribute("int", "newton:delaySteps", str(steps), ", ".join(notes))]
 
 
-def no_command_path(joint: Joint) -> None:
+def no_command_path(joint: NewtonJoint) -> None:
     """Report filter and clamp of the command, and a network's bias, as lost where there are any."""
     joint.no_filter("a NewtonActuator has no filter on its command")
     if joint.learned:
@@ -206,28 +206,28 @@ DEGREE = math.pi / 180.0
 """One degree [rad]."""
 
 
-def joint_prim(joint: Joint) -> tuple[tuple[str, ...], list[Attribute]]:
+def joint_prim(joint: NewtonJoint) -> tuple[tuple[str, ...], list[UsdAttribute]]:
     """API schemas and attributes of the joint's prim; what the spec does not state keeps the stage's."""
     return ("NewtonJointAPI", f"PhysicsDriveAPI:{_axis(joint)}"), [*_no_drive(joint), *_passive(joint)]
 
 
-def _axis(joint: Joint) -> str:
+def _axis(joint: NewtonJoint) -> str:
     return "angular" if joint.hinge else "linear"
 
 
-def _no_drive(joint: Joint) -> list[Attribute]:
+def _no_drive(joint: NewtonJoint) -> list[UsdAttribute]:
     """The stage's own drive, which would act beside the actuator, without gains; its force limit does not cut it."""
     head = f"drive:{_axis(joint)}:physics:"
     found = [
-        Attribute("float", f"{head}stiffness", "0.0", "the NewtonActuator is the drive"),
-        Attribute("float", f"{head}damping", "0.0"),
+        UsdAttribute("float", f"{head}stiffness", "0.0", "the NewtonActuator is the drive"),
+        UsdAttribute("float", f"{head}damping", "0.0"),
     ]
     if joint.actuator.effort_limit.known:
         found.append(number(f"{head}maxForce", joint.actuator.effort_limit))
     return found
 
 
-def _passive(joint: Joint) -> list[Attribute]:
+def _passive(joint: NewtonJoint) -> list[UsdAttribute]:
     actuator = joint.actuator
     found = []
     for name, quantity in (
@@ -263,7 +263,7 @@ def _passive(joint: Joint) -> list[Attribute]:
     return found
 
 
-def _in_degrees(joint: Joint, name: str, quantity: Quantity, factor: float) -> Attribute:
+def _in_degrees(joint: NewtonJoint, name: str, quantity: Quantity, factor: float) -> UsdAttribute:
     """A number that USD has per degree or in degrees, of a hinge."""
     if not joint.hinge:
         return number(name, quantity)
@@ -283,7 +283,7 @@ TENSORS = (
 """Names of an lstm's inputs and outputs, which Newton takes from the file's own metadata."""
 
 
-def network_attributes(joint: Joint) -> tuple[list[Attribute], tuple[str, bytes]] | None:
+def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[str, bytes]] | None:
     """`newton:modelPath` and the file; None after an error."""
     network = joint.actuator.network
     found = read_network(network, joint.where, joint.actuator.span, joint.collector)
@@ -329,10 +329,13 @@ def network_attributes(joint: Joint) -> tuple[list[Attribute], tuple[str, bytes]
         )
     # Newton takes a file for torch's by the end of its name.
     name = f"{os.path.splitext(found.name)[0]}.onnx"
-    return [Attribute("asset", "newton:modelPath", asset(name))], (name, with_metadata(found.data, metadata))
+    return [UsdAttribute("asset", "newton:modelPath", asset(name))], (
+        name,
+        with_metadata(found.data, metadata),
+    )
 
 
-def _metadata(joint: Joint, file: NetworkFile, stride: int) -> dict[str, Any] | None:
+def _metadata(joint: NewtonJoint, file: NetworkWithManifest, stride: int) -> dict[str, Any] | None:
     """What Newton is to read of the network; None after an error."""
     assert joint.actuator.network is not None
     manifest, where, span = file.manifest, f"{joint.where}.network", joint.actuator.network.span
@@ -391,7 +394,7 @@ def _asked(manifest: NetworkManifest, stride: int) -> dict[str, Any]:
     return found
 
 
-def _check_lstm(joint: Joint, manifest: NetworkManifest, metadata: dict[str, Any], stride: int) -> None:
+def _check_lstm(joint: NewtonJoint, manifest: NetworkManifest, metadata: dict[str, Any], stride: int) -> None:
     assert joint.actuator.network is not None
     where, span = f"{joint.where}.network", joint.actuator.network.span
     missing = [name for name in (*TENSORS, "hidden_size", "num_layers") if name not in metadata]

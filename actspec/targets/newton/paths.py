@@ -32,7 +32,7 @@ JOINT = "{joint}"
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class StagePaths:
     """Where things are in the stage.
 
     Attributes:
@@ -49,12 +49,14 @@ class Layout:
 _STATE = 'state `joint_paths`, e.g. {".*": "joints/{joint}"}'
 
 
-def lay_out(actuators: ActuatorSet, robot: RobotView, options: TargetOptions, collector: Collector) -> Layout:
+def lay_out(
+    actuators: ActuatorSet, robot: RobotView, options: TargetOptions, collector: Collector
+) -> StagePaths:
     """Path of the robot's prim and of each managed joint's; not all after an error."""
     names = [actuator.joint for actuator in actuators.joints]
     root = _root(robot, options, collector)
     if not root:
-        return Layout(root, {}, frozenset())
+        return StagePaths(root, {}, frozenset())
     found = _stated(names, root, options, collector)
     left = [name for name in names if name not in found]
     if left and not collector.failed:
@@ -71,7 +73,7 @@ def lay_out(actuators: ActuatorSet, robot: RobotView, options: TargetOptions, co
                 span=options.span("joint_paths"),
                 help=f"write {JOINT} where the joint's name belongs",
             )
-    return Layout(root, found, frozenset(left))
+    return StagePaths(root, found, frozenset(left))
 
 
 def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Path:
@@ -194,7 +196,7 @@ def _below(body: mujoco.MjsBody, path: Path) -> Iterator[tuple[str, Path]]:
         yield from _below(child, (*path, child.name if unique else ""))
 
 
-def converted_actuators(robot: RobotView, layout: Layout) -> list[Path]:
+def converted_actuators(robot: RobotView, layout: StagePaths) -> list[Path]:
     """Prims that mujoco-usd-converter makes of a model's own actuators on driven joints.
 
     Newton's MuJoCo solver would have them act beside the NewtonActuators.

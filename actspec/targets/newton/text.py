@@ -12,8 +12,8 @@ from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, identifier, section_lines
 from actspec.targets.newton.joint_prims import JointPrims
-from actspec.targets.newton.paths import Layout, converted_actuators
-from actspec.targets.newton.usda import Attribute, Prim, path_text, prim_lines, string
+from actspec.targets.newton.paths import StagePaths, converted_actuators
+from actspec.targets.newton.usda import Prim, UsdAttribute, path_text, prim_lines, string
 
 WIDTH = 110
 """Columns of the header."""
@@ -31,7 +31,7 @@ def overlay_text(
     actuators: ActuatorSet,
     robot: RobotView,
     joints: Sequence[JointPrims],
-    layout: Layout,
+    layout: StagePaths,
     approximations: Sequence[Approximation],
     dialect: NewtonDialect,
     model: str,
@@ -61,7 +61,7 @@ def overlay_text(
     return "\n".join([*lines, ""])
 
 
-def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: Layout) -> Iterator[Prim]:
+def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: StagePaths) -> Iterator[Prim]:
     own = converted_actuators(robot, layout)
     for joint in joints:
         apis, attributes = joint.joint
@@ -76,7 +76,7 @@ def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: Layout) -> It
     said_group = ""
     for joint in joints:
         actuator, (apis, attributes) = joint.actuator, joint.drive
-        target = Attribute("rel", "newton:targets", f"<{path_text(layout.joints[actuator.joint])}>")
+        target = UsdAttribute("rel", "newton:targets", f"<{path_text(layout.joints[actuator.joint])}>")
         about = f"{actuator.group}: {actuator.level.value}, {actuator.command.value} command."
         yield Prim(
             (*layout.root, SCOPE, _unique(identifier(actuator.joint, fallback="joint"), taken)),
@@ -101,7 +101,7 @@ def _unique(name: str, taken: dict[str, int]) -> str:
 
 def _header(
     actuators: ActuatorSet,
-    layout: Layout,
+    layout: StagePaths,
     approximations: Sequence[Approximation],
     dialect: NewtonDialect,
     model: str,

@@ -55,7 +55,7 @@ def asset(name: str) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Attribute:
+class UsdAttribute:
     """One line of a prim: an attribute or relationship.
 
     Attributes:
@@ -87,7 +87,7 @@ class Prim:
     path: tuple[str, ...]
     specifier: str = "over"
     apis: tuple[str, ...] = ()
-    attributes: tuple[Attribute, ...] = ()
+    attributes: tuple[UsdAttribute, ...] = ()
     comments: tuple[str, ...] = ()
     active: bool = True
 

@@ -11,12 +11,14 @@ from actspec.diagnostics import RobotError, Span
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import JointView, ModelFile
 from actspec.robot.xml import XmlDocument, parse_document
-from actspec.targets.urdf.plan import PARTS, JointEdit, joint_elements, part_of, relative_paths
+from actspec.targets.urdf.plan import PARTS, UrdfJointEdit, joint_elements, part_of, relative_paths
 
 _TEXT_ALONE = "only the text is compared"
 
 
-def deviations(document: XmlDocument, files: Sequence[ModelFile], edits: Sequence[JointEdit]) -> list[str]:
+def deviations(
+    document: XmlDocument, files: Sequence[ModelFile], edits: Sequence[UrdfJointEdit]
+) -> list[str]:
     """Where a written URDF is neither the plan nor the original; nothing when all is well.
 
     Args:
@@ -46,7 +48,7 @@ def _bare(joint: JointView) -> JointView:
     return replace(joint, span=Span(""), places={})
 
 
-def _planned(joint: JointView, edit: JointEdit | None) -> JointView:
+def _planned(joint: JointView, edit: UrdfJointEdit | None) -> JointView:
     """The original's joint with the planned numbers."""
     if edit is None:
         return joint
@@ -63,7 +65,7 @@ def _planned(joint: JointView, edit: JointEdit | None) -> JointView:
     )
 
 
-def _elements(document: XmlDocument, edits: Sequence[JointEdit]) -> Iterator[tuple[str, dict[str, str]]]:
+def _elements(document: XmlDocument, edits: Sequence[UrdfJointEdit]) -> Iterator[tuple[str, dict[str, str]]]:
     """Tag and attributes of every element, without what is planned; paths are from the root of the disk."""
     joints = joint_elements(document)
     planned: dict[int, tuple[str, ...]] = {}

@@ -15,7 +15,7 @@ from actspec.targets.kit.provenance import sections, with_origin, written_by, xm
 from actspec.targets.kit.python_text import grouped
 from actspec.targets.urdf.check import deviations
 from actspec.targets.urdf.plan import (
-    JointEdit,
+    UrdfJointEdit,
     format_losses,
     joint_elements,
     part_of,
@@ -110,7 +110,7 @@ def _check_expanded(document: XmlDocument, collector: Collector) -> None:
             return
 
 
-def _text_edits(joint: Element, edit: JointEdit) -> list[Edit]:
+def _text_edits(joint: Element, edit: UrdfJointEdit) -> list[Edit]:
     """A joint's edits of the text."""
     from actspec.robot.xml_edit import AppendChild, SetAttribute, format_number
 

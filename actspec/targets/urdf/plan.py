@@ -33,7 +33,7 @@ _SPEC_NAMES = {"friction_viscous": "friction.viscous", "friction_coulomb": "fric
 
 
 @dataclass(frozen=True, slots=True)
-class JointEdit:
+class UrdfJointEdit:
     """New numbers of one joint.
 
     Attributes:
@@ -57,7 +57,7 @@ class UrdfPlan:
         approximations: Limits for which the file has no place.
     """
 
-    edits: tuple[JointEdit, ...]
+    edits: tuple[UrdfJointEdit, ...]
     approximations: tuple[Approximation, ...]
 
 
@@ -89,7 +89,7 @@ def plan_joints(
         collector: Takes warnings and notes.
     """
     elements = joint_elements(document)
-    edits: list[JointEdit] = []
+    edits: list[UrdfJointEdit] = []
     lost: list[Approximation] = []
     driven: list[JointActuator] = []
     for actuator in actuators.joints:
@@ -124,7 +124,7 @@ def plan_joints(
         lost += losses.lost
         if parts:
             added = frozenset(tag for tag in parts if part_of(element, tag) is None)
-            edits.append(JointEdit(joint.name, parts, added))
+            edits.append(UrdfJointEdit(joint.name, parts, added))
     _tell_unknown(driven, robot, collector)
     return UrdfPlan(tuple(edits), tuple(lost))
 

@@ -4,7 +4,15 @@ from __future__ import annotations
 
 import pytest
 
-from actspec.targets.newton.usda import Attribute, Prim, asset, is_identifier, prim_lines, prim_path, string
+from actspec.targets.newton.usda import (
+    Prim,
+    UsdAttribute,
+    asset,
+    is_identifier,
+    prim_lines,
+    prim_path,
+    string,
+)
 
 
 @pytest.mark.parametrize(
@@ -49,7 +57,7 @@ def test_prims_are_nested() -> None:
     """Prims below each other share the overs on the way; words of strangers stay behind their #."""
     note = 'N*m\n}\ndef Scope "evil" {}'
     prims = [
-        Prim(("a", "b"), apis=("X", "Y"), attributes=(Attribute("float", "n:x", "1.0", note),)),
+        Prim(("a", "b"), apis=("X", "Y"), attributes=(UsdAttribute("float", "n:x", "1.0", note),)),
         Prim(("a", "b", "c"), specifier="def Scope", comments=("one\ntwo",)),
         Prim(("a", "d"), active=False),
     ]
