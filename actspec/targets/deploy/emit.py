@@ -251,7 +251,7 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
             guess = nearest(name, managed)
             collector.error(
                 "DEP001",
-                f"'{shortened(name)}' is no joint that the spec manages",
+                f"'{shortened(name)}' is not a joint that the spec manages",
                 where=where,
                 span=span,
                 help=f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",

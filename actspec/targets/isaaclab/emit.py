@@ -98,7 +98,7 @@ def _check_class(
     if chosen == "implicit" and networks:
         collector.error(
             "ISL004",
-            f"the solver's own drive runs no network: {listed(networks)}",
+            f"the solver's own drive cannot run a network: {listed(networks)}",
             where=where,
             span=span,
             help="write class: auto",
@@ -230,7 +230,7 @@ def _warn(
     if renamed:
         collector.warning(
             "ISL032",
-            f"USD importers rename joints that are no identifiers, and the cfg has the model's names: "
+            f"USD importers rename joints whose names are not valid USD prim names, and the cfg has the model's names: "
             f"{listed(renamed)}",
             where=renamed[0],
             span=next((joint.span for joint in robot.joints if joint.name == renamed[0]), None),
@@ -240,6 +240,6 @@ def _warn(
     if networks and dialect.row.native:
         collector.warning(
             "ISL033",
-            f"Isaac Lab {dialect.text} may take other network files than TorchScript: not tried here",
+            f"Isaac Lab {dialect.text} may take other network files than TorchScript: not tested",
             help="its native actuators read ONNX with metadata; or set use_newton_actuators=False",
         )

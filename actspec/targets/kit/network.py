@@ -60,7 +60,7 @@ def read_network(
     if network.manifest is None:
         collector.error(
             "NET002",
-            "the network has no manifest, and its file alone does not tell order, scales and period of its inputs",
+            "the network has no manifest, and its file alone does not state order, scales and period of its inputs",
             where=where,
             span=span,
             help="write network: {file: ..., manifest: ...}; `actspec schema network` has the manifest's keys",
@@ -157,7 +157,7 @@ def tap_stride(
     if period is None:
         collector.error(
             "NET007",
-            "tap_period is unknown, so it is unknown how far back a tap reaches",
+            "tap_period is unknown, so the time between two taps is unknown",
             where=where,
             span=span,
             help="write the time between two samples of the training log",
@@ -168,7 +168,7 @@ def tap_stride(
         near = max(1, stride) * step
         collector.error(
             "NET007",
-            f"tap_period {period * 1e3:g} ms is no whole number of physics steps of {step * 1e3:g} ms",
+            f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
             where=where,
             span=span,
             help=f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",

@@ -94,7 +94,7 @@ def _short_names(actuators: ActuatorSet, robot: RobotView, collector: Collector)
         if len(same) > 1 and not managed.isdisjoint(same):
             collector.error(
                 "MJL008",
-                f"mjlab knows a joint by what is behind the last '/', which is the same for {listed(same)}",
+                f"mjlab identifies a joint by what is behind the last '/', which is the same for {listed(same)}",
                 where=same[0],
                 help="rename the joints in the model",
             )

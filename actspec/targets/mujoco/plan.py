@@ -155,7 +155,7 @@ def plan_model(
             if drive.name in names:
                 collector.error(
                     "MJC002",
-                    f"the actuator of '{joint.name}' would be named like it, but another actuator has that name",
+                    f"the actuator of '{joint.name}' would have the joint's name, but another actuator has it",
                     where=joint.name,
                     span=next(a.span for a in robot.actuators if a.name == drive.name),
                     help="rename the other actuator",

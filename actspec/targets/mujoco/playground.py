@@ -235,7 +235,7 @@ def _model_dialect(stack: StackWriter) -> MujocoDialect | None:
         said = " or ".join(f"'{name}' ({dialect.text})" for name, dialect in dialects.items())
         stack.collector.error(
             "RND014",
-            f"Playground's function could be for the model of {said}, whose motors have their numbers elsewhere",
+            f"Playground's function could be for the model of {said}, whose motors keep their numbers in other fields",
             where=stack.options.where("version"),
             span=stack.options.span("version"),
             help="write a target for it: {target: randomization, for: [playground], version: ...}",

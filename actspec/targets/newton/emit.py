@@ -67,7 +67,7 @@ def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector
     if shared:
         collector.error(
             "NWT012",
-            f"{listed(joint.name for joint in shared)}: not alone on the body, and Newton makes one joint of all "
+            f"{listed(joint.name for joint in shared)}: not alone on its body, and Newton makes one joint of all "
             "joints between two bodies, which takes no actuator",
             where=shared[0].name,
             span=shared[0].span,

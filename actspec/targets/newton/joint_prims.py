@@ -310,7 +310,7 @@ def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[st
     if manifest.kind == "gru":
         joint.collector.error(
             "NWT003",
-            "actspec writes no network of kind gru for Newton, whose inputs it names otherwise",
+            "actspec does not write a gru for Newton, which names its inputs in another way",
             where=where,
             span=span,
             help="use an mlp or an lstm, or leave this target out",
@@ -345,7 +345,7 @@ def _metadata(joint: NewtonJoint, file: NetworkWithManifest, stride: int) -> dic
         torch = file.data.startswith(b"PK")
         joint.collector.error(
             "NWT004",
-            f"'{shortened(file.name)}' is no ONNX file, which Newton runs: "
+            f"'{shortened(file.name)}' is not an ONNX file, and Newton runs no other: "
             + ("it is an archive, as torch writes them" if torch else str(err)),
             where=where,
             span=span,
@@ -358,7 +358,7 @@ def _metadata(joint: NewtonJoint, file: NetworkWithManifest, stride: int) -> dic
         if asked[scale] == 0.0:
             joint.collector.error(
                 "NWT006",
-                f"Newton takes no {scale} of 0",
+                f"Newton does not accept a {scale} of 0",
                 where=where,
                 span=span,
                 help="fold it into the network",

@@ -84,7 +84,7 @@ def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Pat
         if found is None:
             collector.error(
                 "NWT008",
-                f"'{shortened(stated)}' is no path of a prim",
+                f"'{shortened(stated)}' is not a valid USD prim path",
                 where=options.where("root"),
                 span=options.span("root"),
                 help="write names behind slashes, e.g. /World/Robot",
@@ -94,7 +94,7 @@ def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Pat
         return (robot.name,)
     collector.error(
         "NWT009",
-        f"the robot's name '{shortened(robot.name)}' cannot be a prim's, so it is unknown what its prim is called",
+        f"the robot's name '{shortened(robot.name)}' is not a valid USD prim name, so the path of its prim is unknown",
         where=options.where("root"),
         help="state `root`, the path of the robot's prim, e.g. /World/Robot",
     )
@@ -132,7 +132,7 @@ def _stated(names: list[str], root: Path, options: TargetOptions, collector: Col
             if path is None:
                 collector.error(
                     "NWT008",
-                    f"'{shortened(text)}' is no path of a prim (joint {shortened(name)})",
+                    f"'{shortened(text)}' is not a valid USD prim path (joint {shortened(name)})",
                     where=where,
                     span=span,
                     help="write names of letters, digits and _ between slashes, as the stage has them",
@@ -165,8 +165,8 @@ def _converted(
     if unsure:
         collector.error(
             "NWT009",
-            f"{listed(unsure)}: of a name on the way to it, or of two of one body, it is unknown what the converter "
-            "makes of it",
+            f"{listed(unsure)}: the converter's path is unknown, because a name on it is not a valid USD prim name or "
+            "not unique in its body",
             where=where,
             help=_STATE,
         )

@@ -24,7 +24,7 @@ def is_identifier(name: str) -> bool:
 
 
 def prim_path(text: str) -> tuple[str, ...] | None:
-    """The names on an absolute path `/World/Robot`, or None if it is no path of a prim.
+    """The names on an absolute path `/World/Robot`, or None if it is not a valid USD prim path.
 
     Names outside of ASCII are taken as USD 24.03 and later take them.
     """

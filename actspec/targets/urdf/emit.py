@@ -69,7 +69,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if strayed:
         collector.error(
             "URD090",
-            f"the written URDF is not the plan, read again: {listed(strayed, 4)}",
+            f"the written URDF, read again, differs from the plan: {listed(strayed, 4)}",
             help="this is an error of the compiler: please report it with the spec and the model",
         )
     collector.raise_if_failed(EmitError)
@@ -102,7 +102,7 @@ def _check_expanded(document: XmlDocument, collector: Collector) -> None:
         if element.tag.partition(":")[0] in prefixes and ":" in element.tag:
             collector.error(
                 "URD002",
-                f"<{shortened(element.tag)}> is to be expanded by xacro first",
+                f"<{shortened(element.tag)}> has to be expanded by xacro first",
                 where="robot.model",
                 span=Span(document.files[0].path, element.line, element.column),
                 help="xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",

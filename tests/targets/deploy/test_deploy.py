@@ -326,7 +326,7 @@ def test_units_and_origins_are_said() -> None:
             ("l_hip", "l_knee", "r_hip", "r_kneee"),
             [
                 "DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee",
-                "DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is no joint that the spec manages",
+                "DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is not a joint that the spec manages",
             ],
         ),
         (
@@ -343,7 +343,7 @@ def test_units_and_origins_are_said() -> None:
         ),
         (
             ("l_hip", "l_knee", "r_hip", "r_knee", "r_roll"),
-            ["DEP001 targets.robot_side.joint_order[4]: 'r_roll' is no joint that the spec manages"],
+            ["DEP001 targets.robot_side.joint_order[4]: 'r_roll' is not a joint that the spec manages"],
         ),
     ],
     ids=["misspelt", "twice", "gaps", "missing", "unmanaged"],

@@ -161,8 +161,12 @@ def test_network_without_manifest(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     "change, code, words",
     [
-        ({"tap_period": "12 ms"}, "NET007", "tap_period 12 ms is no whole number of physics steps of 5 ms"),
-        ({"tap_period": "2 ms"}, "NET007", "tap_period 2 ms is no whole number"),
+        (
+            {"tap_period": "12 ms"},
+            "NET007",
+            "tap_period 12 ms is not a whole number of physics steps of 5 ms",
+        ),
+        ({"tap_period": "2 ms"}, "NET007", "tap_period 2 ms is not a whole number"),
         ({"kind": "gru"}, "ISL020", "mlp and lstm"),
         ({"kind": "lstm"}, "ISL021", "taps [0, 1], a tap_period of 2 physics steps"),
         ({"torque_scale": "a"}, "SPEC106", "valid number"),

@@ -97,7 +97,7 @@ def test_step_into_a_network_is_sized_by_its_limit(tmp_path: Path) -> None:
         ),
         (
             {"tap_period": "8 ms"},
-            "NET007 actuators.leg.network: tap_period 8 ms is no whole number of physics steps of 5 ms",
+            "NET007 actuators.leg.network: tap_period 8 ms is not a whole number of physics steps of 5 ms",
         ),
         (
             {"sha256": hashlib.sha256(b"others").hexdigest()},
@@ -119,7 +119,7 @@ def test_network_without_manifest(tmp_path: Path) -> None:
     (tmp_path / "net.pt").write_bytes(b"weights")
     spec = group(level="actuator_net", kp="", kd="", **LIMIT, network="{file: net.pt}")
     assert refused(spec, path=str(tmp_path / "spec.yaml")) == [
-        "NET002 actuators.leg.network: the network has no manifest, and its file alone does not tell order, "
+        "NET002 actuators.leg.network: the network has no manifest, and its file alone does not state order, "
         "scales and period of its inputs"
     ]
 
@@ -229,7 +229,7 @@ def test_joints_that_mjlab_cannot_tell_apart() -> None:
     """mjlab matches what stands behind the last `/`."""
     model = LEG.replace('name="hip"', 'name="l/hip"').replace('name="calf"', 'name="r/hip"')
     assert refused(group(**LIMIT, joints="['l/hip']"), model, robot='unmanaged: ["r/hip", "rod"]') == [
-        "MJL008 l/hip: mjlab knows a joint by what is behind the last '/', which is the same for l/hip, r/hip"
+        "MJL008 l/hip: mjlab identifies a joint by what is behind the last '/', which is the same for l/hip, r/hip"
     ]
 
 

@@ -161,21 +161,22 @@ def test_network_with_a_motor(tmp_path: Path) -> None:
     [
         (
             {"data": b"PK\x03\x04rest"},
-            "NWT004 actuators.leg.network: 'net.onnx' is no ONNX file, which Newton runs: it is an archive, as torch "
-            "writes them",
+            "NWT004 actuators.leg.network: 'net.onnx' is not an ONNX file, and Newton runs no other: it is an "
+            "archive, as torch writes them",
         ),
         (
             {"data": b"weights"},
-            "NWT004 actuators.leg.network: 'net.onnx' is no ONNX file, which Newton runs: it is no protobuf message",
+            "NWT004 actuators.leg.network: 'net.onnx' is not an ONNX file, and Newton runs no other: it is no protobuf "
+            "message",
         ),
         (
             {"kind": "gru"},
-            "NWT003 actuators.leg.network: actspec writes no network of kind gru for Newton, whose inputs it names "
-            "otherwise",
+            "NWT003 actuators.leg.network: actspec does not write a gru for Newton, which names its inputs in "
+            "another way",
         ),
         (
             {"position_scale": 0.0},
-            "NWT006 actuators.leg.network: Newton takes no pos_scale of 0",
+            "NWT006 actuators.leg.network: Newton does not accept a pos_scale of 0",
         ),
         (
             {"data": ONNX + prop("metadata", '{"pos_scale": 1.0}')},
@@ -187,7 +188,7 @@ def test_network_with_a_motor(tmp_path: Path) -> None:
         ),
         (
             {"tap_period": "8 ms"},
-            "NET007 actuators.leg.network: tap_period 8 ms is no whole number of physics steps of 5 ms",
+            "NET007 actuators.leg.network: tap_period 8 ms is not a whole number of physics steps of 5 ms",
         ),
     ],
     ids=["torch", "other", "gru", "scale", "metadata", "torque-scale", "period"],

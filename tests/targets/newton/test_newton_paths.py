@@ -86,10 +86,10 @@ def test_stated_paths() -> None:
     ],
 )
 def test_bad_root(root: str) -> None:
-    """What is no path of a prim is refused before anything of it is written."""
+    """What is not a valid USD prim path is refused before anything of it is written."""
     (said,) = refused(ONE, root=root)
     assert said.startswith("NWT008 targets.newton.root: '")
-    assert said.endswith("' is no path of a prim")
+    assert said.endswith("' is not a valid USD prim path")
 
 
 @pytest.mark.parametrize(
@@ -100,7 +100,7 @@ def test_bad_path(template: str) -> None:
     """The same of a joint's; nothing but {joint} is replaced."""
     (said,) = refused(ONE, joint_paths=(("hip", template),))
     assert said.startswith("NWT008 targets.newton.joint_paths.hip: '")
-    assert said.endswith("is no path of a prim (joint hip)")
+    assert said.endswith("is not a valid USD prim path (joint hip)")
 
 
 @pytest.mark.parametrize(
@@ -142,8 +142,8 @@ def test_name_that_a_converter_changes(old: str, new: str, what: str) -> None:
     assert old in LEG
     spec = ONE.replace("[hip]", f"[{what}]")
     assert refused(spec, LEG.replace(old, new)) == [
-        f"NWT009 targets.newton.joint_paths: {what}: of a name on the way to it, or of two of one body, it is unknown "
-        "what the converter makes of it"
+        f"NWT009 targets.newton.joint_paths: {what}: the converter's path is unknown, because a name on it is not a "
+        "valid USD prim name or not unique in its body"
     ]
     found = written(spec, LEG.replace(old, new), joint_paths=((".*", "joints/j"),))
     assert "/leg/joints/j" in found.prims
@@ -153,8 +153,8 @@ def test_name_of_a_robot_that_a_converter_changes() -> None:
     """A robot's name that is no prim's needs a root."""
     model = LEG.replace('model="leg"', 'model="my leg"')
     assert refused(ONE, model) == [
-        "NWT009 targets.newton.root: the robot's name 'my leg' cannot be a prim's, so it is unknown what its prim is "
-        "called"
+        "NWT009 targets.newton.root: the robot's name 'my leg' is not a valid USD prim name, so the path of its "
+        "prim is unknown"
     ]
     assert "/leg/Geometry/trunk/thigh/hip" in written(ONE, model, root="/leg").prims
 
@@ -177,7 +177,7 @@ def test_joints_that_share_a_body() -> None:
         written(spec, model, robot='unmanaged: ["rod", "twist"]')
     (said,) = caught.value.diagnostics
     assert said.code == "NWT012"
-    assert said.message.startswith("calf: not alone on the body")
+    assert said.message.startswith("calf: not alone on its body")
 
 
 def test_errors_of_paths_and_drives_come_together() -> None:

@@ -450,7 +450,7 @@ def test_playground_for_two_models() -> None:
         made("kp: {scale: [0.5, 2]}", "playground", siblings=siblings, **DC)
     assert [f"{d.code} {d.where}: {d.message}" for d in caught.value.diagnostics] == [
         "RND014 targets.dr.version: Playground's function could be for the model of 'old' (3.11) or 'new' (3.12), "
-        "whose motors have their numbers elsewhere"
+        "whose motors keep their numbers in other fields"
     ]
     assert "MuJoCo 3.11" in made("kp: {scale: [0.5, 2]}", "playground", siblings=siblings).files[
         0

@@ -22,7 +22,7 @@ from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.urdf.check import deviations
 from actspec.targets.urdf.emit import emit
-from actspec.targets.urdf.plan import JointEdit
+from actspec.targets.urdf.plan import UrdfJointEdit
 from tests.compiling import FOLDER, spec_text, view_of
 
 HERE = Path(__file__).parent
@@ -456,11 +456,11 @@ def test_check_sees(old: str, new: str, named: list[str]) -> None:
     data = head + start + (body.replace(old, new, 1) if old else body)
     document = parse_document((ModelFile(str(LEG), "", LEG.read_bytes()),))
     edits = [
-        JointEdit("hip", {"limit": {"effort": 30.0}, "dynamics": {"damping": 0.05, "friction": 0.4}},
+        UrdfJointEdit("hip", {"limit": {"effort": 30.0}, "dynamics": {"damping": 0.05, "friction": 0.4}},
                   frozenset({"dynamics"})),
-        JointEdit("knee", {"limit": {"effort": 30.0, "velocity": 17.5},
+        UrdfJointEdit("knee", {"limit": {"effort": 30.0, "velocity": 17.5},
                            "dynamics": {"damping": 0.05, "friction": 0.4}}, frozenset()),
-        JointEdit("wheel", {"limit": {"effort": 3.0, "velocity": 50.0}}, frozenset({"limit"})),
+        UrdfJointEdit("wheel", {"limit": {"effort": 3.0, "velocity": 50.0}}, frozenset({"limit"})),
     ]  # fmt: skip
     found = deviations(
         document, (ModelFile(str(HERE / "out" / "urdf" / "leg.urdf"), "", data.encode()),), edits
