@@ -114,13 +114,13 @@ class Row:
         tolerance: Largest difference that agrees; infinity where an approximation has no size.
         ok: Whether it agrees.
         expected: Of a field at `joint`: the spec's, or of an approximated field what actspec writes.
-        got: Of a field at `joint`: the file's; None: the file does not say.
+        got: Of a field at `joint`: the file's; None: the file does not state it.
         at: Of a torque: where the error is.
         approximations: Keys of the known approximations that concern the quantity.
         engine: What was asked, with its version; None: the file was read back.
         code: What is wrong, as in docs/verify.md; None where it agrees.
         message: The same in words; "" where it agrees.
-        place: Where a field is written that is another one; None elsewhere.
+        place: Where a field that is wrong is written; None elsewhere.
     """
 
     target: str

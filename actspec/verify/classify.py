@@ -1,4 +1,4 @@
-"""What is wrong with a figure that is another one: the code, and the reason in words."""
+"""What is wrong with a figure: the code, and the reason in words."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from actspec.readings.compare import (
     twice_damped,
 )
 from actspec.readings.fields import FIELDS
-from actspec.units import Kind
+from actspec.units import Kind, format_number
 
 DELAYS = frozenset(name for name in FIELDS if name.startswith("delay"))
 DAMPINGS = ("kd", "joint_damping")
@@ -33,12 +33,12 @@ Values = Mapping[str, float | None]
 
 @dataclass(frozen=True, slots=True)
 class WrongFigure:
-    """One figure of one joint that is another one.
+    """One figure of one joint that is not as it should be.
 
     Attributes:
         field: The field.
         expected: What it should be; None: unknown.
-        got: What it is; None: the file does not say.
+        got: What it is; None: the file does not state it.
         asked: All figures of the joint that there should be.
         found: All figures of the joint that there are.
         everywhere: Of the field: joint to (expected, got), for every joint.
@@ -67,9 +67,9 @@ def classify(one: WrongFigure) -> tuple[str, str]:
     """
     field, expected, got = one.field, one.expected, one.got
     if one.forgotten:
-        return "VFY109", "a mapping leaves the joint out, and what it gives then is 0"
+        return "VFY109", "a mapping leaves the joint out, which gives 0"
     if _permuted(one):
-        return "VFY109", "it is another joint's: two joints are swapped, or the order is another one"
+        return "VFY109", "it is another joint's number: two joints are swapped, or the order differs"
     if field in DELAYS:
         return "VFY108", "the delay counts steps of another length, or another number of steps"
     if expected and near(got, -expected):
@@ -77,7 +77,7 @@ def classify(one: WrongFigure) -> tuple[str, str]:
     if is_lost(field, got, expected):
         return "VFY104", "the limit is lost"
     if one.geared and field in (*_GEARED, "joint_damping", "frictionloss"):
-        return "VFY103", "the file has a gear at the joint, and the numbers are the joint's already"
+        return "VFY103", "the file has a gear at the joint, and the numbers are on the joint side already"
     if _swapped(one):
         return "VFY110", "kp and kd are swapped"
     if _twice(one):
@@ -92,8 +92,8 @@ def classify(one: WrongFigure) -> tuple[str, str]:
     if gear is not None:
         return "VFY103", gear
     if field == "armature":
-        return "VFY107", "the armature is another one"
-    return "VFY110", "the file says something else" if got is not None else "the file does not say it"
+        return "VFY107", "the armature differs"
+    return "VFY110", "the file has another number" if got is not None else "the file does not state it"
 
 
 def _permuted(one: WrongFigure) -> bool:
@@ -191,5 +191,5 @@ def _gear(one: WrongFigure) -> str | None:
             words = _POWERS[power]
             if one.field == "armature" and power in (1, -1):
                 words = "taken to the first power, and it goes with its square"
-            return f"the gear of {factor:g} is {words}"
+            return f"the gear of {format_number(factor)} is {words}"
     return None

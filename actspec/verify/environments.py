@@ -94,7 +94,7 @@ def release_folder(project: str, version: str, folder: Path | None = None) -> Pa
 
 
 def quiet(text: str) -> None:
-    """Nobody is told what is done."""
+    """What is done next is not reported."""
 
 
 def prepare_release(
@@ -106,7 +106,7 @@ def prepare_release(
         project: Name of the distribution.
         version: Its version.
         folder: Where to keep it; default `cache_folder()`.
-        say: Told what is done next.
+        say: Called with what is done next.
 
     Returns: The folder to put on PYTHONPATH.
     Raises: EngineUnavailableError: no wheel for this Python and platform, or no registry.
@@ -134,7 +134,7 @@ def whole(made: Path, make: Callable[[Path], None], say: Callable[[str], None]) 
     Args:
         made: The folder.
         make: Makes it, at another place.
-        say: Told what is done next.
+        say: Called with what is done next.
     """
     if made.is_dir():
         return made
@@ -188,7 +188,7 @@ def run(command: Sequence[str], what: str, timeout: float) -> None:
         what: What is installed, for messages.
         timeout: [s].
 
-    Raises: EngineUnavailableError: it failed, with the last error that it told.
+    Raises: EngineUnavailableError: it failed, with its last error.
     """
     try:
         done = subprocess.run(
@@ -367,7 +367,7 @@ def prepare_frameworks(
     Args:
         folder: Where to keep it; default `cache_folder()`.
         extra: Requirements beyond those of actspec's own.
-        say: Told what is done next.
+        say: Called with what is done next.
 
     Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
     """

@@ -85,7 +85,7 @@ def other_rows(target: TargetFiles) -> Iterator[Row]:
         yield Row(
             *(target.name, "", "", 0, f"file {file}", "", 0.0 if same else None, 0.0, same),
             code=None if same else "VFY110",
-            message="" if same else one_line(f"{file} is another file than the one that the spec names"),
+            message="" if same else one_line(f"{file} is not the file that the spec names"),
             place=None if same else Span(target.path(file)),
         )
 

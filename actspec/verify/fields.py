@@ -14,8 +14,7 @@ from actspec.readings.fields import FIELDS
 from actspec.targets.isaaclab import dialect_for
 from actspec.verify.agreement import Row, TargetFiles, alike, keys
 from actspec.verify.classify import WrongFigure, classify
-from actspec.verify.compiled import compiled_rows
-from actspec.verify.layout import TOLERANCE, driven, figure_text, layout_rows
+from actspec.verify.layout import TOLERANCE, compiled_rows, driven, figure_text, layout_rows
 from actspec.verify.readback import ABSENT, OVERLAY_FIELDS, Figures, FileFigures
 
 _DRIVE = ("kp", "kd", "effort_limit", "stall_torque", "no_load_speed", "delay_low", "delay_high")
@@ -269,7 +268,7 @@ def _message(one: _Compared, reason: str, engine: str | None) -> str:
     noun = FIELDS[one.field].noun if one.field in FIELDS else one.field
     said = figure_text(one.value, one.unit)
     where = f" in {engine}" if engine is not None else ""
-    what = "is not said" if one.value is None else f"is {said}"
+    what = "is not stated" if one.value is None else f"is {said}"
     asked = "" if one.expected is None else f", and should be {figure_text(one.expected, one.unit)}"
     return f"the {noun} {what}{where}{asked}: {reason}"
 

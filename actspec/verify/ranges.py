@@ -16,6 +16,7 @@ from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.readings.artifact import RandomizedRange
 from actspec.robot.view import RobotView
 from actspec.sampling import own_ranges
+from actspec.units import format_number
 from actspec.verify.agreement import Row, TargetFiles
 from actspec.verify.classify import WrongFigure, classify
 from actspec.verify.fields import broken
@@ -91,10 +92,10 @@ def _json_rows(target: TargetFiles, file: str, actuators: ActuatorSet) -> Iterat
         ]
         yield from values
         if ranges.ok and not values and _rest(joints[name]) != _rest(ours[name]):
-            wrong = target.fault("randomize", "VFY110", "a unit or a word is another one", actuator=actuator)
+            wrong = target.fault("randomize", "VFY110", "a unit or a word differs", actuator=actuator)
             yield replace(wrong, place=_place(target, file, text, name, '"joint"'))
     if _rest(record) != _rest(fresh):
-        what, place = "the head of the file is another one", Span(target.path(file))
+        what, place = "the head of the file differs", Span(target.path(file))
         yield target.fault(f"randomize ({file})", "VFY110", what, joints=len(joints), place=place)
 
 
@@ -148,9 +149,9 @@ def _place(target: TargetFiles, file: str, text: str, joint: str, word: str) -> 
 
 
 def _rest(record: Any) -> dict[str, Any]:
-    """What is told neither by ranges nor by nominal values, nor follows from who wrote the file."""
-    told = ("ranges", "nominal", "joints", "tool", "spec_sha256")
-    found = {name: value for name, value in record.items() if name not in told}
+    """What is compared neither by ranges nor by nominal values, nor follows from who wrote the file."""
+    compared = ("ranges", "nominal", "joints", "tool", "spec_sha256")
+    found = {name: value for name, value in record.items() if name not in compared}
     if "nominal" in record:
         found["units"] = [one.get("unit") for one in record["nominal"].values()]
         found["ranges"] = [{**one, "low": None, "high": None} for one in record["ranges"]]
@@ -187,7 +188,7 @@ def _difference(want: Randomization, got: Any) -> str | None:
     for name in ("low", "high"):
         value = float(got[name])
         if not math.isclose(value, getattr(want, name), rel_tol=TOLERANCE, abs_tol=1e-12):
-            return f"{name} is {value:g}, and should be {getattr(want, name):g}"
+            return f"{name} is {format_number(value)}, and should be {format_number(getattr(want, name))}"
     return None
 
 
@@ -203,7 +204,7 @@ def _python_rows(target: TargetFiles, file: str, actuators: ActuatorSet, robot: 
             [Asked(ours, target.options), Asked(theirs, target.options)], actuators, robot
         )
     )
-    wrong = list(_changed(fresh, built)) or ["its text is another one"]
+    wrong = list(_changed(fresh, built)) or ["its text differs"]
     for text in wrong:
         count = len(actuators.joints)
         yield target.fault(f"randomize ({file})", "VFY110", text, joints=count, place=Span(theirs))
@@ -235,4 +236,4 @@ def _changed(fresh: tuple[RandomizedRange, ...], built: tuple[RandomizedRange, .
 
 def _words(one: tuple[str, float, float, str]) -> str:
     operation, low, high, distribution = one
-    return f"{one_line(operation)} {low:g} to {high:g} ({one_line(distribution)})"
+    return f"{one_line(operation)} {format_number(low)} to {format_number(high)} ({one_line(distribution)})"

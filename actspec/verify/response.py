@@ -31,7 +31,7 @@ SOFT = "friction.soft"
 CHANGES = 3.0
 """Times the engine's own change from h to h/2 that it may be off the law. An engine of first order is off by twice the
 change, to within a few per cent either way (2.00 to 2.02 for a step of the A1, up to 2.4 where a joint comes to stand):
-the change itself, and what is left from h/2 on, which is another one. Chosen: that rest is doubled."""
+the change itself, and what is left from h/2 on, which is another change. Chosen: that rest is doubled."""
 COARSE = 0.5
 """Most change from h to h/2, of how far the law moves the joint. Beyond, the step decides the response. Chosen: an
 explicit drive that brakes a joint changes it by h kd / (2 J), so this is a drive that stops its joint within one step;
@@ -261,7 +261,7 @@ def _judge(case: _Course, want: ExpectedResponse, moved: Moved) -> Row:
 
     row, (q, halved) = case.row, case.q
     if not (np.isfinite(q).all() and np.isfinite(halved).all()):
-        return replace(row, code="VFY113", message="the simulation diverges at its own step")
+        return replace(row, code="VFY113", message="the simulation diverges at the physics step")
     asked, left = moved[case.joint, want.asked], moved[case.joint, want.left]
     error, rest = (np.abs(q - lane.q[:, case.course]) for lane in (asked, left))
     changes = np.abs(q - halved)

@@ -51,7 +51,7 @@ NO_ENGINE = {
 READ = ("mujoco", "isaaclab", "mjlab", "deploy", "urdf")
 """Kinds whose main file the audit's readers read back joint by joint; Newton's has a reader of its own."""
 
-Told = EngineAnswer | EngineMissing | EngineRefused
+EngineReply = EngineAnswer | EngineMissing | EngineRefused
 """What came of asking an engine."""
 
 
@@ -96,7 +96,7 @@ def verify(
     asked = spec_figures(actuators, spec)
     rows: list[Row] = []
     skipped: list[Skip] = []
-    told: Mapping[str, Told] = {}
+    replies: Mapping[str, EngineReply] = {}
     moved: Mapping[str, list[Row]] = {}
     if moves:
         refused = {
@@ -106,10 +106,10 @@ def verify(
         }
         asked_of = [target for target in targets if target.name not in refused]
         questions = _questions(asked_of, readings, actuators, robot, laws, run_edited=run_edited)
-        told = {**refused, **_ask(questions, moves, step)}
+        replies = {**refused, **_ask(questions, moves, step)}
         asks = {
             name: partial(import_module(ENGINES[questions[name].options.kind]).respond, questions[name])
-            for name, answer in told.items()
+            for name, answer in replies.items()
             if isinstance(answer, EngineAnswer)
         }
         moved, skipped = responses(targets, actuators, laws, asks)
@@ -117,7 +117,7 @@ def verify(
     for target in targets:
         fresh, built = readings.get(target.name, (None, None))
         if engines:
-            found, missed = _torques(target, actuators, asked, laws, moves, told.get(target.name), fresh)
+            found, missed = _torques(target, actuators, asked, laws, moves, replies.get(target.name), fresh)
             rows += [*found, *moved.get(target.name, ())]
             skipped += missed
         if engines and target.options.kind == "urdf" and fresh is not None and built is not None:
@@ -135,7 +135,7 @@ def verify(
             rows += fields
         elif target.options.kind == "randomization":
             rows += range_rows(target, actuators, robot)
-        if not isinstance(told.get(target.name), EngineAnswer):
+        if not isinstance(replies.get(target.name), EngineAnswer):
             rows += code_rows(target)
         rows += other_rows(target)
     skipped += [Skip(name, "", "fields", one.message, one.help, True) for name, one in unread.items()]
@@ -192,7 +192,7 @@ def relative(agreement: Agreement, folder: str) -> Agreement:
 
     Args:
         agreement: Of `verify`.
-        folder: The folder that `compile` was told.
+        folder: The folder that `compile` was given.
     """
     start = folder + os.sep
 
@@ -253,11 +253,13 @@ def _questions(
     return found
 
 
-def _ask(questions: Mapping[str, Question], moves: HeldMotions, step: Callable[[], None]) -> dict[str, Told]:
+def _ask(
+    questions: Mapping[str, Question], moves: HeldMotions, step: Callable[[], None]
+) -> dict[str, EngineReply]:
     """Ask the engines, each in a process of its own, as many at once as there are cores."""
     from actspec.processes import cores
 
-    found: dict[str, Told] = {}
+    found: dict[str, EngineReply] = {}
     with ThreadPoolExecutor(max_workers=cores()) as pool:
         futures = {name: pool.submit(_answer, question, moves) for name, question in questions.items()}
         for name, future in futures.items():
@@ -266,7 +268,7 @@ def _ask(questions: Mapping[str, Question], moves: HeldMotions, step: Callable[[
     return found
 
 
-def _answer(question: Question, moves: HeldMotions) -> Told:
+def _answer(question: Question, moves: HeldMotions) -> EngineReply:
     try:
         answer: EngineAnswer = import_module(ENGINES[question.options.kind]).ask(question, moves)
     except (EngineMissing, EngineRefused) as err:
@@ -300,7 +302,7 @@ def _torques(
     asked: Mapping[str, Mapping[str, Figure]],
     laws: JointLaws,
     moves: HeldMotions,
-    told: Told | None,
+    reply: EngineReply | None,
     fresh: FileFigures | None,
 ) -> tuple[list[Row], list[Skip]]:
     """Rows and skips of one target's engine."""
@@ -308,13 +310,13 @@ def _torques(
     if kind not in ENGINES:
         return [], [Skip(target.name, "", "torque", NO_ENGINE.get(kind, "actspec knows no engine for it"))]
     skipped = list(law_skips(target, laws))
-    if told is None:
+    if reply is None:
         return [], skipped
-    if isinstance(told, EngineMissing):
-        return [], [*skipped, Skip(target.name, "", "torque", told.reason, told.help, told.setup)]
-    if isinstance(told, EngineRefused):
-        return [broken(target, f"its simulator refuses the file: {told}", kind)], skipped
-    rows = list(torque_rows(target, actuators, laws, moves, told))
+    if isinstance(reply, EngineMissing):
+        return [], [*skipped, Skip(target.name, "", "torque", reply.reason, reply.help, reply.setup)]
+    if isinstance(reply, EngineRefused):
+        return [broken(target, f"its simulator refuses the file: {reply}", kind)], skipped
+    rows = list(torque_rows(target, actuators, laws, moves, reply))
     written = fresh or FileFigures(target.path(target.files[0]))
-    rows += engine_rows(target, actuators, asked, written, told.figures, told.engine)
+    rows += engine_rows(target, actuators, asked, written, reply.figures, reply.engine)
     return rows, skipped

@@ -102,4 +102,4 @@ def test_another_network(built: Built, tmp_path: Path) -> None:
     assert [row.ok for row in other_rows(target)] == [True]
     (row,) = other_rows(replace(target, folder=str(theirs)))
     assert (row.code, row.quantity) == ("VFY110", "file net.pt")
-    assert "net.pt is another file than the one that the spec names" in row.message
+    assert "net.pt is not the file that the spec names" in row.message

@@ -206,9 +206,9 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
         simulated.reset()
         simulated.place(*(torch.tensor(arrays[name], dtype=torch.float32) for name in ("q", "qd")))
         q, torque = [simulated.positions()], []
-        for told in command:
+        for now in command:
             for part in range(parts):
-                found = simulated.go(told)
+                found = simulated.go(now)
                 if part == 0:
                     torque.append(found)
             q.append(simulated.positions())
