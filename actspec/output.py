@@ -6,13 +6,13 @@ import difflib
 import hashlib
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import actspec
 from actspec.diagnostics import Collector, Diagnostic, EmitError, Span
-from actspec.files import replace_file
+from actspec.files import FAULTS, replace_file, why
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
 if TYPE_CHECKING:
@@ -154,6 +154,48 @@ def diff(files: tuple[Output, ...]) -> Iterator[str]:
         before = os.devnull if file.old is None else file.path
         for line in difflib.unified_diff(old, new, before, file.path):
             yield line if line.endswith("\n") else line + "\n"
+
+
+def check_free(path: str, sources: Sequence[str], force: bool) -> None:
+    """Refuse a path that cannot be written, or holds something.
+
+    Args:
+        path: The spec to be.
+        sources: Files that it is imported from, which stay as they are.
+        force: Whether another file may be replaced.
+
+    Raises: EmitError: it cannot be written.
+    """
+    if os.path.isdir(path) or not os.path.basename(path):
+        raise EmitError.of(
+            "OUT001", "is a folder", Span(path), help="name the file to write, e.g. robots/my_robot.yaml"
+        )
+    if not os.path.lexists(path):
+        return
+    if os.path.exists(path) and any(
+        os.path.exists(source) and os.path.samefile(path, source) for source in sources
+    ):
+        raise EmitError.of(
+            "OUT003", "is the file to import itself", Span(path), help="name another file for the spec"
+        )
+    if not os.path.isfile(path):
+        raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
+    if not force:
+        raise EmitError.of(
+            "OUT003", "exists already", Span(path), help="name another file, or replace it with --force"
+        )
+
+
+def write_spec(path: str, text: str) -> None:
+    """Write a spec in one step, with its folders.
+
+    Raises: EmitError: it cannot be written.
+    """
+    try:
+        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+        replace_file(path, text.encode("utf-8"))
+    except FAULTS as err:
+        raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(path)) from err
 
 
 def loss_record(loss: Approximation) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import contextlib
 import hashlib
 import json
 import math
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
 from typing import Any
@@ -17,7 +18,8 @@ from typing import Any
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, compare_robots
 from actspec.audit.settings import read_versions
-from actspec.diagnostics import AuditError, Collector, Span, shortened
+from actspec.diagnostics import AuditError, Collector, Span, one_line, shortened
+from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
@@ -28,6 +30,9 @@ FORMAT = "actspec-lock/1"
 
 SAME = 2e-9
 """Largest relative difference from a figure that was rounded to nine digits."""
+
+MOST_BYTES = 64 << 20
+"""Chosen: a robot of 30 joints takes 20 kB."""
 
 _MOST = 10**300
 """Whole numbers beyond are no floats."""
@@ -89,6 +94,52 @@ def changes(
                 (name, compare_robots(old, now.get(robot, RobotDynamics(robot, path, kind, {})), SAME))
             )
     return tuple(found)
+
+
+def load_lock(path: str, *, needed: bool, figures: bool) -> dict[str, Any] | None:
+    """The lock that is there; what is not a lock is never overwritten.
+
+    Args:
+        path: Of the lock.
+        needed: Whether it must be there.
+        figures: As in `read_lock`.
+
+    Raises: AuditError: it is not there, cannot be read, or is not a lock.
+    """
+    try:
+        data = read_regular(path, MOST_BYTES)
+    except FileNotFoundError as err:
+        if needed:
+            raise AuditError.of(
+                "LCK001", "there is no such lock", Span(path), help="write one with `actspec lock FILE`"
+            ) from err
+        return None
+    except FAULTS as err:
+        raise AuditError.of("LCK001", f"cannot be read: {why(err)}", Span(path)) from err
+    return read_lock(path, data, figures=figures)
+
+
+def names_in_lock(files: Sequence[str], lock: str) -> dict[str, str]:
+    """Files and what the lock calls them: relative to its folder, with `/`.
+
+    Raises: AuditError: a file has no such path, as on another drive.
+    """
+    folder = os.path.dirname(os.path.abspath(lock))
+    found: dict[str, str] = {}
+    for file in files:
+        try:
+            name = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
+        except ValueError as err:
+            raise AuditError.of("LCK001", f"has no path relative to {one_line(folder)}", Span(file)) from err
+        if name not in found.values():
+            found[file] = name
+    return found
+
+
+def recorded_files(lock: Mapping[str, Any], path: str) -> dict[str, str]:
+    """Files of a lock and what it calls them."""
+    folder = os.path.dirname(path)
+    return {os.path.join(folder, *name.split("/")): name for name in lock["files"]}
 
 
 def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]:

@@ -11,7 +11,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_versions, configured_versions, describe
-from actspec.diagnostics import EXIT_CLEAN, Diagnostic, EmitError, Severity, Span, listed, one_line
+from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, one_line
+from actspec.output import check_free, write_spec
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -165,50 +166,6 @@ def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequ
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"
         yield from commands(output, "show", "compile")
-
-
-def check_free(path: str, sources: Sequence[str], force: bool) -> None:
-    """Refuse a path that cannot be written, or holds something.
-
-    Args:
-        path: The spec to be.
-        sources: Files that it is imported from, which stay as they are.
-        force: Whether another file may be replaced.
-
-    Raises: EmitError: it cannot be written.
-    """
-    if os.path.isdir(path) or not os.path.basename(path):
-        raise EmitError.of(
-            "OUT001", "is a folder", Span(path), help="name the file to write, e.g. robots/my_robot.yaml"
-        )
-    if not os.path.lexists(path):
-        return
-    if os.path.exists(path) and any(
-        os.path.exists(source) and os.path.samefile(path, source) for source in sources
-    ):
-        raise EmitError.of(
-            "OUT003", "is the file to import itself", Span(path), help="name another file for the spec"
-        )
-    if not os.path.isfile(path):
-        raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
-    if not force:
-        raise EmitError.of(
-            "OUT003", "exists already", Span(path), help="name another file, or replace it with --force"
-        )
-
-
-def write_spec(path: str, text: str) -> None:
-    """Write a spec in one step, with its folders.
-
-    Raises: EmitError: it cannot be written.
-    """
-    from actspec.files import FAULTS, replace_file, why
-
-    try:
-        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-        replace_file(path, text.encode("utf-8"))
-    except FAULTS as err:
-        raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(path)) from err
 
 
 def commands(path: str, *names: str) -> list[str]:

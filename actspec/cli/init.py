@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import argparse
 
-from actspec.cli.import_ import check_free, commands, import_files, write_spec
+from actspec.cli.import_ import commands, import_files
 from actspec.cli.options import describe
 from actspec.diagnostics import EXIT_CLEAN
+from actspec.output import check_free, write_spec
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.difference import read_all
-from actspec.audit.lock import changes, locked, read_lock, text_of, versions_of
+from actspec.audit.lock import (
+    changes,
+    load_lock,
+    locked,
+    names_in_lock,
+    recorded_files,
+    text_of,
+    versions_of,
+)
 from actspec.cli.options import add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
@@ -21,12 +28,11 @@ from actspec.diagnostics import (
     Span,
     one_line,
 )
-from actspec.files import FAULTS, read_regular, replace_file, why
+from actspec.files import FAULTS, replace_file, why
 from actspec.readings.versions import Versions
+from actspec.report.difference import lines, record
+from actspec.report.tables import many
 from actspec.report.terminal import print_json
-
-MOST_BYTES = 64 << 20
-"""Chosen: a robot of 30 joints takes 20 kB."""
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -54,14 +60,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the lock, or check files against it."""
     path: str = arguments.output
-    old = _old(path, needed=arguments.check or not arguments.file, figures=arguments.check)
+    old = load_lock(path, needed=arguments.check or not arguments.file, figures=arguments.check)
     versions = configured_versions(arguments.target)
     if arguments.check:
         assert old is not None
         return _check(arguments, path, old, overridden(versions_of(old), versions))
     if old is not None and not arguments.file:
         versions = overridden(versions_of(old), versions)
-    names = _names(arguments.file, path) if arguments.file else _recorded(old or {}, path)
+    names = names_in_lock(arguments.file, path) if arguments.file else recorded_files(old or {}, path)
     lock = locked(_case(names, versions), names)
     data = text_of(lock)
     try:
@@ -71,22 +77,16 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(lock)
     else:
-        joints = sum(
-            len(robot["joints"]) for file in lock["files"].values() for robot in file["robots"].values()
-        )
-        print(
-            f"{one_line(path)}: {joints} joints of {len(names)} file{'s' * (len(names) != 1)}",
-            file=sys.stderr,
-        )
+        robots = [robot for file in lock["files"].values() for robot in file["robots"].values()]
+        joints = many(sum(len(robot["joints"]) for robot in robots), "joint")
+        print(f"{one_line(path)}: {joints} of {many(len(names), 'file')}", file=sys.stderr)
     return EXIT_CLEAN
 
 
 def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], versions: Versions) -> int:
     """What has changed, in words."""
-    from actspec.report.difference import lines, record
-
-    recorded = _recorded(old, path)
-    asked = _names(arguments.file, path) if arguments.file else recorded
+    recorded = recorded_files(old, path)
+    asked = names_in_lock(arguments.file, path) if arguments.file else recorded
     out = Collector()
     for file, name in asked.items():
         if name not in recorded.values():
@@ -113,41 +113,3 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
 
 def _case(names: Mapping[str, str], versions: Versions) -> Case:
     return case_of(read_all(tuple(names), {}), versions, {})
-
-
-def _old(path: str, needed: bool, figures: bool) -> dict[str, Any] | None:
-    """The lock that is there; what is no lock is not written over."""
-    try:
-        data = read_regular(path, MOST_BYTES)
-    except FileNotFoundError as err:
-        if needed:
-            raise AuditError.of(
-                "LCK001", "there is no such lock", Span(path), help="write one with `actspec lock FILE`"
-            ) from err
-        return None
-    except FAULTS as err:
-        raise AuditError.of("LCK001", f"cannot be read: {why(err)}", Span(path)) from err
-    return read_lock(path, data, figures=figures)
-
-
-def _names(files: Sequence[str], lock: str) -> dict[str, str]:
-    """Files and what the lock calls them: relative to its folder, with `/`.
-
-    Raises: AuditError: a file has no such path, as on another drive.
-    """
-    folder = os.path.dirname(os.path.abspath(lock))
-    found: dict[str, str] = {}
-    for file in files:
-        try:
-            name = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
-        except ValueError as err:
-            raise AuditError.of("LCK001", f"has no path relative to {one_line(folder)}", Span(file)) from err
-        if name not in found.values():
-            found[file] = name
-    return found
-
-
-def _recorded(lock: Mapping[str, Any], path: str) -> dict[str, str]:
-    """Files of a lock and what it calls them."""
-    folder = os.path.dirname(path)
-    return {os.path.join(folder, *name.split("/")): name for name in lock["files"]}

@@ -19,39 +19,10 @@ from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.sources import Sources
 from actspec.report.tables import many
 from actspec.report.text import counted
+from actspec.resources import data_path
 
 _MOST_OPEN = 8
 """So many files or tables are shown, more are folded away. Chosen: they fit on a screen."""
-
-_STYLE = """
-:root { color-scheme: light dark; --line: #d0d7de; --soft: #f6f8fa; --error: #b42318; --warning: #9a6700;
-  --info: #0969da; --text: #1f2328; --ground: #ffffff; --faint: #59636e; }
-@media (prefers-color-scheme: dark) { :root { --line: #3d444d; --soft: #151b23; --error: #ff7b72;
-  --warning: #d29922; --info: #58a6ff; --text: #e6edf3; --ground: #0d1117; --faint: #9198a1; } }
-* { box-sizing: border-box; }
-body { margin: 0 auto; max-width: 76rem; padding: 1rem; color: var(--text); background: var(--ground);
-  font: 1rem/1.5 system-ui, sans-serif; overflow-wrap: anywhere; }
-h1 { font-size: 1.5rem; } h2 { font-size: 1.2rem; margin-top: 2rem; } a { color: var(--info); }
-.wide { overflow-x: auto; margin: .5rem 0; }
-table { border-collapse: collapse; font-size: .85rem; font-variant-numeric: tabular-nums; overflow-wrap: normal; }
-th, td { border: 1px solid var(--line); padding: .25rem .5rem; text-align: left; vertical-align: top; }
-th { background: var(--soft); } .n { text-align: right; white-space: nowrap; }
-.long { min-width: 14rem; overflow-wrap: anywhere; } .file { min-width: 8rem; overflow-wrap: anywhere; }
-/* The first column stays while the others are scrolled: on a phone it says which joint a figure is of. */
-.wide th:first-child, .wide td:first-child { position: sticky; left: 0; max-width: 60vw; }
-.wide td:first-child { background: var(--ground); }
-.wide tr.differs td { background: color-mix(in srgb, var(--warning) 15%, var(--ground)); }
-pre { background: var(--soft); border: 1px solid var(--line); padding: .5rem; overflow-x: auto; font-size: .85rem;
-  margin: .5rem 0; }
-article { border: 1px solid var(--line); border-left: .3rem solid var(--line); border-radius: .3rem;
-  padding: .5rem 1rem; margin: 1rem 0; }
-article.error { border-left-color: var(--error); } article.warning { border-left-color: var(--warning); }
-article.info { border-left-color: var(--info); } .severity { font-weight: bold; }
-.error .severity { color: var(--error); } .warning .severity { color: var(--warning); }
-.info .severity { color: var(--info); } article p { margin: .3rem 0; }
-.place, .faint, caption { color: var(--faint); font-size: .85rem; }
-caption { text-align: left; padding: .3rem 0; } summary { cursor: pointer; padding: .3rem 0; }
-"""
 
 
 def render(report: Report, options: ReportOptions) -> str:
@@ -67,12 +38,14 @@ def render(report: Report, options: ReportOptions) -> str:
             f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
         )
     )
+    style = data_path("templates", "report/report.css").read_text(encoding="utf-8")
+    title = f"actspec audit: {escape(counted(grouped(report.findings)))}"
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         # A second lock: should a name ever slip through unescaped, it can load and run nothing.
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
-        f"<title>actspec audit: {escape(counted(grouped(report.findings)))}</title>\n<style>{_STYLE}</style>\n</head>\n"
+        f"<title>{title}</title>\n<style>\n{style}</style>\n</head>\n"
         f"<body>\n{body}\n</body>\n</html>\n"
     )
 
