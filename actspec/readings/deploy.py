@@ -11,11 +11,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypeAlias
+
+import yaml
 
 from actspec.diagnostics import Collector, Span, listed, one_line
-from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
@@ -27,11 +28,6 @@ from actspec.readings.artifact import (
 )
 from actspec.robot.view import ModelFile
 
-if TYPE_CHECKING:
-    import yaml
-
-MOST_BYTES = 8 * 1024 * 1024
-"""Chosen: the largest deploy file seen has 30 kB."""
 MOST_STEPS = 200_000
 """Chosen: values visited in one file, aliases counted each time."""
 MOST_DEPTH = 40
@@ -108,28 +104,27 @@ NAMES = (
 )
 """Keys of the list that names the joints."""
 
+_Block: TypeAlias = "dict[str, yaml.Node]"
+"""A mapping of the file: key to value."""
 
-def read_deploy(path: str) -> FileReading:
+
+def read_deploy(path: str, data: bytes) -> FileReading:
     """Read a deploy file.
 
     Args:
         path: YAML with gains.
+        data: Its bytes.
 
     Returns: One artifact for each block that has gains; unreadable with a reason when there is none.
     """
-    try:
-        data = read_regular(path, MOST_BYTES)
-    except (OSError, NotRegular, TooLarge) as err:
-        reason = err.strerror if isinstance(err, OSError) and err.strerror else str(err)
-        return FileReading(path, None, reason)
     file = ModelFile(path, "", data)
     try:
         root = _compose(data)
     except _Unfit as err:
         return FileReading(path, None, str(err), files=(file,))
-    reader = _Reader(path)
+    name = os.path.splitext(os.path.basename(path))[0]
     try:
-        configs = tuple(reader.configs(root))
+        configs = () if root is None else tuple(_Reader(path).configs(root, (), name, 0))
     except _Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,))
     if not configs:
@@ -149,8 +144,6 @@ class _Unfit(Exception):
 
 
 def _compose(data: bytes) -> yaml.Node | None:
-    import yaml
-
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as err:
@@ -181,22 +174,23 @@ class _Reader:
         self.path = path
         self.steps = 0
 
-    def configs(self, root: yaml.Node | None) -> Iterator[RobotConfig]:
-        """Every block that has gains, outermost first; a block inside a block with gains belongs to it."""
-        if root is not None:
-            yield from self._search(root, (), os.path.splitext(os.path.basename(self.path))[0], 0)
-
-    def _search(
-        self, node: yaml.Node, above: tuple[dict[str, yaml.Node], ...], name: str, depth: int
+    def configs(
+        self, node: yaml.Node, above: tuple[_Block, ...], name: str, depth: int
     ) -> Iterator[RobotConfig]:
-        import yaml
+        """Every block that has gains, outermost first; a block inside a block with gains belongs to it.
 
+        Args:
+            node: Where to look.
+            above: The blocks that it is in, outermost first.
+            name: What a robot in it is called: the file's stem, or its key at the top.
+            depth: How deep it is.
+        """
         self._step()
         if depth > MOST_DEPTH:
             raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
-                yield from self._search(item, above, name, depth + 1)
+                yield from self.configs(item, above, name, depth + 1)
         if not isinstance(node, yaml.MappingNode):
             return
         block = self._mapping(node)
@@ -206,13 +200,11 @@ class _Reader:
                 yield config
             return
         for key, value in block.items():
-            yield from self._search(value, (*above, block), key if depth == 0 else name, depth + 1)
+            yield from self.configs(value, (*above, block), key if depth == 0 else name, depth + 1)
 
-    def _mapping(self, node: yaml.MappingNode) -> dict[str, yaml.Node]:
+    def _mapping(self, node: yaml.MappingNode) -> _Block:
         """Keys to values, merges applied as YAML 1.1 does: a key of one's own wins."""
-        import yaml
-
-        found: dict[str, yaml.Node] = {}
+        found: _Block = {}
         merged: list[yaml.MappingNode] = []
         for key, value in node.value:
             self._step()
@@ -233,23 +225,18 @@ class _Reader:
                     found.setdefault(str(key.value), value)
         return found
 
-    def _config(
-        self, node: yaml.Node, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...], name: str
-    ) -> RobotConfig:
-        import yaml
-
+    def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
         names = self._names(block, above)
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
         scopes = (block, *reversed(above))
         for field, keys in PER_JOINT.items():
-            found = next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
-            if found is not None:
-                values = self._per_joint(found[0], found[1], joints, out)
-                if values:
-                    fields[field] = values
-        ours = self._is_own(block)
+            found = _first(scopes, keys)
+            values = {} if found is None else self._per_joint(*found, joints, out)
+            if values:
+                fields[field] = values
+        ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
         everything = {joint: None for values in fields.values() for joint in values}
@@ -264,10 +251,10 @@ class _Reader:
         if ours and isinstance(timing, yaml.MappingNode):
             scopes = (self._mapping(timing), *scopes)
         for field, keys in TIMES.items():
-            at = next((scope[key] for scope in scopes for key in keys if key in scope), None)
-            value = None if at is None else self._number(at)
-            if at is not None and value is not None:
-                settings[field] = Setting(value, self._span(at))
+            found = _first(scopes, keys)
+            value = None if found is None else _number(found[1])
+            if found is not None and value is not None:
+                settings[field] = Setting(value, self._span(found[1]))
         if joints is not None and names is not None:
             settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
         if ours:
@@ -276,16 +263,8 @@ class _Reader:
             Framework.DEPLOY, name, self._span(node), tuple(groups), settings, notes=tuple(out)
         )
 
-    def _is_own(self, block: dict[str, yaml.Node]) -> bool:
-        """Whether a block is a file that actspec wrote."""
-        return str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
-
-    def _own_lists(
-        self, block: dict[str, yaml.Node], joints: tuple[str, ...]
-    ) -> Iterator[tuple[str, dict[str, Setting]]]:
+    def _own_lists(self, block: _Block, joints: tuple[str, ...]) -> Iterator[tuple[str, dict[str, Setting]]]:
         """The lists that only actspec writes: setting, and joint to its value."""
-        import yaml
-
         for name, (key, part) in OWN_LISTS.items():
             node = block.get(key)
             if part:
@@ -295,15 +274,13 @@ class _Reader:
             found: dict[str, Setting] = {}
             for joint, item in zip(joints, node.value, strict=True):
                 self._step()
-                value = item.value if name == "command" else self._number(item)
+                value = item.value if name == "command" else _number(item)
                 if isinstance(value, (str, float)):
                     found[joint] = Setting(value, self._span(item))
             yield name, found
 
-    def _sdk_order(self, block: dict[str, yaml.Node]) -> Setting:
+    def _sdk_order(self, block: _Block) -> Setting:
         """The robot's numbering in a file that actspec wrote: names, None for a gap; empty: none is stated."""
-        import yaml
-
         order = block.get("order")
         node = self._mapping(order).get("sdk") if isinstance(order, yaml.MappingNode) else None
         if not isinstance(node, yaml.SequenceNode):
@@ -316,30 +293,22 @@ class _Reader:
             names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
         return Setting(tuple(names), self._span(node))
 
-    def _names(
-        self, block: dict[str, yaml.Node], above: tuple[dict[str, yaml.Node], ...]
-    ) -> dict[str, Span] | None:
+    def _names(self, block: _Block, above: tuple[_Block, ...]) -> dict[str, Span] | None:
         """The list of joint names that is nearest: in the block, above it, or in a mapping beside it."""
-        import yaml
-
         for scope in (block, *reversed(above)):
             beside = [self._mapping(v) for v in scope.values() if isinstance(v, yaml.MappingNode)]
             for place in (scope, *beside):
-                for key in NAMES:
-                    found = self._texts(place.get(key))
-                    if found:
-                        return found
+                lists = [place.get(key) for key in NAMES]
                 # What actspec writes: `order: {robot: [...]}`.
                 order = place.get("order")
                 if isinstance(order, yaml.MappingNode):
-                    found = self._texts(self._mapping(order).get("robot"))
-                    if found:
-                        return found
+                    lists.append(self._mapping(order).get("robot"))
+                found = next(filter(None, map(self._texts, lists)), None)
+                if found:
+                    return found
         return None
 
     def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
-        import yaml
-
         if not isinstance(node, yaml.SequenceNode) or not node.value:
             return None
         found: dict[str, Span] = {}
@@ -355,12 +324,10 @@ class _Reader:
         self, key: str, node: yaml.Node, joints: tuple[str, ...] | None, out: Collector
     ) -> dict[str, Setting]:
         """Joint to its value; with `.*` for all joints where the names do not matter."""
-        import yaml
-
         span = self._span(node)
         if isinstance(node, yaml.MappingNode):
             return self._by_name(node, joints)
-        single = self._number(node)
+        single = _number(node)
         if single is not None:
             return {joint: Setting(single, span) for joint in joints or (".*",)}
         if not isinstance(node, yaml.SequenceNode):
@@ -368,7 +335,7 @@ class _Reader:
         values: list[tuple[float | None, Span]] = []
         for item in node.value:
             self._step()
-            values.append((self._number(item), self._span(item)))
+            values.append((_number(item), self._span(item)))
         if joints is not None and len(joints) == len(values):
             return {
                 joint: Setting(value, at)
@@ -392,7 +359,7 @@ class _Reader:
     def _by_name(self, node: yaml.MappingNode, joints: tuple[str, ...] | None) -> dict[str, Setting]:
         found: dict[str, Setting] = {}
         for key, value_node in self._mapping(node).items():
-            value = self._number(value_node)
+            value = _number(value_node)
             if value is None:
                 continue
             setting = Setting(value, self._span(value_node))
@@ -402,25 +369,6 @@ class _Reader:
                 # legged_gym's rule: a key is part of the joint's name.
                 found.update({joint: setting for joint in joints if key in joint and joint not in found})
         return found
-
-    def _number(self, node: yaml.Node) -> float | None:
-        """A finite number; None for anything else, a word that Python's YAML takes for text included."""
-        import yaml
-
-        if not isinstance(node, yaml.ScalarNode):
-            return None
-        if node.tag not in ("tag:yaml.org,2002:int", "tag:yaml.org,2002:float"):
-            return None
-        construct: Any = yaml.constructor.SafeConstructor()
-        try:
-            # As the robot's own YAML reader does it: `010` is eight there.
-            whole = node.tag == "tag:yaml.org,2002:int"
-            value = float(
-                construct.construct_yaml_int(node) if whole else construct.construct_yaml_float(node)
-            )
-        except (ValueError, OverflowError):
-            return None
-        return value if math.isfinite(value) else None
 
     def _span(self, node: yaml.Node) -> Span:
         return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
@@ -433,8 +381,25 @@ class _Reader:
 
 def _is_per_joint(node: yaml.Node | None) -> bool:
     """Whether a value can be gains of several joints: a single number (a velocity controller's Kp) cannot."""
-    import yaml
-
     if isinstance(node, yaml.SequenceNode):
         return bool(node.value) and all(isinstance(item, yaml.ScalarNode) for item in node.value)
     return isinstance(node, yaml.MappingNode) and bool(node.value)
+
+
+def _first(scopes: Iterable[_Block], keys: Sequence[str]) -> tuple[str, yaml.Node] | None:
+    """The nearest of several keys, with its value; of one block the key that comes first among them."""
+    return next(((key, scope[key]) for scope in scopes for key in keys if key in scope), None)
+
+
+def _number(node: yaml.Node) -> float | None:
+    """A finite number; None for anything else, a word that Python's YAML takes for text included."""
+    whole = node.tag == "tag:yaml.org,2002:int"
+    if not isinstance(node, yaml.ScalarNode) or not (whole or node.tag == "tag:yaml.org,2002:float"):
+        return None
+    construct: Any = yaml.constructor.SafeConstructor()
+    try:
+        # As the robot's own YAML reader does it: `010` is eight there.
+        value = float(construct.construct_yaml_int(node) if whole else construct.construct_yaml_float(node))
+    except (ValueError, OverflowError):
+        return None
+    return value if math.isfinite(value) else None

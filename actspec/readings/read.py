@@ -99,7 +99,7 @@ def _read_yaml(path: str) -> FileReading:
     if not is_spec(data):
         from actspec.readings.deploy import read_deploy
 
-        return read_deploy(path)
+        return read_deploy(path, data)
     return FileReading(path, FileKind.SPEC, None, (), (ModelFile(path, "", data),))
 
 

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 
 from actspec.readings.artifact import FileKind, RobotConfig
-from actspec.readings.deploy import read_deploy
+from actspec.readings.read import read_file
 
 
 def _read(tmp_path: Path, text: str | bytes) -> tuple[object, dict[str, dict[str, float]], list[str]]:
     """Kind, joint to field to value, and what is said."""
     path = tmp_path / "deploy.yaml"
     path.write_bytes(text if isinstance(text, bytes) else text.encode())
-    reading = read_deploy(str(path))
+    reading = read_file(str(path))
     found: dict[str, dict[str, float]] = {}
     for artifact in reading.artifacts:
         assert artifact.config is not None
@@ -32,7 +32,7 @@ def test_lists_go_by_the_names(tmp_path: Path) -> None:
     assert kind is FileKind.DEPLOY
     assert found == {"knee": {"kp": 60.0, "kd": 1.5}, "hip": {"kp": 25.0, "kd": 0.5}}
     assert said == []
-    config = read_deploy(str(tmp_path / "deploy.yaml")).artifacts[0].config
+    config = read_file(str(tmp_path / "deploy.yaml")).artifacts[0].config
     assert config is not None
     hip = config.groups[1].settings
     assert (hip["kp"].span.line, hip["kp"].span.column) == (2, 11)
@@ -79,7 +79,7 @@ def test_merges_and_timing(tmp_path: Path) -> None:
     text = "base: &b {kd: {hip: 1}}\ng1:\n" + timing + "  gains: {<<: *b, kp: {hip: 9}}\n"
     path = tmp_path / "deploy.yaml"
     path.write_text(text)
-    configs = [a.config for a in read_deploy(str(path)).artifacts]
+    configs = [a.config for a in read_file(str(path)).artifacts]
     by_name = {c.name: c for c in configs if c is not None}
     settings = by_name["g1"].settings
     assert (settings["physics_dt"].value, settings["decimation"].value) == (0.002, 10.0)
@@ -122,8 +122,8 @@ def test_tags_are_never_acted_upon(tmp_path: Path) -> None:
 
 def test_a_missing_file_is_a_reason(tmp_path: Path) -> None:
     """No traceback for what is not there, or is a folder."""
-    assert read_deploy(str(tmp_path / "none.yaml")).reason == "No such file or directory"
-    assert read_deploy(str(tmp_path)).reason is not None
+    assert read_file(str(tmp_path / "none.yaml")).reason == "no such file or directory"
+    assert read_file(str(tmp_path)).reason is not None
 
 
 OWN = """format: "FORMAT"
@@ -142,7 +142,7 @@ policy_delay: {nominal: [null, 0.005], low: [0.0, 0.005], high: [0.01, 0.005]}
 def _config(tmp_path: Path, text: str) -> RobotConfig:
     path = tmp_path / "deploy.yaml"
     path.write_text(text, encoding="utf-8")
-    (artifact,) = read_deploy(str(path)).artifacts
+    (artifact,) = read_file(str(path)).artifacts
     assert artifact.config is not None
     return artifact.config
 
