@@ -9,31 +9,33 @@ from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
 from actspec.readings.python.settings import (
     Draft,
+    Events,
     comes_from,
     fields_of,
+    function_of,
     is_actuator,
     is_named,
-    known,
-    texts,
-    unknown_inside,
 )
 from actspec.readings.python.values import External, Obj, Seq, Table, Unknown, Value, reason_of
 
-_RANGES = {
-    "randomize_actuator_gains": {
-        "stiffness_distribution_params": "kp",
-        "damping_distribution_params": "kd",
-    },
-    "randomize_joint_parameters": {
-        "friction_distribution_params": "friction",
-        "armature_distribution_params": "armature",
-        "lower_limit_distribution_params": "lower_limit",
-        "upper_limit_distribution_params": "upper_limit",
-    },
+_EVENTS: Events = {
+    "randomize_actuator_gains": (
+        {"stiffness_distribution_params": "kp", "damping_distribution_params": "kd"},
+        "abs",
+    ),
+    "randomize_joint_parameters": (
+        {
+            "friction_distribution_params": "friction",
+            "armature_distribution_params": "armature",
+            "lower_limit_distribution_params": "lower_limit",
+            "upper_limit_distribution_params": "upper_limit",
+        },
+        "abs",
+    ),
     # Of whole_body_tracking: https://github.com/HybridRobotics/whole_body_tracking, tasks/tracking/mdp/events.py.
-    "randomize_joint_default_pos": {"pos_distribution_params": "joint_default_pos"},
+    "randomize_joint_default_pos": ({"pos_distribution_params": "joint_default_pos"}, "abs"),
 }
-"""Event function to its parameters and what they randomise. Source: Isaac Lab 2.3.2, isaaclab/envs/mdp/events.py."""
+"""What randomises actuators. Source: Isaac Lab 2.3.2, isaaclab/envs/mdp/events.py."""
 
 
 def is_mjlab(obj: Obj) -> bool:
@@ -79,7 +81,7 @@ def is_events(value: Value) -> bool:
     return (
         isinstance(data, Obj)
         and not comes_from(data, "mjlab")
-        and any(map(_function, fields_of(value).values()))
+        and any(function_of(term) in _EVENTS for term in fields_of(value).values())
     )
 
 
@@ -87,7 +89,7 @@ def robot(name: str, value: Value, span: Span) -> RobotConfig:
     """A robot's cfg, a dict of actuator groups, or one group alone."""
     draft = Draft()
     _robot(draft, name, value)
-    return _config(name, span, draft)
+    return draft.config(Framework.ISAACLAB, name, span)
 
 
 def environment(name: str, value: Value, span: Span) -> RobotConfig:
@@ -97,28 +99,16 @@ def environment(name: str, value: Value, span: Span) -> RobotConfig:
     draft.set("physics_dt", fields_of(fields.get("sim")).get("dt"))
     draft.set("decimation", fields.get("decimation"))
     _actions(draft, fields)
-    _events(draft, fields.get("events"))
+    draft.events(fields.get("events"), _EVENTS)
     _scene(draft, fields)
-    return _config(name, span, draft)
+    return draft.config(Framework.ISAACLAB, name, span)
 
 
 def events(name: str, value: Value, span: Span) -> RobotConfig:
     """A class of event terms alone."""
     draft = Draft()
-    _events(draft, value)
-    return _config(name, span, draft)
-
-
-def _config(name: str, span: Span, draft: Draft) -> RobotConfig:
-    return RobotConfig(
-        Framework.ISAACLAB,
-        name,
-        span,
-        tuple(draft.groups),
-        draft.settings,
-        tuple(draft.ranges),
-        tuple(draft.notes),
-    )
+    draft.events(value, _EVENTS)
+    return draft.config(Framework.ISAACLAB, name, span)
 
 
 def _robot(draft: Draft, name: str, value: Value) -> None:
@@ -202,39 +192,3 @@ def _actions(draft: Draft, fields: dict[str, Value]) -> None:
 def _opened(obj: Obj) -> bool:
     """Whether an object stands for a default of a class that is not read."""
     return isinstance(obj.cls, External) and obj.cls.dotted.startswith("?.")
-
-
-def _function(term: Value) -> str:
-    """Name of the randomising function of an event term; "" for another."""
-    function = fields_of(term).get("func")
-    data = function.data if function is not None else None
-    name = data.name if isinstance(data, External) else getattr(data, "name", "")
-    return name if isinstance(name, str) and name in _RANGES else ""
-
-
-def _events(draft: Draft, value: Value | None) -> None:
-    for name, one in unknown_inside(value):
-        draft.note(f"events.{name}", reason_of(one.data) or "", one.span)
-    for term in fields_of(value).values():
-        function = _function(term)
-        params = fields_of(fields_of(term).get("params"))
-        if not function:
-            continue
-        operation = known(params.get("operation"))
-        distribution = known(params.get("distribution"))
-        joints = selected(params.get("asset_cfg"))
-        for parameter, field in _RANGES[function].items():
-            draft.range(
-                field,
-                params.get(parameter),
-                operation if isinstance(operation, str) else "abs",
-                joints,
-                distribution if isinstance(distribution, str) else "uniform",
-                term=term,
-            )
-
-
-def selected(entity: Value | None, names: str = "joint_names") -> tuple[str, ...] | None:
-    """What a `SceneEntityCfg` names in one of its fields; None for all."""
-    found = fields_of(entity).get(names)
-    return texts(found) if found is not None and found.data is not None else None

@@ -71,15 +71,7 @@ def robot(cls: Cls, get: Get) -> RobotConfig:
     for base in cls.bases:
         if not isinstance(base, Cls):
             draft.note(cls.name, f"what it inherits: {reason_of(base)}", cls.span)
-    return RobotConfig(
-        Framework.LEGGED_GYM,
-        cls.name,
-        cls.span,
-        tuple(draft.groups),
-        draft.settings,
-        tuple(draft.ranges),
-        tuple(draft.notes),
-    )
+    return draft.config(Framework.LEGGED_GYM, cls.name, cls.span)
 
 
 def _inner(cls: Cls, name: str, get: Get) -> Cls | None:
@@ -94,33 +86,21 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     asset = _inner(cls, "asset", get)
     if asset is not None:
         values["armature"] = get(asset, "armature")
-    settings: dict[str, Setting] = {
-        name: setting(value, "network_file" if name.endswith("_file") else name)
-        for name, value in values.items()
-        if value is not None and not isinstance(value.data, Unknown)
-    }
+    settings: dict[str, Setting] = {}
     for name, value in values.items():
-        if value is not None and isinstance(value.data, Unknown):
-            settings[name] = setting(value)
-    joints: dict[str, None] = {}
-    certain = True
-    for name in ("stiffness", "damping"):
-        held = settings.get(name)
-        if held is None:
-            continue
-        if isinstance(held.value, dict):
-            joints.update(dict.fromkeys(held.value))
-        else:
-            certain = False
-    for name, held in settings.items():
-        if held.unknown is not None:
-            draft.note(f"control.{name}", held.unknown, held.span)
+        if value is not None:
+            # Half a path finds no network.
+            is_file = name.endswith("_file") and not isinstance(value.data, Unknown)
+            held = settings[name] = setting(value, "network_file" if is_file else name)
+            if held.unknown is not None:
+                draft.note(f"control.{name}", held.unknown, held.span)
+    gains = [settings[name].value for name in ("stiffness", "damping") if name in settings]
+    joints = dict.fromkeys(joint for gain in gains if isinstance(gain, dict) for joint in gain)
+    certain = all(isinstance(gain, dict) for gain in gains)
     kind = settings.pop("control_type", None)
     cls_name = kind.value if kind is not None and isinstance(kind.value, str) else ""
-    span = control.span
-    draft.groups.append(
-        ActuatorGroup("control", cls_name, span, tuple(joints) if certain else None, settings)
-    )
+    patterns = tuple(joints) if certain else None
+    draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
 
 
 def _ranges(draft: Draft, cls: Cls, get: Get) -> None:

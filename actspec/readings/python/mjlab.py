@@ -10,20 +10,20 @@ from collections.abc import Callable, Mapping
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
 from actspec.readings.config_figures import VOLTS
-from actspec.readings.python.isaaclab import is_mjlab, selected
+from actspec.readings.python.isaaclab import is_mjlab
 from actspec.readings.python.settings import (
     UNFOLDED,
     Draft,
+    Events,
     comes_from,
     fields_of,
+    function_of,
     is_actuator,
     is_named,
-    known,
-    unknown_inside,
 )
 from actspec.readings.python.values import External, Func, Obj, Seq, Unknown, Value, reason_of
 
-_RANGES = {
+_EVENTS: Events = {
     "pd_gains": ({"kp_range": "kp", "kd_range": "kd"}, "scale"),
     "effort_limits": ({"effort_limit_range": "effort_limit"}, "scale"),
     "encoder_bias": ({"bias_range": "encoder_bias"}, "add"),
@@ -36,10 +36,7 @@ _RANGES = {
     "joint_stiffness": ({"ranges": "joint_stiffness"}, "abs"),
     "joint_default_pos": ({"ranges": "joint_default_pos"}, "add"),
 }
-"""Event function to its parameters, what they randomise, and its default operation.
-
-Source: mjlab 1.6.0, mjlab/envs/mdp/dr/.
-"""
+"""What randomises actuators. Source: mjlab 1.6.0, mjlab/envs/mdp/dr/."""
 
 Call = Callable[[Value], Value]
 """Calls a function without arguments."""
@@ -74,7 +71,8 @@ def is_environment(value: Value) -> bool:
 
 def is_events(value: Value) -> bool:
     """Whether a value is a dict of event terms that randomise actuators."""
-    return not isinstance(value.data, Obj) and any(map(_function, fields_of(value).values()))
+    terms = () if isinstance(value.data, Obj) else fields_of(value).values()
+    return any(function_of(term) in _EVENTS for term in terms)
 
 
 def articulation(
@@ -95,7 +93,8 @@ def articulation(
     else:
         _articulation(draft, value, names)
     _entity(draft, entity, call)
-    return _config(name, value.data.span if isinstance(value.data, Obj) else value.span, draft)
+    span = value.data.span if isinstance(value.data, Obj) else value.span
+    return draft.config(Framework.MJLAB, name, span)
 
 
 def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[int, str]) -> RobotConfig:
@@ -112,7 +111,7 @@ def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[
                 draft.set("action_scale", scale)
             else:
                 draft.note(f"actions.{term}", "another position action, left out", one.span)
-    _events(draft, fields.get("events"))
+    draft.events(fields.get("events"), _EVENTS)
     entities = fields_of(fields_of(fields.get("scene")).get("entities"))
     robots = [one for one in entities.values() if is_entity(one)]
     for key, one in entities.items():
@@ -123,26 +122,14 @@ def environment(name: str, value: Value, span: Span, call: Call, names: Mapping[
         _entity(draft, robots[0], call)
     for other in robots[1:]:
         draft.note("scene.entities", "another robot, left out", other.span)
-    return _config(name, span, draft)
+    return draft.config(Framework.MJLAB, name, span)
 
 
 def events(name: str, value: Value, span: Span) -> RobotConfig:
     """A dict of event terms alone."""
     draft = Draft()
-    _events(draft, value)
-    return _config(name, span, draft)
-
-
-def _config(name: str, span: Span, draft: Draft) -> RobotConfig:
-    return RobotConfig(
-        Framework.MJLAB,
-        name,
-        span,
-        tuple(draft.groups),
-        draft.settings,
-        tuple(draft.ranges),
-        tuple(draft.notes),
-    )
+    draft.events(value, _EVENTS)
+    return draft.config(Framework.MJLAB, name, span)
 
 
 def _articulation(draft: Draft, value: Value, names: Mapping[int, str]) -> None:
@@ -187,34 +174,3 @@ def _entity(draft: Draft, entity: Value | None, call: Call) -> None:
         made = call(maker).data
         if isinstance(made, Obj) and made.cls.name == "from_file":
             draft.set("model", made.args[0], "file")
-
-
-def _function(term: Value) -> str:
-    """Name of the randomising function of an event term; "" for another."""
-    function = fields_of(term).get("func")
-    data = function.data if function is not None else None
-    name = data.name if isinstance(data, (External, Func)) else ""
-    return name if name in _RANGES else ""
-
-
-def _events(draft: Draft, value: Value | None) -> None:
-    for name, one in unknown_inside(value):
-        draft.note(f"events.{name}", reason_of(one.data) or "", one.span)
-    for term in fields_of(value).values():
-        function = _function(term)
-        if not function:
-            continue
-        params = fields_of(fields_of(term).get("params"))
-        parameters, default = _RANGES[function]
-        operation = known(params.get("operation"))
-        distribution = known(params.get("distribution"))
-        for parameter, field in parameters.items():
-            draft.range(
-                field,
-                params.get(parameter),
-                operation if isinstance(operation, str) else default,
-                selected(params.get("asset_cfg")),
-                distribution if isinstance(distribution, str) else "uniform",
-                selected(params.get("asset_cfg"), "actuator_names"),
-                term,
-            )

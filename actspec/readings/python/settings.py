@@ -8,13 +8,14 @@ from dataclasses import dataclass, field
 
 from actspec.diagnostics import Collector, Span, shortened
 from actspec.patterns import PatternError, compile_pattern
-from actspec.readings.artifact import ActuatorGroup, RandomizedRange, Setting
+from actspec.readings.artifact import ActuatorGroup, Framework, RandomizedRange, RobotConfig, Setting
 from actspec.readings.python.arithmetic import text_of
 from actspec.readings.python.values import (
     MAX_NESTING,
     Cls,
     Data,
     External,
+    Func,
     Obj,
     Seq,
     Table,
@@ -39,6 +40,9 @@ _ACTUATOR = re.compile(r"(Actuator|Motor)\w*Cfg(_\w+)?")
 
 _PATHS = frozenset({"network_file", "usd_path", "asset_path", "file"})
 """Settings that keep `{NAME}` where a folder is not known."""
+
+Events = Mapping[str, tuple[Mapping[str, str], str]]
+"""A framework's randomising functions: parameters to what they randomise, and the operation where none is given."""
 
 _NAMES = frozenset({"class_type", "command_field", "mode", "transmission_type"})
 """Settings whose value is a name of the framework; kept as that name."""
@@ -138,6 +142,11 @@ class Draft:
     ranges: list[RandomizedRange] = field(default_factory=list)
     notes: Collector = field(default_factory=Collector)
 
+    def config(self, framework: Framework, name: str, span: Span) -> RobotConfig:
+        """All of it as a configuration."""
+        groups, ranges, notes = tuple(self.groups), tuple(self.ranges), tuple(self.notes)
+        return RobotConfig(framework, name, span, groups, self.settings, ranges, notes)
+
     def note(self, where: str, reason: str, span: Span) -> None:
         """Say that something could not be folded."""
         self.notes.info(UNFOLDED, f"not folded: {shortened(reason, 200)}", where=where, span=span)
@@ -187,6 +196,30 @@ class Draft:
                     compile_pattern(pattern)
             except PatternError as err:
                 self.notes.info(UNFOLDED, f"not matched: {err}", where=where, span=span)
+
+    def events(self, value: Value | None, known_functions: Events) -> None:
+        """Take the ranges of event terms, an object or a dict.
+
+        Args:
+            value: The terms.
+            known_functions: Those that randomise actuators.
+        """
+        for name, one in unknown_inside(value):
+            self.note(f"events.{name}", reason_of(one.data) or "", one.span)
+        for term in fields_of(value).values():
+            parameters, operation = known_functions.get(function_of(term), ({}, ""))
+            params = fields_of(fields_of(term).get("params"))
+            given, distribution = known(params.get("operation")), known(params.get("distribution"))
+            for parameter, figure in parameters.items():
+                self.range(
+                    figure,
+                    params.get(parameter),
+                    given if isinstance(given, str) else operation,
+                    selected(params.get("asset_cfg"), "joint_names"),
+                    distribution if isinstance(distribution, str) else "uniform",
+                    selected(params.get("asset_cfg"), "actuator_names"),
+                    term,
+                )
 
     def range(
         self,
@@ -268,3 +301,19 @@ def unknown_inside(value: Value | None) -> Iterable[tuple[str, Value]]:
     return [
         (name, one) for name, one in fields_of(value).items() if isinstance(one.data, (Unknown, External))
     ]
+
+
+def function_of(term: Value) -> str:
+    """Name of the function of an event term; "" where there is none."""
+    function = fields_of(term).get("func")
+    return (
+        function.data.name
+        if function is not None and isinstance(function.data, (External, Func, Cls))
+        else ""
+    )
+
+
+def selected(entity: Value | None, names: str) -> tuple[str, ...] | None:
+    """What a `SceneEntityCfg` names in one of its fields; None for all."""
+    found = fields_of(entity).get(names)
+    return texts(found) if found is not None and found.data is not None else None
