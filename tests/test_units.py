@@ -216,7 +216,7 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
         ("0 Hz", Kind.TIME, "0 Hz is a frequency, not a time", "a time is in s"),
         (
             "30 1/s", Kind.FREQUENCY, "30 1/s is not a frequency",
-            "cycles are counted apart: write `30 Hz` if they are meant",
+            "a frequency counts cycles: write `30 Hz` if cycles are meant",
         ),
         ("30 /s", Kind.SPEED, "30 /s is not a speed", ANGLE.format("30 rad/s")),
         (10, Kind.TIME, "10 has no unit, and a time needs one", "write `10 ms` or `10 s`"),

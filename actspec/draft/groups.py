@@ -19,6 +19,7 @@ from actspec.ir import JointActuator, JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import EXACT, LEAST_REDUCTION, SAME_POWER, near
 from actspec.readings.fields import PLACEHOLDER
+from actspec.units import format_number
 
 MOST_DIFFERENT = 2
 """Fields in which joints of one group may differ. Chosen: a knee has another limit and speed; what differs in more
@@ -427,11 +428,11 @@ def _share(cls: JointClass, base: JointClass, source: str) -> None:
     place = f" in {source}" if source else ""
     if _shares(cls, base, ratio):
         cls.base, cls.ratio, base.lends = base, ratio, True
-        cls.inferred = f"inferred: {power} behind {ratio:.4g} times the gear{place}"
+        cls.inferred = f"inferred: {power} behind {format_number(ratio, 4)} times the gear{place}"
         return
     text = (
-        f"the motor of {base.names[0]} behind {ratio:.4g} times the gear? {_watts(cls.limits[source])} are its "
-        f"{_watts(base.limits[source])}{place}"
+        f"the motor of {base.names[0]} behind {format_number(ratio, 4)} times the gear? "
+        f"{_watts(cls.limits[source])} are its {_watts(base.limits[source])}{place}"
     )
     cls.maybe.append((tuple(cls.names), text))
 

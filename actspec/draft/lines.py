@@ -15,6 +15,7 @@ from actspec.draft.rows import RANGE, Row, lost_of, lost_text
 from actspec.draft.sources import places, stated
 from actspec.draft.text import comment, figure, scalar, sourced
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Source
+from actspec.units import format_number
 
 _WIDTH = 100
 """Chosen: a list of joints that is longer is written one to a line."""
@@ -110,7 +111,7 @@ def motor_lines(motor: DraftMotor) -> dict[str, Any]:
     rows = [line(key, row.value, _remark(row, [row])) for key, row in motor.rows.items()]
     remark = ""
     if motor.inferred:
-        remark = "inferred from limits of one power: no file names it"
+        remark = "inferred: its limits have the same power; no file names the motor"
     return {"name": motor.name, "comment": comment(remark), "rows": nested(rows)}
 
 
@@ -183,7 +184,7 @@ def _step(actuators: ActuatorSet) -> str:
     step = actuators.physics_dt
     if not step.known:
         return "no file has a time step"
-    return f"no file states a time step: MuJoCo takes {step.require() * 1e3:g} ms"
+    return f"no file states a time step: MuJoCo takes {format_number(step.require() * 1e3)} ms"
 
 
 def _remark(row: Row, rows: Sequence[Row]) -> str:

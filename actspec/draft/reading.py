@@ -99,7 +99,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only}",
                 span=place,
-                help="put it right first; `actspec audit` reads it as it is",
+                help="correct it first; `actspec audit` reads it as it is",
             )
 
 

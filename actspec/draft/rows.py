@@ -13,7 +13,7 @@ from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, R
 from actspec.readings.artifact import FileKind
 from actspec.readings.quantities import unit_of
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
-from actspec.units import Kind
+from actspec.units import Kind, format_number
 
 LEAST_DAMPING = 1e-3
 """Damping over kp from which joint damping may be meant as the drive's kd [s]. Chosen: a twentieth of kd/kp
@@ -162,7 +162,7 @@ def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind])
         return f"no file says it: {engine} {figure(quantity.value, quantity.unit)}"
     value = quantity.value
     if not math.isfinite(value):
-        return "no limit" if value > 0.0 else f"the file has {value:g}"
+        return "no limit" if value > 0.0 else f"the file has {format_number(value)}"
     if value < 0.0 and name not in ("encoder_bias", "action_scale"):
         return f"the file has {quantity_text(quantity)}"
     if value == 0.0 and name in _POSITIVE:
@@ -188,7 +188,7 @@ def _hints(joint: JointActuator) -> dict[str, str]:
     if not joint.kd.known and kp is None and joint.command is Command.POSITION:
         if damped:
             return {
-                "friction.viscous": "the bearing's, or the drive's kd in disguise? Then move it to kd, put 0"
+                "friction.viscous": "bearing friction, or the drive's kd? If it is kd, move it there and put 0 here"
             }
         return {}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
@@ -199,7 +199,7 @@ def _hints(joint: JointActuator) -> dict[str, str]:
             if "kd" in hints:
                 hints["kd"] += "; perhaps its joint damping is meant for it"
             hints["friction.viscous"] = (
-                "joint damping; perhaps the drive's kd: then move it there, put 0 here"
+                "joint damping, or the drive's kd? If it is kd, move it there and put 0 here"
             )
         return hints
     if not damped:
@@ -207,11 +207,12 @@ def _hints(joint: JointActuator) -> dict[str, str]:
     together = figure(joint.kd.require() + viscous.require(), viscous.unit, computed=True)
     if joint.kd.source == viscous.source:
         return {
-            "friction.viscous": f"joint damping, beside kv, which is kd: together {together}, this part unclamped"
+            "friction.viscous": f"joint damping beside the servo's kv: {together} together; the effort limit does not "
+            "clamp this part"
         }
     if viscous.require() >= MUCH_FRICTION * joint.kd.require():
         return {
-            "friction.viscous": f"beside the kd of another file: together {together}; put 0 if kd has it already"
+            "friction.viscous": f"{together} together with the kd of another file; put 0 if that kd includes it"
         }
     return {}
 

@@ -17,6 +17,7 @@ from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.config_figures import control_of_group
 from actspec.readings.versions import Versions
 from actspec.simulators import DEFAULT_VERSIONS
+from actspec.units import format_quantity
 
 if TYPE_CHECKING:
     from actspec.draft.combine import Combined
@@ -98,7 +99,11 @@ def keyed(reading: RobotReading, keys: Mapping[str, str]) -> RobotReading:
         if not quantity.known:
             return quantity
         if not math.isfinite(quantity.require()):
-            why = "no limit" if quantity.value == math.inf else f"the file has {quantity.value:g}"
+            why = (
+                "no limit"
+                if quantity.value == math.inf
+                else f"the file has {format_quantity(quantity.value, '')}"
+            )
             return replace(quantity, value=None, origin=Origin.UNKNOWN, note=why)
         place = quantity.span.path if quantity.span is not None else quantity.source
         # A number that another file of the same robot gave it keeps that file's key.

@@ -9,7 +9,7 @@ from actspec.readings.quantities import tidy, unknown
 from actspec.resolution.stated import JointInputs
 from actspec.spec.fields import DerivedGain
 from actspec.spec.values import SpecValue
-from actspec.units import Kind, format_quantity
+from actspec.units import Kind, format_number, format_quantity
 
 
 def stiffness(
@@ -112,7 +112,7 @@ def _torque_at_error(inputs: JointInputs, gain: DerivedGain, effort: Quantity) -
         inputs.unit(Kind.STIFFNESS),
         Origin.DERIVED,
         span=inputs.span("kp"),
-        formula=f"{fraction:g} x {format_quantity(effort.value, effort.unit)} (effort_limit) / "
+        formula=f"{format_number(fraction)} x {format_quantity(effort.value, effort.unit)} (effort_limit) / "
         f"{format_quantity(error, inputs.unit(Kind.POSITION))}",
     )
 
@@ -162,7 +162,7 @@ def _damping_ratio(
         inputs.unit(Kind.VELOCITY_GAIN),
         Origin.DERIVED,
         span=inputs.span("kd"),
-        formula=f"2 x {ratio:g} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})",
+        formula=f"2 x {format_number(ratio)} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})",
     )
 
 
@@ -185,7 +185,7 @@ def _inertia(
         if held is None:
             inputs.error(
                 "RES003",
-                f"{field} is derived from the joint's inertia, which the model does not tell",
+                f"{field} is derived from the joint's inertia, which the model does not give",
                 field,
                 "use `inertia: reflected` or state the inertia",
             )
@@ -199,7 +199,7 @@ def _inertia(
         return value, f"{format_quantity(value, unit)} (armature, {armature.origin.value})"
     inputs.error(
         "RES003",
-        f"{field} is derived from the reflected inertia, which nobody states",
+        f"{field} is derived from the reflected inertia, which is not stated",
         field,
         "give the motor rotor_inertia and gear_ratio (or reflected_inertia), or name the inertia: "
         "{inertia: 0.01 kg*m^2}",

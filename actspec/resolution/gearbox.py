@@ -16,7 +16,7 @@ from actspec.spec.models import Motor
 from actspec.spec.rules.motors import number, stage_ratio
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
-from actspec.units import Kind, format_quantity
+from actspec.units import Kind, format_number, format_quantity
 
 WRONG_OUTPUT = {"lead": JointKind.HINGE, "lever_arm": JointKind.SLIDE}
 """What cannot stand behind such a stage."""
@@ -114,7 +114,11 @@ def gear_train(motor: Motor, name: str, output: JointKind) -> Train:
         steps = _steps(motor.gearbox, output, (*path, "gearbox"))
         return _train("gearbox", motor.gearbox, steps, output, whole)
     ratio = None if motor.gear_ratio is None else motor.gear_ratio.value
-    steps = () if ratio is None else (Step(ratio, "ratio", f"{ratio:g}", output, (*path, "gear_ratio")),)
+    steps = (
+        ()
+        if ratio is None
+        else (Step(ratio, "ratio", f"{format_number(ratio)}", output, (*path, "gear_ratio")),)
+    )
     return Train("gear_ratio", steps, output, whole)
 
 
@@ -131,7 +135,9 @@ def joint_train(
     """
     if stages is not None:
         return _train("transmission", stages, _steps(stages, joint, path), joint, None)
-    steps = () if reduction is None else (Step(reduction, "ratio", f"{reduction:g}", joint, path),)
+    steps = (
+        () if reduction is None else (Step(reduction, "ratio", f"{format_number(reduction)}", joint, path),)
+    )
     # A bare reduction has no losses of its own: there is no field for them.
     return Train("reduction", steps, joint, (1.0, "efficiency"))
 
@@ -147,7 +153,8 @@ def _train(
         return Train(name, steps, _input(stages, output), whole, legend)
     own = "efficiency" if name == "gearbox" else f"efficiency of the {name}"
     parts = (
-        f"1 (stage {index}, default)" if part is None else f"{part:g}" for index, part in enumerate(stated, 1)
+        f"1 (stage {index}, default)" if part is None else f"{format_number(part)}"
+        for index, part in enumerate(stated, 1)
     )
     efficiencies = f", {own} = {' x '.join(parts)}" if len(stated) > 1 else ""
     efficiency = (math.prod(part or 1.0 for part in stated), own)
@@ -185,7 +192,7 @@ def _ratio(stage: Stage, output: JointKind) -> tuple[float, str]:
     if stage.teeth is not None and plain is not None:
         return plain, f"{stage.teeth.driven.written}/{stage.teeth.driving.written}"
     if plain is not None:
-        return plain, f"{plain:g}"
+        return plain, f"{format_number(plain)}"
     length = stage.lead or stage.radius or stage.lever_arm
     assert length is not None
     if stage.lever_arm is not None or (stage.radius is not None and output is JointKind.HINGE):
@@ -211,10 +218,10 @@ def check_train(train: Train, end: str, breaches: Breaches) -> bool:
             at = (*step.path, step.key)
             breaches.error(
                 "RES013",
-                f"what stands behind a {step.key} {does}, on the way to {end}",
+                f"the part that a {step.key} drives {does}, on the way to {end}",
                 at,
-                "a lead makes travel of turns, a lever_arm turns of travel: a screw drives a slide joint, or a "
-                "lever_arm that drives a hinge",
+                "a lead turns rotation into travel, a lever_arm travel into rotation: a screw drives a slide joint, "
+                "or a lever_arm that drives a hinge",
             )
         elif step.inertia is not None and unfit(step.inertia, step.output):
             at = (*step.path, "inertia")

@@ -21,7 +21,7 @@ from actspec.spec.gears import Linkage
 from actspec.spec.rules.motors import number
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
-from actspec.units import Kind, format_quantity
+from actspec.units import Kind, format_number, format_quantity
 
 Matrix = tuple[tuple[float, ...], ...]
 
@@ -151,9 +151,9 @@ class LinkedMotors:
             (part for part in needed if part[2]), key=lambda part: part[0].require() / part[2]
         )
         share = self.share([figure.require() for figure in figures], rows) if self.together else 1.0
-        formula = f"{format_quantity(weakest.value, weakest.unit)} ({name}) / {entry:g}"
+        formula = f"{format_quantity(weakest.value, weakest.unit)} ({name}) / {format_number(entry)}"
         if self.together:
-            formula += f" x {share:g} (share that all joints can have at once)"
+            formula += f" x {format_number(share)} (share that all joints can have at once)"
         return Quantity(
             tidy(weakest.require() / entry * share),
             weakest.unit,
@@ -186,7 +186,7 @@ class LinkedMotors:
             first.source,
             first.span,
             note=first.note,
-            formula=f"{formula} {sign} {self.factor:g}, {self.text}",
+            formula=f"{formula} {sign} {format_number(self.factor)}, {self.text}",
         )
 
     def _inertia(self, index: int, geometry: Geometry | None) -> Quantity:
@@ -205,7 +205,7 @@ class LinkedMotors:
         if not all(inertia.known for inertia, _, _ in parts):
             return unknown(first.unit)
         terms = [
-            f"{format_quantity(inertia.value, inertia.unit)} ({name}) x {square:g}"
+            f"{format_quantity(inertia.value, inertia.unit)} ({name}) x {format_number(square)}"
             for inertia, name, square in parts
         ]
         return Quantity(
@@ -428,7 +428,8 @@ def _text(name: str, linkage: Linkage, used: Geometry | None, pose: Sequence[flo
     text = f"linkage {name}"
     if used is not None and used.at is not None:
         at, wanted = (
-            f"[{', '.join(f'{value:g}' for value in positions)}] {unit}" for positions in (used.at, pose)
+            f"[{', '.join(f'{format_number(value)}' for value in positions)}] {unit}"
+            for positions in (used.at, pose)
         )
         text += f" at {at}"
         if linkage.table is not None and at != wanted:

@@ -13,7 +13,7 @@ from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import Origin, Quantity
 from actspec.readings.quantities import tidy
 from actspec.spec.values import SpecValue
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 Factor = tuple[float, str]
 """A number that scales another, and its name in formulas, e.g. (9.0, "gear_ratio")."""
@@ -60,7 +60,7 @@ def scaled(quantity: Quantity, factors: Sequence[Factor], divide: bool = False) 
 def in_words(factors: Sequence[Factor], divide: bool = False) -> str:
     """Factors as formulas have them, ` x 9 (gear_ratio)`; those of 1 are left out."""
     sign = "/" if divide else "x"
-    return "".join(f" {sign} {number:g} ({name})" for number, name in factors if number != 1.0)
+    return "".join(f" {sign} {format_number(number)} ({name})" for number, name in factors if number != 1.0)
 
 
 def choose(*candidates: Quantity | None) -> Quantity | None:

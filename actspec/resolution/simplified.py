@@ -10,7 +10,7 @@ from actspec.ir import Approximation, JointActuator, Quantity
 from actspec.resolution.linkage import LinkedMotors
 from actspec.resolution.motor import JointMotor
 from actspec.spec.rules.robot import SPEC_ITSELF
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 NEGLIGIBLE = 1e-9
 """Differences below this share are rounding. Chosen: as what targets are checked to."""
@@ -60,7 +60,7 @@ def _factor(linkage: LinkedMotors, members: Sequence[JointActuator]) -> Iterator
             joint,
             "linkage_factor",
             f"the linkage {linkage.name}",
-            f"every joint by itself {linkage.factor:g} x all of its motors, at every pose",
+            f"every joint by itself {format_quantity(linkage.factor, '')} x all of its motors, at every pose",
             "no Jacobian is stated; with several joints at their limits the motors would be used several times",
             None,
         )
@@ -116,8 +116,8 @@ def _limits(
             "linkage_limits",
             f"{format_quantity(limits[index], joint.effort_limit.unit)} that it shares with {listed(others)}",
             "a limit of each joint by itself",
-            f"with all at their limits the motors need {over:g} times their {word} torque; `limits: together` "
-            "has what all can have at once",
+            f"with all at their limits the motors need {format_number(over)} times their {word} torque; "
+            "`limits: together` has what all can have at once",
             limits[index] * (1.0 - 1.0 / over),
         )
 
@@ -192,7 +192,7 @@ def _pose(
             ),
         ):
             if values and value is not None and max(values) - min(values) > NEGLIGIBLE * max(values):
-                asked.append(f"{name} {min(values):.6g} to {format_quantity(max(values), unit)}")
+                asked.append(f"{name} {format_number(min(values))} to {format_quantity(max(values), unit)}")
                 emitted.append(f"{name} {format_quantity(value, unit)}")
         if asked:
             yield _loss(

@@ -77,7 +77,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
         integrator=option.get("integrator", "Euler"),
         keyframes=tuple(key.get("name") or "" for key in keys),
         inertia=None,
-        inertia_reason="it was read from its text alone",
+        inertia_reason="only its text was read, because MuJoCo refuses the file",
         files=document.files,
         diagnostics=tuple(out),
         eulerdamp=_flag(document, "eulerdamp"),

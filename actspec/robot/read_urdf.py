@@ -19,6 +19,7 @@ from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, Masses, masses_of
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import mujoco
@@ -136,7 +137,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
         if kind not in _TYPES:
             out.error(
                 "ROBOT122",
-                f"type {kind!r} is no URDF joint type",
+                f"type {kind!r} is not a URDF joint type",
                 where=name,
                 span=span,
                 help=f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
@@ -157,7 +158,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
     for joint in found:
         if joint.mimic is not None and joint.mimic not in names:
             out.warning(
-                "ROBOT124", f"mimics {joint.mimic!r}, which is no joint", where=joint.name, span=joint.span
+                "ROBOT124", f"mimics {joint.mimic!r}, which is not a joint", where=joint.name, span=joint.span
             )
     return found
 
@@ -254,14 +255,14 @@ def _judge_limit(
     if effort is not None and effort < 0:
         out.warning(
             "ROBOT123",
-            f"limit effort must be >= 0 {torque}, got {effort:g}; taken as no limit",
+            f"limit effort must be >= 0 {torque}, got {format_number(effort)}; taken as no limit",
             where=name,
             span=span,
         )
     if velocity is not None and velocity < 0:
         out.warning(
             "ROBOT123",
-            f"limit velocity must be >= 0 {speed}, got {velocity:g}; taken as no limit",
+            f"limit velocity must be >= 0 {speed}, got {format_number(velocity)}; taken as no limit",
             where=name,
             span=span,
         )
@@ -294,7 +295,7 @@ def _range(
     if low > high:
         out.warning(
             "ROBOT123",
-            f"limit lower {low:g} is above upper {high:g}; taken as no limit",
+            f"limit lower {format_number(low)} is above upper {format_number(high)}; taken as no limit",
             where=name,
             span=span,
         )

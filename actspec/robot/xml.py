@@ -320,7 +320,7 @@ def tried(name: str, candidates: Sequence[str]) -> str:
     """Say which paths were tried, and what is near them."""
     text = f"tried {listed(candidates)}"
     if os.path.isabs(name):
-        text += "; an absolute path holds on one machine only"
+        text += "; an absolute path works on one machine only"
     for candidate in candidates:
         folder, last = os.path.split(candidate)
         try:

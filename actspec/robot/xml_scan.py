@@ -184,7 +184,7 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
     if text == expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE:
         found = re.compile(rb"[^\s=]*").match(data, at)
         name = found[0].decode("utf-8", "replace") if found else ""
-        return f"attribute {name!r} is there twice", "delete one of the two; MuJoCo refuses it too"
+        return f"attribute {name!r} appears twice", "delete one of the two; MuJoCo refuses it too"
     if text == expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
         lenient = _LENIENT if data[at : at + 1] == b"<" else ""
         return "text or an element after the end of the root element", f"delete what follows{lenient}"

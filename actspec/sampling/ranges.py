@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, JointActuator, Level, Quantity, Randomization
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -182,7 +182,7 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
         if least < 0.0 and entry.distribution == "gaussian":
             yield _Fault(
                 "RND005",
-                f"{field} is drawn below 0 within {SPREAD:g} std: {format_quantity(least, unit)}",
+                f"{field} is drawn below 0 within {format_number(SPREAD)} std: {format_quantity(least, unit)}",
                 "choose a smaller standard deviation, or log_uniform; "
                 "actspec cuts such draws to 0, simulators may not",
                 False,
@@ -195,7 +195,11 @@ def _faults(actuator: JointActuator, entry: Randomization) -> Iterator[_Fault]:
             )
     if nominal is not None:
         neutral = {"scale": 1.0, "add": 0.0, "abs": nominal}[entry.operation]
-        text = f"the nominal {format_quantity(nominal, unit)}" if entry.operation == "abs" else f"{neutral:g}"
+        text = (
+            f"the nominal {format_quantity(nominal, unit)}"
+            if entry.operation == "abs"
+            else format_number(neutral)
+        )
         yield from _outside(entry, neutral, text)
 
 
@@ -221,7 +225,7 @@ def _outside(entry: Randomization, neutral: float, text: str) -> Iterator[_Fault
     if not low - slack <= neutral <= high + slack:
         yield _Fault(
             "RND006",
-            f"{text} is outside of the range of {entry.field}, {low:g} to {high:g}: "
+            f"{text} is outside of the range of {entry.field}, {format_number(low)} to {format_number(high)}: "
             "the nominal robot is never drawn",
             "widen the range, or correct the nominal",
             False,

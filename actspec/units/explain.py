@@ -129,7 +129,7 @@ def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
             f"has a time constant of {short(1 / (turn * si))} s"
         )
     if kind is Kind.FREQUENCY and dims == _shift(ONE, s=-1):
-        return f"cycles are counted apart: write `{short(si)} Hz` if they are meant"
+        return f"a frequency counts cycles: write `{short(si)} Hz` if cycles are meant"
     if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, rad=1, m=-4, kg=-2, s=4, a=2) and si > 0:
         return f"a speed constant of {given} is a torque constant of {short(1 / si)} N*m/A"
     if rotary != ONE and rotary in (_shift(dims, rad=-1), _shift(dims, rad=1)):

@@ -91,8 +91,7 @@ def test_motor_with_gains_of_a_configuration(tmp_path: Path) -> None:
     assert f"leg.xml:{line} has 30 N*m" in found.draft.text
     # 0.3 is more than a tenth of 1: the two may be one.
     assert (
-        "beside the kd of another file: together 1.3 N*m*s/rad; put 0 if kd has it already"
-        in found.draft.text
+        "1.3 N*m*s/rad together with the kd of another file; put 0 if that kd includes it" in found.draft.text
     )
 
 

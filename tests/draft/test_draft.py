@@ -331,7 +331,10 @@ def test_bare_mjcf(tmp_path: Path) -> None:
     group = found.data["actuators"]["joints"]
     assert (group["command"], group["kp"], group["kd"]) == ("position", "unknown", "unknown")
     assert bare(group["effort_limit"]) == "7 N*m"
-    assert "    # the bearing's, or the drive's kd in disguise? Then move it to kd, put 0" in found.draft.text
+    assert (
+        "    # bearing friction, or the drive's kd? If it is kd, move it there and put 0 here"
+        in found.draft.text
+    )
 
 
 URDF = """<robot name="arm">
@@ -395,7 +398,7 @@ def test_damping_meant_as_kd(tmp_path: Path, damping: float, kp: float, expected
     assert found.data["actuators"]["joints"]["kd"] == "unknown"
     assert "kd: unknown    # the file's servo has no kv: MuJoCo takes 0" in found.draft.text
     # 1 ms is the bound: 0.1 / 100 reaches it, 0.05 / 100 does not.
-    assert ("perhaps the drive's kd" in found.draft.text) is expected
+    assert ("joint damping, or the drive's kd?" in found.draft.text) is expected
     assert ("perhaps its joint damping is meant for it" in found.draft.text) is expected
 
 

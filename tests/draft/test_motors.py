@@ -162,7 +162,7 @@ def test_kv_and_joint_damping(tmp_path: Path) -> None:
     (group,) = bare(found.data["actuators"]).values()
     assert (group["kd"], group["friction"]["viscous"]) == ("0.5 N*m*s/rad", "2 N*m*s/rad")
     assert (
-        "joint damping, beside kv, which is kd: together 2.5 N*m*s/rad, this part unclamped"
+        "joint damping beside the servo's kv: 2.5 N*m*s/rad together; the effort limit does not clamp this part"
         in found.draft.text
     )
 

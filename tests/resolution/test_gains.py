@@ -91,7 +91,7 @@ def test_the_files_armature_is_no_reflected_inertia() -> None:
         robot="name: leg, model: robot.xml",
     )
     assert refused(text, PENDULUM) == [
-        "RES003 actuators.legs.kp: hip: kp is derived from the reflected inertia, which nobody states"
+        "RES003 actuators.legs.kp: hip: kp is derived from the reflected inertia, which is not stated"
     ]
 
 
@@ -126,7 +126,7 @@ def test_friction_is_not_subtracted() -> None:
         ),
         pytest.param(
             "legs: {joints: [hip], level: ideal_pd, kp: 1, kd: {derive: damping_ratio, ratio: 1, inertia: joint}}",
-            "RES003 actuators.legs.kd: hip: kd is derived from the joint's inertia, which the model does not tell",
+            "RES003 actuators.legs.kd: hip: kd is derived from the joint's inertia, which the model does not give",
             id="no model",
         ),
         pytest.param(

@@ -249,7 +249,10 @@ def test_what_only_a_compilation_tells_is_unknown() -> None:
         "d": {"control_range"},
     }
     assert view.actuators[0].kp == 7.0
-    assert (view.inertia, view.inertia_reason) == (None, "it was read from its text alone")
+    assert (view.inertia, view.inertia_reason) == (
+        None,
+        "only its text was read, because MuJoCo refuses the file",
+    )
 
 
 def test_autolimits_and_angles() -> None:

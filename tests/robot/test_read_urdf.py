@@ -135,7 +135,7 @@ def test_mimic() -> None:
     follow = joint('<mimic joint="j"/>', name="k", parent="a", child="b")
     assert [j.mimic for j in read(robot(joint() + follow)).joints] == [None, "j"]
     assert messages(robot(joint('<mimic joint="no"/>'))) == [
-        "r.urdf:6:1: ROBOT124 [warning] j: mimics 'no', which is no joint"
+        "r.urdf:6:1: ROBOT124 [warning] j: mimics 'no', which is not a joint"
     ]
 
 
@@ -183,7 +183,7 @@ def test_all_errors_at_once() -> None:
         "r.urdf:6:90: ROBOT120 j: <limit velocity> must be a number, got '1_0'",
         "r.urdf:7:87: ROBOT120 k: <dynamics damping> must be a number, got ''",
         "r.urdf:7:87: ROBOT120 k: <dynamics friction> must be a number, got '٣'",
-        "r.urdf:8:1: ROBOT122 m: type 'revolut' is no URDF joint type\n  help: did you mean revolute?",
+        "r.urdf:8:1: ROBOT122 m: type 'revolut' is not a URDF joint type\n  help: did you mean revolute?",
         "r.urdf:9:1: ROBOT121 j: a second joint has this name; the first is in line 6",
     ]
 

@@ -166,7 +166,7 @@ def test_walk_and_sections() -> None:
 @pytest.mark.parametrize(
     ("data", "text"),
     [
-        pytest.param('<a x="1" x="2"/>', "1:10: ROBOT004: attribute 'x' is there twice", id="twice"),
+        pytest.param('<a x="1" x="2"/>', "1:10: ROBOT004: attribute 'x' appears twice", id="twice"),
         pytest.param("<a>\n<!-- a -- b --></a>", "2:10: ROBOT004: '--' inside a comment", id="dashes"),
         pytest.param(
             "<a>\n<b></a>", "2:6: ROBOT004: </a> stands where <b> (line 2) is to be closed", id="tags"

@@ -11,6 +11,7 @@ from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
 from actspec.spec.models import Motor, Source
 from actspec.spec.values import SpecValue
+from actspec.units import format_number, format_quantity
 
 SIDED = ("stall_torque", "no_load_speed", "peak_torque", "continuous_torque", "torque_constant", "curve")
 """Motor figures that differ between rotor and gearbox output."""
@@ -187,7 +188,7 @@ def _check_ratio(path: Path, motor: Motor, stages: Sequence[Stage], breaches: Br
         breaches.error(
             "SPEC137",
             f"gear_ratio is {stated.written}, the stages of the gearbox make "
-            f"{' x '.join(f'{ratio:g}' for ratio in ratios)} = {product:g}",
+            f"{' x '.join(format_quantity(ratio, '') for ratio in ratios)} = {format_number(product)}",
             (*path, "gear_ratio"),
             "remove gear_ratio: it follows from the stages; or correct the stage that is wrong",
         )

@@ -434,7 +434,7 @@ def test_a_xacro_is_refused(prefix: str, uri: str) -> None:
     [
         ("", "", []),
         ('effort="30"', 'effort="31"', ["hip"]),
-        ('effort="30"', 'effort="30" lower="-2"', ["attribute 'lower' is there twice"]),
+        ('effort="30"', 'effort="30" lower="-2"', ["attribute 'lower' appears twice"]),
         ('value="2"', 'value="2.5"', ["<mass>"]),
         ('multiplier="0.5"', 'multiplier="0.6"', ["<mimic>"]),
         ('lower="-1"', 'lower="-1.5"', ["hip", "<limit>"]),
