@@ -87,8 +87,7 @@ def compile(
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
     """
     from actspec.audit.rules import check_actuators
-    from actspec.targets.accept import check_accepted
-    from actspec.targets.choose import choose_targets, emitter
+    from actspec.targets.choose import check_accepted, choose_targets, emitter
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
     collector = Collector()

@@ -1,4 +1,4 @@
-"""Which targets a compile makes: those of the spec, or those named on the command line."""
+"""Which targets a compile makes, and whether they lose what the spec accepts."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from dataclasses import replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span, SpecError, nearest, one_line
+from actspec.diagnostics import Collector, Span, SpecError, listed, nearest, one_line
 from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion
 from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.spec.models import KINDS, IsaacSimTarget
-from actspec.targets.base import Emission, TargetOptions
+from actspec.spec.rules.robot import SPEC_ITSELF
+from actspec.targets.base import Approximation, Emission, TargetOptions
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
@@ -136,3 +137,48 @@ def _spans(spec: Spec, name: str) -> dict[str, Span]:
         elif isinstance(value, dict):
             found |= {f"{key}[{entry}]": spec.span("targets", name, key, entry) for entry in value}
     return found
+
+
+def check_accepted(
+    spec: Spec,
+    simplified: Sequence[Approximation],
+    targets: Sequence[TargetOptions],
+    emissions: Sequence[Emission],
+    collector: Collector,
+) -> None:
+    """Warn where a compiled target has no loss of a name that `accept` has (SPEC164).
+
+    A target that is compiled at another version than the spec's is left out: its losses may be others.
+
+    Args:
+        spec: The spec.
+        simplified: What it simplifies itself.
+        targets: What was compiled.
+        emissions: What each made, in the same order.
+        collector: Takes the warnings.
+    """
+    lost = {
+        options.name: dict.fromkeys(loss.field for loss in emission.approximations)
+        for options, emission in zip(targets, emissions, strict=True)
+        if options.version == _version(spec, options)
+    }
+    lost[SPEC_ITSELF] = dict.fromkeys(loss.field for loss in simplified)
+    for key in spec.model.accept:
+        target, _, field = key.partition(".")
+        if target not in lost or field in lost[target]:
+            continue
+        guess = nearest(field, list(lost[target]))
+        whose = "the spec itself" if target == SPEC_ITSELF else f"the target '{target}'"
+        others = f"its losses are {listed(lost[target])}" if lost[target] else "it loses nothing"
+        collector.warning(
+            "SPEC164",
+            f"{whose} has no approximation of this name: nothing is accepted by it",
+            where=f"accept.{key}",
+            span=spec.document.spans.key(("accept", key)),
+            help=f"did you mean '{target}.{guess}'?" if guess else f"remove it; {others}",
+        )
+
+
+def _version(spec: Spec, options: TargetOptions) -> str:
+    entry = spec.model.targets.get(options.name)
+    return (entry.version if entry is not None else None) or DEFAULT_VERSIONS.get(options.kind, "")

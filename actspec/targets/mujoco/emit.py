@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
 from actspec.ir import ActuatorSet
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
-from actspec.simulators.mujoco import MujocoDialect, installed_dialect, mujoco_dialect
+from actspec.simulators import text_of
+from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect, mujoco_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import dialect_of
 from actspec.targets.mujoco.apply_spec import apply_to_spec
@@ -84,7 +85,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             "MJC021",
             f"keyframes of MuJoCo {dialect.text} cannot hold a filter's state beside a dcmotor: it starts at 0",
             span=Span(robot.path),
-            help="reset with actspec.runtime.reset, or compile for MuJoCo 3.16 or later",
+            help=f"reset with actspec.runtime.reset, or compile for MuJoCo {text_of(KEYFRAME_ACT)} or later",
         )
 
     installed = installed_dialect()

@@ -10,7 +10,8 @@ from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.readings.joint import read_joints
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
-from actspec.simulators.mujoco import MujocoDialect
+from actspec.simulators import text_of
+from actspec.simulators.mujoco import POLYNOMIALS, MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import delta_action_loss, warn_unknown_armature
 from actspec.targets.mujoco.drive import Drive, Form, drive_of
@@ -253,7 +254,7 @@ def _joint_edit(
                 f"'{joint.name}' has polynomial damping, which MuJoCo {dialect.text} cannot hold",
                 where=joint.name,
                 span=joint.span,
-                help="compile for MuJoCo 3.7 or later, or remove the second and third number",
+                help=f"compile for MuJoCo {text_of(POLYNOMIALS)} or later, or remove the second and third number",
             )
         if viscous is not None and actuator.friction_viscous.origin.value in ("authored", "identified"):
             collector.warning(

@@ -17,7 +17,7 @@ from typing import Any
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import Command, JointActuator, JointKind, Quantity
 from actspec.simulators import text_of
-from actspec.simulators.newton import JOINT_DAMPING, NewtonDialect
+from actspec.simulators.newton import JOINT_DAMPING, NETWORKS, NewtonDialect
 from actspec.spec.results import NetworkManifest
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
@@ -296,7 +296,7 @@ def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[st
             f"Newton {joint.dialect.text} reads no ONNX, and gives a network the velocity's error for the velocity",
             where=where,
             span=span,
-            help="write for Newton 1.4 or later, or leave this target out",
+            help=f"write for Newton {text_of(NETWORKS)} or later, or leave this target out",
         )
         return None
     if joint.actuator.command is not Command.POSITION:

@@ -17,8 +17,7 @@ from actspec.robot.view import ModelFile, isaac_order
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission
-from actspec.targets.deploy.emit import emit, index_map
-from actspec.targets.deploy.text import scalar
+from actspec.targets.deploy.emit import emit, index_map, scalar
 from tests.compiling import spec_text, target_options, view_of
 
 # The right leg stands first, a body without a joint is between the base and the left one, and `waist` comes last.
