@@ -9,8 +9,8 @@ import pytest
 from actspec.ir import Command, JointActuator, JointKind, Level, Origin
 from actspec.lift import Lifted, lift_config
 from actspec.readings.artifact import Artifact
-from actspec.readings.deploy import read_deploy
 from actspec.readings.python.read import read_python
+from actspec.readings.read import read_file
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from tests.compiling import view_of
@@ -32,7 +32,7 @@ def artifact_of(folder: Path, text: str, name: str = "cfg.py") -> Artifact:
     """The one robot in a file with this text."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    reading = read_python(str(path)) if name.endswith(".py") else read_deploy(str(path))
+    reading = read_file(str(path))
     assert reading.reason is None, reading.reason
     (artifact,) = reading.artifacts
     return artifact

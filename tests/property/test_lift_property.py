@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 from actspec.diagnostics import EmitError, Severity
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import Lifted, lift_config, lift_newton, lift_robot
-from actspec.readings.deploy import read_deploy
 from actspec.readings.python.read import read_python
+from actspec.readings.read import read_file
 from actspec.robot.read_mjcf_text import read_mjcf_text
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.usda import layer_of
@@ -150,7 +150,7 @@ def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
     emission = emitted(actuators, robot, kind="deploy", version="")
     path = place / "bot_deploy.yaml"
     path.write_bytes(emission.files[0].data)
-    reading = read_deploy(str(path))
+    reading = read_file(str(path))
     assert reading.reason is None
     (artifact,) = reading.artifacts
     lifted = lift_config(artifact)
