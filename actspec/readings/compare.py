@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.readings.fields import FIELDS, LIMITS
+from actspec.units import format_number
 
 EXACT = 1e-9
 """Relative difference up to which two figures are the same number after units and sums. Chosen: what is left of a
@@ -115,7 +116,7 @@ def ratio_of(one: float | None, other: float | None) -> float | None:
 def times(one: float | None, other: float | None) -> str:
     """The ratio for a message: ` (x0.517)`, or nothing."""
     ratio = ratio_of(one, other)
-    return "" if ratio is None else f" (x{ratio:.3g})"
+    return "" if ratio is None else f" (x{format_number(ratio, 3)})"
 
 
 def compare(

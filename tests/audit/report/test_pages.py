@@ -217,6 +217,25 @@ def test_ratio(first: float, second: float, ratio: str) -> None:
     assert cell(next(comparisons(case)).lines[0].ratio) == ratio
 
 
+@pytest.mark.parametrize(
+    "value, shown",
+    [
+        (35.55, "35.55"),
+        (9.84375, "9.84375"),
+        (1000.0, "1000"),
+        (1e6, "1000000"),
+        (2 / 3, "0.6667"),
+        (None, "-"),
+        (float("inf"), "inf"),
+        (-0.0, "0"),
+    ],
+    ids=["written", "six digits", "thousand", "million", "computed", "unknown", "no limit", "zero"],
+)
+def test_figures(value: float | None, shown: str) -> None:
+    """A figure keeps the digits of the file; what is computed has four."""
+    assert cell(value) == shown
+
+
 def test_a_bare_joint_leaves_its_limit_open() -> None:
     """A joint without actuator and limit does not contradict the configuration that limits it; a motor does."""
     files = {"a.xml": b"<a/>", "b.py": b""}
