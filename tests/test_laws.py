@@ -564,6 +564,7 @@ def test_limits_may_differ_by_joint() -> None:
     np.testing.assert_array_equal(tau, [[1.0, 5.0, 5.0], [1.0, 10.0, 50.0]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("library", ["torch", "array_api_strict"])
 @pytest.mark.parametrize(
     ("dtype", "tolerance"), [("float64", EXACT), ("float32", SINGLE)], ids=["f64", "f32"]

@@ -156,6 +156,7 @@ def test_a_process_may_die_while_it_sends(tmp_path: Path) -> None:
     assert all(answer == "x" * 3_000_000 for answer in found.values())
 
 
+@pytest.mark.slow
 @linux
 def test_processes_are_ended_whatever_they_do() -> None:
     """Also while they are being started, which takes some milliseconds; no pipe stays open."""

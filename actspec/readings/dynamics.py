@@ -15,7 +15,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure
-from actspec.readings.fields import FIELDS, Role, unit_of
+from actspec.readings.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
@@ -228,10 +228,11 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
 
 def _of_spec(actuator: JointActuator) -> Iterator[tuple[str, float | None]]:
     """What a spec says beyond the ledger."""
-    if actuator.friction_static is not None:
-        yield "friction_static", actuator.friction_static.value
-    if actuator.stribeck_velocity is not None:
-        yield "stribeck_velocity", actuator.stribeck_velocity.value
+    for figure in BY_IR.values():
+        if figure.role is Role.PASSIVE and figure.name not in _OF_ROW:
+            quantity = getattr(actuator, figure.ir)
+            if quantity is not None:
+                yield figure.name, quantity.value
     if actuator.filter_cutoff is not None:
         yield "filter_cutoff", actuator.filter_cutoff.value
     if actuator.delay is not None and actuator.delay.low != actuator.delay.high:

@@ -17,7 +17,7 @@ from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, DerivedGain
-from actspec.spec.models import Actuators, Motor
+from actspec.spec.models import Actuators, Motor, Tunable
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.units import Kind
@@ -28,22 +28,8 @@ if TYPE_CHECKING:
     from actspec.spec.results import JointResult
 
 
-FIELDS = (
-    "motor",
-    "reduction",
-    "transmission",
-    "motors_per_joint",
-    "kp",
-    "kd",
-    "effort_limit",
-    "velocity_limit",
-    "armature",
-    "command_filter",
-    "command_range",
-    "delay",
-    "encoder_bias",
-    "action_scale",
-)
+FIELDS = tuple(name for name in Tunable.model_fields if name != "friction")
+"""What a group states of its joints; its friction by part."""
 FRICTION = ("coulomb", "viscous", "static", "stribeck_velocity")
 
 UNITS_OF_JOINTS = "a hinge is in rad and N*m, a slide in m and N"

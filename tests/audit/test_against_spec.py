@@ -54,6 +54,7 @@ def findings(spec: str, files: list[Path], capsys: pytest.CaptureFixture[str], *
     return found
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("target", TARGETS, ids=lambda target: target or "own targets")
 @pytest.mark.parametrize(
     "robot", ["a1", "a1_stiff", "go1", "g1", "go2", "h1", "anymal_c", "anymal_d", "spot", "so101"]

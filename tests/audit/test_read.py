@@ -201,6 +201,7 @@ def test_a_file_that_is_too_large_is_not_read() -> None:
     assert reason_of("large.yaml") == "it is larger than 8 MiB"
 
 
+@pytest.mark.slow
 def test_a_large_file_of_nothing_is_read() -> None:
     """50 MB of comment are no reason to fail."""
     Path("large.xml").write_text(f"<mujoco><!--{'x' * 50_000_000}--></mujoco>")

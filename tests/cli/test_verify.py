@@ -39,6 +39,7 @@ def record(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     return found
 
 
+@pytest.mark.slow
 def test_agreement(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     """MuJoCo is asked, what is not here is said with what would bring it, nothing is left, and the exit code is 0."""
     assert run() == 0
@@ -78,6 +79,7 @@ def test_without_usd_core(
     assert f"VFY002 targets.newton: {reason}" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     """Rows with torque and fields, skips, approximations; a loss without size is in no number."""
     assert run("--output-format", "json") == 0
@@ -91,6 +93,7 @@ def test_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert {loss["field"] for loss in found["approximations"]} >= {"command_filter", "encoder_bias"}
 
 
+@pytest.mark.slow
 def test_edited_file(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     """A file of a build folder that somebody edited is a disagreement, at its line, with exit code 1."""
     assert main(["compile", "rich.yaml", "-o", "out"]) == 0
@@ -128,6 +131,7 @@ def test_strict(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("--fields-only", "--strict") == 1
 
 
+@pytest.mark.slow
 def test_engines_can_be_required(capsys: pytest.CaptureFixture[str]) -> None:
     """With --require-engines what is not prepared is an exit code of 2."""
     assert run("--require-engines", "-t", "mujoco") == 0
@@ -164,6 +168,7 @@ def test_failure_in_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert {item["code"] for item in record(capsys)["diagnostics"]} == {"VFY001"}
 
 
+@pytest.mark.slow
 def test_markdown(capsys: pytest.CaptureFixture[str]) -> None:
     """A table for a page."""
     assert run("--output-format", "markdown", "-t", "mujoco") == 0

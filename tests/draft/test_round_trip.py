@@ -68,6 +68,7 @@ def written(spec: Path, folder: Path) -> tuple[ActuatorSet, dict[str, list[Path]
     return compilation.actuators, files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_import_of_what_was_compiled(robot: str, tmp_path: Path) -> None:
     """All files of a robot together give back its figures, groups of the same size, and the same MJCF once more."""

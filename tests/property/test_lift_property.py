@@ -105,6 +105,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Any:
     return tmp_path_factory.mktemp("lift")
 
 
+@pytest.mark.slow
 @given(groups=robots(), policy=policies(), dialect=st.sampled_from(DIALECTS),
        cls=st.sampled_from(["auto", "implicit", "custom"]))  # fmt: skip
 @many("isaaclab")
@@ -120,6 +121,7 @@ def test_isaaclab(place: Any, groups: list[Drive], policy: Any, dialect: Any, cl
     check("isaaclab", actuators, lifted.actuators, emission.approximations)
 
 
+@pytest.mark.slow
 @given(groups=robots(), policy=policies(), version=st.sampled_from(["1.0", "1.2", "1.3", "1.6"]))
 @many("mjlab")
 def test_mjlab(place: Any, groups: list[Drive], policy: Any, version: str) -> None:
@@ -142,6 +144,7 @@ def lifted_module(place: Any, data: bytes, robot: RobotView) -> Lifted:
     return lifted
 
 
+@pytest.mark.slow
 @given(groups=robots(), policy=policies())
 @many("deploy")
 def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
@@ -158,6 +161,7 @@ def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
     check("deploy", actuators, lifted.actuators, emission.approximations)
 
 
+@pytest.mark.slow
 @given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
 @many("newton")
 def test_newton(groups: list[Drive], version: str) -> None:
@@ -191,6 +195,7 @@ def mjcfs(draw: st.DrawFn) -> tuple[Robot, list[Drive], list[str]]:
     return robot, groups, [name for name in robot.joints if name not in managed]
 
 
+@pytest.mark.slow
 @given(
     made=mjcfs(),
     dt=st.sampled_from([None, "2 ms", "5 ms"]),
@@ -251,6 +256,7 @@ def urdfs(draw: st.DrawFn) -> tuple[str, list[Drive]]:
     return text + "</robot>", groups
 
 
+@pytest.mark.slow
 @given(made=urdfs())
 @many("urdf")
 def test_urdf(made: tuple[str, list[Drive]]) -> None:

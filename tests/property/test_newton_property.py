@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -87,6 +88,7 @@ def losses(drive: Drive, old: bool) -> dict[str, float | None]:
     return want
 
 
+@pytest.mark.slow
 @given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
 @settings(deadline=None, max_examples=120)
 def test_newton_says_or_names_every_number(groups: list[Drive], version: str) -> None:

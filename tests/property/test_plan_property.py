@@ -12,6 +12,7 @@ from typing import Any
 
 import mujoco
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
@@ -241,6 +242,7 @@ def groups(draw: st.DrawFn, robot: Robot) -> tuple[str, list[str]]:
     return text, unmanaged
 
 
+@pytest.mark.slow
 @settings(
     max_examples=100,
     derandomize=True,

@@ -54,6 +54,7 @@ def held(numbers: dict[str, Any], want: dict[str, float | None], where: object) 
     )
 
 
+@pytest.mark.slow
 @given(
     groups=robots(), dialect=st.sampled_from(DIALECTS), cls=st.sampled_from(["auto", "implicit", "custom"])
 )
@@ -104,6 +105,7 @@ def test_isaaclab_says_or_names_every_number(
             agree(joint, found, isaaclab_losses(drive, o, version, friction, cls), drive)
 
 
+@pytest.mark.slow
 @given(groups=robots(), version=st.sampled_from(["1.0", "1.2", "1.3", "1.6"]))
 @settings(deadline=None, max_examples=80)
 def test_mjlab_says_or_names_every_number(groups: list[Drive], version: str) -> None:

@@ -258,6 +258,7 @@ def _paths(node: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int,
     return [path, *(found for key, value in below for found in _paths(value, (*path, key)))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("junk", JUNK, ids=repr)
 def test_junk_anywhere_is_no_crash(junk: Any) -> None:
     """Whatever stands in place of any value, validation accepts it or gives diagnostics with places."""

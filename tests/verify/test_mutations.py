@@ -100,6 +100,7 @@ def mutations(file: str, text: str) -> Iterator[Mutation]:
                 yield Mutation(file, f"{file} {old} and {other}", swapped)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name", ["mujoco", "isaaclab", "custom", "implicit", "il45", "mjlab", "newton", "deploy", "randomization"]
 )

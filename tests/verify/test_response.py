@@ -175,6 +175,7 @@ def row(rows: Iterator[Row], joint: str, course: int) -> Row:
     return next(r for r in rows if r.joint == joint and r.quantity == COURSES[course])
 
 
+@pytest.mark.slow
 def test_three_times_the_engine_s_own_change_is_allowed(built: Built, experiment: Experiment) -> None:
     """Off by 2.9 mm with a change of 1 mm agrees, by 3.1 it does not, and says where: at the end, after 300 steps."""
     good = row(judged(built, experiment, "custom", add=2.9e-3, change=1e-3), "lift", STEP)
@@ -189,6 +190,7 @@ def test_three_times_the_engine_s_own_change_is_allowed(built: Built, experiment
     assert "the response is 0.0031 m off the law's" in bad.message
 
 
+@pytest.mark.slow
 def test_a_known_loss_allows_its_own_size_and_no_more(built: Built, experiment: Experiment) -> None:
     """Without its delay Isaac Lab agrees, marked; with it, it would not be what is written, and does not."""
     good = row(judged(built, experiment, "isaaclab", change=1e-5), "left_hip", STEP)
@@ -202,6 +204,7 @@ def test_a_known_loss_allows_its_own_size_and_no_more(built: Built, experiment: 
     assert bad.approximations == ()
 
 
+@pytest.mark.slow
 def test_a_fault_beside_a_known_loss_is_one(built: Built, experiment: Experiment) -> None:
     """2 mrad beside what the loss explains is VFY112, and is reported without the loss."""
     bad = row(judged(built, experiment, "isaaclab", add=2e-3, change=1e-5), "left_knee", STEP)
@@ -210,6 +213,7 @@ def test_a_fault_beside_a_known_loss_is_one(built: Built, experiment: Experiment
     assert bad.message.endswith("known approximations aside")
 
 
+@pytest.mark.slow
 def test_a_step_that_decides_the_response_is_no_tolerance(built: Built, experiment: Experiment) -> None:
     """Half the step changes it by 0.2 rad of about 0.4: VFY113, although 3 x 0.2 would allow the error."""
     bad = row(judged(built, experiment, "custom", add=0.3, change=0.3), "left_hip", STEP)
@@ -217,12 +221,14 @@ def test_a_step_that_decides_the_response_is_no_tolerance(built: Built, experime
     assert bad.max_error == pytest.approx(0.3)
 
 
+@pytest.mark.slow
 def test_a_simulation_that_diverges_is_reported(built: Built, experiment: Experiment) -> None:
     """Not a number is no number."""
     bad = row(judged(built, experiment, "custom", add=math.nan), "left_hip", STEP)
     assert (bad.ok, bad.code, bad.max_error) == (False, "VFY113", None)
 
 
+@pytest.mark.slow
 def test_joints_with_the_same_numbers_share_a_row(built: Built, experiment: Experiment) -> None:
     """Two hips; the knees have different gains."""
     rows = [r for r in judged(built, experiment, "custom") if r.quantity == COURSES[STEP]]

@@ -30,6 +30,7 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     return Bench.of(tmp_path_factory.mktemp("free"), FREE, "mujoco")
 
 
+@pytest.mark.slow
 def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
     """16 rows: hips together, knees apart; where it shows, soft friction is the only approximation."""
     rows = rich.rows("mujoco")
@@ -82,6 +83,7 @@ SEEN: dict[str, tuple[Edit, str]] = {
 """Mistakes that fields or torques show too."""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", [*UNSEEN, *SEEN])
 def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
     """VFY112 in the group that has it."""
@@ -100,6 +102,7 @@ def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
     assert {row.code for row in found.faults if not row.engine} <= {"VFY110"}
 
 
+@pytest.mark.slow
 def test_an_integrator_that_is_unstable_is_found(free: Bench) -> None:
     """`Euler` integrates the drive's kd explicitly: 5 ms x 3000 / 4.5 kg is more than 2, and the lift diverges."""
     assert [row.message for row in free.rows("mujoco") if not row.ok] == []

@@ -394,6 +394,7 @@ def found(built: Built, fault: Fault) -> set[tuple[str, str]]:
     return {(row.code or "", row.quantity) for row in agreement.faults}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FAULTS)
 def test_fault_is_found(name: str, built: Built) -> None:
     """The mistake is found in the file, by its own code."""
