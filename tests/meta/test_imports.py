@@ -36,7 +36,7 @@ itself, whose names are loaded on demand."""
 
 RANK = {part: rank for rank, layer in enumerate(LAYERS) for part in layer}
 
-HEAVY = {"mujoco", "torch", "scipy", "yourdfpy", "matplotlib"}
+HEAVY = {"mujoco", "torch", "scipy", "yourdfpy", "pxr", "matplotlib"}
 
 FORBIDDEN = {"ir": HEAVY, "laws": HEAVY, "audit.rules": HEAVY}
 """What a part imports nowhere, functions included: these take what they are given."""
@@ -126,14 +126,17 @@ def test_pure_parts_import_no_engine(where: str) -> None:
     assert not wrong
 
 
-def test_torch_stays_in_learn() -> None:
-    """Torch is imported by `learn` alone; everybody else takes the arrays they are given."""
+@pytest.mark.parametrize(
+    ("library", "home"), [("torch", "learn"), ("pxr", "robot.usda"), ("yourdfpy", "verify.engines.yourdfpy")]
+)
+def test_a_library_stays_in_one_place(library: str, home: str) -> None:
+    """Everybody else takes the arrays or views that they are given."""
     wrong = [
         f"{name}:{line}"
         for name, tree in MODULES.items()
-        if part(name) != "learn"
+        if name != home and not name.startswith(home + ".")
         for line, target in imports(name, tree, set(MODULES))
-        if target.split(".")[0] == "torch"
+        if target.split(".")[0] == library
     ]
     assert not wrong
 
