@@ -159,27 +159,15 @@ class Rig:
         for i, name in zip(at, joints, strict=True):
             if int(model.jnt_type[i]) not in _values(mujoco.mjtJoint, "mjJNT_HINGE", "mjJNT_SLIDE"):
                 raise JobError(f"joint {name!r} is neither hinge nor slide")
-        self._use(model, at, drives)
-
-    @classmethod
-    def by_index(cls, model: Any, joints: Sequence[int], actuators: Sequence[int]) -> Rig:
-        """The same with joints and actuators by index."""
-        rig = cls.__new__(cls)
-        rig._use(model, joints, actuators)
-        return rig
-
-    def _use(self, model: Any, joints: Sequence[int], actuators: Sequence[int]) -> None:
-        import mujoco
-
-        self.model, self.data, self.actuators = model, mujoco.MjData(model), actuators
-        self.qpos = np.array([model.jnt_qposadr[i] for i in joints], dtype=int)
-        self.qvel = np.array([model.jnt_dofadr[i] for i in joints], dtype=int)
+        self.model, self.data, self.actuators = model, mujoco.MjData(model), drives
+        self.qpos = np.array([model.jnt_qposadr[i] for i in at], dtype=int)
+        self.qvel = np.array([model.jnt_dofadr[i] for i in at], dtype=int)
         first = getattr(model, "actuator_ctrladr", np.arange(model.nu))
-        self.ctrl = np.array([first[i] for i in actuators], dtype=int)
+        self.ctrl = np.array([first[i] for i in drives], dtype=int)
         filters = _values(mujoco.mjtDyn, "mjDYN_FILTER", "mjDYN_FILTEREXACT")
         self.settled = [
             (int(model.actuator_actadr[a]), column)
-            for column, a in enumerate(actuators)
+            for column, a in enumerate(drives)
             if int(model.actuator_dyntype[a]) in filters
         ]
         self.reset()
@@ -325,7 +313,7 @@ def responses(
             except Exception as err:  # whatever the engine says is the answer
                 errors[name] = str(err) or repr(err)
                 continue
-            rig = Rig.by_index(model, [0], [0])
+            rig = Rig(model, ["joint"], ["actuator0"])
             for course in range(n_course):
                 at, speed = (inputs[of][course, column][None] for of in ("q", "qd"))
                 moved = rollout(rig, command[:, course, column][:, None], at, speed, parts=part)
@@ -395,8 +383,9 @@ def _build(whole: Any, at: int, drives: list[int], inertia: float, parts: int) -
     joint.springref = float(whole.qpos_spring[whole.jnt_qposadr[at]])
     _put_polynomial(joint, "damping", whole, "dof_damping", dof)
     _put_polynomial(joint, "stiffness", whole, "jnt_stiffness", at)
-    for index in drives:
+    for number, index in enumerate(drives):
         drive = spec.add_actuator()
+        drive.name = f"actuator{number}"
         drive.target = "joint"
         for attribute, field in ACTUATOR.items():
             _put(drive, attribute, whole, field, index)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet, JointActuator, Level
-from actspec.readings.compare import NOTHING, Figure
+from actspec.readings.compare import NOTHING, Figure, same
 from actspec.readings.fields import FIELDS
 from actspec.targets.isaaclab import dialect_for
 from actspec.verify.agreement import Row, TargetFiles, alike, keys
@@ -84,8 +84,7 @@ class _Compared:
 
     @property
     def ok(self) -> bool:
-        error = self.error
-        return error is not None and error <= self.tolerance
+        return same(self.value, self.expected, TOLERANCE)
 
 
 def field_rows(
@@ -307,9 +306,7 @@ def _geared(joint: str, fresh: FileFigures, built: FileFigures) -> bool:
 def _versioned(target: TargetFiles) -> bool:
     if target.options.kind != "isaaclab":
         return False
-    options = target.options
-    dialect = dialect_for(options)
-    return dialect.friction.torque
+    return dialect_for(target.options).friction.torque
 
 
 def without_repeats(rows: Iterable[Row]) -> tuple[Row, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import RobotError, Span, listed, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
-from actspec.readings.compare import NOTHING
+from actspec.readings.compare import same
 from actspec.readings.dynamics import SETTING_NOUNS
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
@@ -272,10 +272,12 @@ def _differences(
     got: list[float],
     place: Span | None,
 ) -> Iterator[Row]:
-    wrong = next((i for i, pair in enumerate(zip(asked, got, strict=True)) if not _equal(*pair)), None)
+    wrong = next(
+        (i for i, pair in enumerate(zip(asked, got, strict=True)) if not same(*pair, TOLERANCE)), None
+    )
     if wrong is None:
         return
-    turned = asked[wrong] != 0.0 and _equal(asked[wrong], -got[wrong])
+    turned = asked[wrong] != 0.0 and same(asked[wrong], -got[wrong], TOLERANCE)
     which = f"{name}[{wrong}]" if len(asked) > 1 else name
     yield target.fault(
         name,
@@ -334,8 +336,10 @@ def _keyframes(target: TargetFiles, ours: Any, theirs: Any) -> Iterator[Row]:
             found = others[name]
             if len(found) != len(values):
                 yield _key_row(target, key, f"the {name} of keyframe {key} has another length", place)
-            elif any(not _equal(a, b) for a, b in zip(values, found, strict=True)):
-                i = next(i for i, pair in enumerate(zip(values, found, strict=True)) if not _equal(*pair))
+            elif any(not same(a, b, TOLERANCE) for a, b in zip(values, found, strict=True)):
+                i = next(
+                    i for i, pair in enumerate(zip(values, found, strict=True)) if not same(*pair, TOLERANCE)
+                )
                 text = f"the {name} of keyframe {key} at {_where(ours, name, i)} is {format_number(found[i])}"
                 yield _key_row(target, key, f"{text}, and should be {format_number(values[i])}", place)
 
@@ -363,7 +367,3 @@ def _where(model: Any, name: str, index: int) -> str:
         if joint is not None:
             return model.joint(joint).name or str(index)
     return str(index)
-
-
-def _equal(asked: float, got: float) -> bool:
-    return math.isclose(asked, got, rel_tol=TOLERANCE, abs_tol=NOTHING)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import json
-import math
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
@@ -14,6 +13,7 @@ from actspec.diagnostics import Span, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.readings.artifact import RandomizedRange
+from actspec.readings.compare import same
 from actspec.robot.view import RobotView
 from actspec.sampling import own_ranges
 from actspec.units import format_number
@@ -120,9 +120,7 @@ def _nominal_rows(
     wanted, got = asked[joint], found[joint]
     for field in dict.fromkeys((*wanted, *got)):
         want, have = wanted.get(field), got.get(field)
-        if want == have or (
-            want is not None and have is not None and math.isclose(want, have, rel_tol=TOLERANCE)
-        ):
+        if same(want, have, TOLERANCE):
             continue
         everywhere = {name: (asked[name].get(field), found.get(name, {}).get(field)) for name in asked}
         code, reason = classify(WrongFigure(field, want, have, wanted, got, everywhere))
@@ -187,7 +185,7 @@ def _difference(want: Randomization, got: Any) -> str | None:
             return f"{name} is {one_line(repr(got[name]))}, and should be {getattr(want, name)!r}"
     for name in ("low", "high"):
         value = float(got[name])
-        if not math.isclose(value, getattr(want, name), rel_tol=TOLERANCE, abs_tol=1e-12):
+        if not same(value, getattr(want, name), TOLERANCE):
             return f"{name} is {format_number(value)}, and should be {format_number(getattr(want, name))}"
     return None
 

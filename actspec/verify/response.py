@@ -17,7 +17,7 @@ from actspec.targets.base import Approximation
 from actspec.targets.kit.sizes import lined
 from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike
 from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse
-from actspec.verify.torque import JointLaws
+from actspec.verify.torque import SLACK, JointLaws
 
 if TYPE_CHECKING:
     import numpy as np
@@ -41,8 +41,6 @@ SMALL = 0.01
 DOUBLE, SINGLE = 1e-6, 1e-5
 """Of how far the joint moves: what the reference and rounding may add. Source: measured, 3e-7 for the reference where a
 filtered command breaks a joint away, 1e-6 for single precision."""
-SLACK = 1.05
-"""Times the size of an approximation, as in `actspec.verify.torque`."""
 
 OWN_BODY = frozenset(("mujoco", "mjlab"))
 """Kinds whose engine moves the joint itself, with its own friction. For the others actspec moves a body by the engine's
