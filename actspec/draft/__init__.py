@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
-from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, listed
+from actspec.diagnostics import RobotError, Span, listed
 from actspec.draft.combine import Combined
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
 from actspec.draft.lines import (
@@ -145,4 +145,4 @@ def _nothing(combined: Combined) -> RobotError:
 
 def _error(combined: Combined, code: str, message: str, help: str) -> RobotError:
     span = Span(combined.model.path) if combined.model is not None else None
-    return RobotError([Diagnostic(code, Severity.ERROR, message, "", span, help)])
+    return RobotError.of(code, message, span, help=help)

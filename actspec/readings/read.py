@@ -17,7 +17,7 @@ from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.yaml_text import is_spec
 
 if TYPE_CHECKING:
-    from actspec.robot.xml import XmlDocument
+    from actspec.robot.xml_tree import XmlDocument
 
 ROBOT = (".xml", ".urdf", ".mjcf")
 """Endings of robot files; a file that is named may have any other."""

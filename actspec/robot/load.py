@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, Span, listed, nearest
+from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest
 from actspec.joints import JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
@@ -81,8 +81,7 @@ def load_robot(path: str) -> RobotView:
 
         return read_urdf(files, document)
     message = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
-    span: Span | None = document.span(document.root)
-    raise RobotError([Diagnostic("ROBOT104", Severity.ERROR, message, "", span)])
+    raise RobotError.of("ROBOT104", message, document.span(document.root))
 
 
 def _find_installed(reference: str) -> str:
@@ -162,7 +161,7 @@ def _near(name: str, names: Iterable[str]) -> str | None:
 
 
 def _error(code: str, message: str, help: str | None = None) -> RobotError:
-    return RobotError([Diagnostic(code, Severity.ERROR, message, "robot.model", None, help)])
+    return RobotError.of(code, message, where="robot.model", help=help)
 
 
 def listed_robot(spec: Spec) -> RobotView:
@@ -194,27 +193,7 @@ def listed_robot(spec: Spec) -> RobotView:
                         "a hinge is in rad, a slide in m",
                     )
                 )
-        joints.append(
-            JointView(
-                name=name,
-                kind=kind,
-                span=span,
-                body="",
-                dof=-1,
-                range=limits,
-                damping=0.0,
-                damping_polynomial=(0.0, 0.0),
-                stiffness=0.0,
-                armature=0.0,
-                frictionloss=0.0,
-                effort_range=None,
-                velocity_limit=None,
-                stated=frozenset(),
-                springdamper=False,
-                mimic=None,
-                reference_position=0.0,
-            )
-        )
+        joints.append(JointView(name, kind, span, body="", range=limits))
     if faults:
         raise ResolveError(faults)
     return RobotView(
@@ -222,11 +201,5 @@ def listed_robot(spec: Spec) -> RobotView:
         path=spec.document.path,
         format=ModelFormat.NONE,
         joints=tuple(joints),
-        actuators=(),
-        timestep=None,
-        integrator="",
-        keyframes=(),
-        inertia=None,
         inertia_reason="the spec names no model",
-        files=(),
     )

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Span
 
 if TYPE_CHECKING:
-    from actspec.robot.xml import Element, XmlDocument
+    from actspec.robot.xml_tree import Element, XmlDocument
 
 _MAIN = "main"
 

@@ -17,37 +17,29 @@ import os
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from dataclasses import dataclass
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, one_line
+from actspec.diagnostics import RobotError, Span, one_line
 from actspec.robot.assets import (
     MeshDependence,
     base_name,
+    give_placeholder_masses,
     mesh_dependence,
     mesh_path,
     stand_in,
     stem,
     usable_file,
+    without_shapes,
 )
 from actspec.robot.view import ModelFile, ModelFormat
-from actspec.robot.xml import XmlDocument, open_document, parse_document
+from actspec.robot.xml import open_document, parse_document
+from actspec.robot.xml_tree import XmlDocument
 
 if TYPE_CHECKING:
     import mujoco
 
-
-__all__ = [
-    "MeshDependence",
-    "SplicedText",
-    "compile_spec",
-    "engine_error",
-    "mesh_dependence",
-    "open_spec",
-    "quiet",
-    "splice",
-]
 
 OLDEST_MUJOCO = 3_007_000
 """mj_version() of the oldest bindings that can be read with: dcmotor and polynomial damping begin there.
@@ -110,16 +102,11 @@ def open_spec(
     import mujoco
 
     if mujoco.mj_version() < OLDEST_MUJOCO:
-        raise RobotError(
-            [
-                Diagnostic(
-                    "ROBOT116",
-                    Severity.ERROR,
-                    f"MuJoCo {mujoco.__version__} is installed, and actspec reads and checks models with 3.7 or later",
-                    span=Span(files[0].path),
-                    help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
-                )
-            ]
+        raise RobotError.of(
+            "ROBOT116",
+            f"MuJoCo {mujoco.__version__} is installed, and actspec reads and checks models with 3.7 or later",
+            Span(files[0].path),
+            help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
         )
     text = splice(document if document is not None else parse_document(files))
     folder = os.path.dirname(os.path.abspath(files[0].path))
@@ -200,6 +187,90 @@ def compile_spec(
     return model
 
 
+@dataclass(frozen=True, slots=True)
+class CompiledModel:
+    """A model with its spec.
+
+    Attributes:
+        spec: Compiled.
+        model: Of the spec.
+        meshes: Bodies whose mass comes from mesh files; where one is missing they weigh 1 kg.
+        ratios: Actuators with a positive number in the place of -kv, which MuJoCo takes for a damping ratio in
+            a servo, and the number.
+        said: MuJoCo's warnings.
+    """
+
+    spec: mujoco.MjSpec
+    model: mujoco.MjModel
+    meshes: MeshDependence | None
+    ratios: tuple[tuple[mujoco.MjsActuator, float], ...]
+    said: tuple[str, ...]
+
+
+def compiled_model(document: XmlDocument, format: ModelFormat, *, shapes: bool) -> CompiledModel:
+    """Compile a model, with its meshes where its masses come from them and they are there.
+
+    Args:
+        document: The model.
+        format: MJCF or URDF.
+        shapes: Show MuJoCo what no joint depends on, too; what does not compile without is compiled whole,
+            which tells why.
+
+    Raises: RobotError: MuJoCo refuses the model.
+    """
+    files = document.files if shapes else without_shapes(document)
+    if files is not document.files:
+        with suppress(RobotError):
+            return _compiled(files, None, format)
+    return _compiled(document.files, document, format)
+
+
+def _compiled(files: Sequence[ModelFile], document: XmlDocument | None, format: ModelFormat) -> CompiledModel:
+    if format is ModelFormat.URDF:
+        spec, files = open_urdf(files)
+    else:
+        spec = open_spec(files, format=format, document=document)
+    meshes = mesh_dependence(spec)
+    if meshes is not None and not meshes.missing:
+        own = document if format is ModelFormat.MJCF else None
+        spec = open_spec(files, format=format, real_assets=True, document=own)
+    elif meshes is not None:
+        give_placeholder_masses(meshes)
+    # From 3.16 on compiling may write the gain into the spec.
+    ratios = tuple((one, float(one.biasprm[2])) for one in spec.actuators if one.biasprm[2] > 0.0)
+    said: list[str] = []
+    model = compile_spec(spec, files, said=said)
+    return CompiledModel(spec, model, meshes, ratios, tuple(said))
+
+
+def open_urdf(files: Sequence[ModelFile]) -> tuple[mujoco.MjSpec, Sequence[ModelFile]]:
+    """Open a URDF that may give one visual several colours, which only MuJoCo refuses.
+
+    Returns: The spec, uncompiled, and the files that it was opened from; lines stay where they are.
+
+    Raises: RobotError: MuJoCo refuses the text.
+    """
+    try:
+        return open_spec(files, format=ModelFormat.URDF), files
+    except RobotError as err:
+        if "'material'" not in err.diagnostics[0].message:
+            raise
+    files = _first_colours(files)
+    return open_spec(files, format=ModelFormat.URDF), files
+
+
+def _first_colours(files: Sequence[ModelFile]) -> tuple[ModelFile, ...]:
+    """The text with every `material` but the first of its parent blanked."""
+    data = files[0].data
+    pieces: list[bytes] = []
+    begin = 0
+    for parent in parse_document(files).walk():
+        for extra in [child for child in parent.children if child.tag == "material"][1:]:
+            pieces += [data[begin : extra.start], b"\n" * data.count(b"\n", extra.start, extra.end)]
+            begin = extra.end
+    return (replace(files[0], data=b"".join((*pieces, data[begin:]))), *files[1:])
+
+
 @contextmanager
 def _engine(place: Callable[[int], Span | None]) -> Iterator[None]:
     """Turn an exception of the engine into a RobotError at the author's line."""
@@ -224,16 +295,11 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
     lines = [part.strip() for part in re.sub(r"^(XML )?Error:\s*", "", text).splitlines() if part.strip()]
     # The second line only repeats the place, which the diagnostic has; the third is MuJoCo's own business.
     message = "; ".join(part for part in lines if not re.match(r"Element .*|The static bodies of", part))
-    return RobotError(
-        [
-            Diagnostic(
-                "ROBOT111",
-                Severity.ERROR,
-                one_line(f"MuJoCo refuses the model: {re.sub(r'^(Error: )+', '', message) or text}"),
-                name.group(1) if name else "",
-                place(int(found.group(1)) if found else 0),
-            )
-        ]
+    return RobotError.of(
+        "ROBOT111",
+        one_line(f"MuJoCo refuses the model: {re.sub(r'^(Error: )+', '', message) or text}"),
+        place(int(found.group(1)) if found else 0),
+        where=name.group(1) if name else "",
     )
 
 
@@ -320,9 +386,7 @@ def _opened(document: XmlDocument) -> tuple[tuple[str, str], ...]:
             copies *= _count(element.get("count") or "")
             if copies > MOST_COPIES:
                 message = f"more than {MOST_COPIES} copies by replicate"
-                raise RobotError(
-                    [Diagnostic("ROBOT110", Severity.ERROR, message, "", document.span(element))]
-                )
+                raise RobotError.of("ROBOT110", message, document.span(element))
         elif name and element.tag in ("flexcomp", "model"):
             opened.append((element.tag, name))
         stack += [(child, copies) for child in reversed(element.children)]

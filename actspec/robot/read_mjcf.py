@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
-from dataclasses import dataclass, fields
+from dataclasses import fields
 from math import isnan
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed
 from actspec.joints import JointKind
-from actspec.robot.assets import MeshDependence, give_placeholder_masses, unknown_inertia
+from actspec.robot.assets import unknown_inertia
 from actspec.robot.compiled import (
     ModelLists,
     control,
@@ -26,7 +25,7 @@ from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, 
 if TYPE_CHECKING:
     import mujoco
 
-    from actspec.robot.xml import Element, XmlDocument
+    from actspec.robot.xml_tree import Element, XmlDocument
 
 _STATED = {
     "damping": ("damping",),
@@ -75,11 +74,12 @@ def read_mjcf(
 
     Raises: RobotError: MuJoCo refuses the model, or a number in it is nan.
     """
+    from actspec.robot.mjspec import compiled_model
     from actspec.robot.xml import parse_document
 
     if document is None:
         document = parse_document(tuple(files))
-    compiled = _compiled(files, document) if shapes else _compiled_without_shapes(document)
+    compiled = compiled_model(document, ModelFormat.MJCF, shapes=shapes)
     spec, model = compiled.spec, compiled.model
 
     main = Span(files[0].path)
@@ -134,53 +134,6 @@ def read_mjcf(
         off_groups=_off_groups(model),
         joint_inertia=masses.by_name(joints),
     )
-
-
-@dataclass(frozen=True, slots=True)
-class _Compiled:
-    """A model with its spec.
-
-    Attributes:
-        spec: Compiled.
-        model: Of the spec.
-        meshes: Bodies whose mass comes from mesh files.
-        ratios: Actuators with a positive number in the place of -kv, which MuJoCo takes for a damping ratio in
-            a servo, and the number.
-        said: MuJoCo's warnings.
-    """
-
-    spec: mujoco.MjSpec
-    model: mujoco.MjModel
-    meshes: MeshDependence | None
-    ratios: tuple[tuple[mujoco.MjsActuator, float], ...]
-    said: tuple[str, ...]
-
-
-def _compiled(files: Sequence[ModelFile], document: XmlDocument | None = None) -> _Compiled:
-    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
-
-    spec = open_spec(files, format=ModelFormat.MJCF, document=document)
-    meshes = mesh_dependence(spec)
-    if meshes is not None and not meshes.missing:
-        spec = open_spec(files, format=ModelFormat.MJCF, real_assets=True, document=document)
-    elif meshes is not None:
-        give_placeholder_masses(meshes)
-    # From 3.16 on compiling may write the gain into the spec.
-    ratios = tuple((one, float(one.biasprm[2])) for one in spec.actuators if one.biasprm[2] > 0.0)
-    said: list[str] = []
-    model = compile_spec(spec, files, said=said)
-    return _Compiled(spec, model, meshes, ratios, tuple(said))
-
-
-def _compiled_without_shapes(document: XmlDocument) -> _Compiled:
-    """Without what no joint depends on; what does not compile so is compiled whole, which tells why."""
-    from actspec.robot.assets import without_shapes
-
-    files = without_shapes(document)
-    if files is not document.files:
-        with suppress(RobotError):
-            return _compiled(files)
-    return _compiled(document.files, document)
 
 
 def _unknown_ratios(
@@ -259,10 +212,8 @@ def _joints(
             armature=model.dof_armature[dof],
             frictionloss=model.dof_frictionloss[dof],
             effort_range=_pair(model.jnt_actfrcrange[index]) if effort_limited[index] else None,
-            velocity_limit=None,
             stated=frozenset(stated),
             springdamper=springdamper,
-            mimic=None,
             reference_position=reference[model.jnt_qposadr[index]] if scalar else 0.0,
             parent=parents[index],
             places=places,

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -24,8 +23,7 @@ from actspec.units import format_number
 if TYPE_CHECKING:
     import mujoco
 
-    from actspec.robot.assets import MeshDependence
-    from actspec.robot.xml import Element, XmlDocument
+    from actspec.robot.xml_tree import Element, XmlDocument
 
 _KINDS = {
     "revolute": JointKind.HINGE,
@@ -64,6 +62,7 @@ def read_urdf(
 
     Raises: RobotError: a joint is malformed; all such places at once.
     """
+    from actspec.robot.mjspec import compiled_model
     from actspec.robot.xml import parse_document
 
     if document is None:
@@ -75,8 +74,9 @@ def read_urdf(
     masses = Masses(None, {}, refusal or "")
     if refusal is None:
         try:
-            model, meshes = _compiled(document.files) if shapes else _compiled_without_shapes(document)
-            masses = masses_of(model, meshes, poses, matrices)
+            compiled = compiled_model(document, ModelFormat.URDF, shapes=shapes)
+            model = compiled.model
+            masses = masses_of(model, compiled.meshes, poses, matrices)
         except RobotError as err:
             # Other tools may take it.
             refusal = err.diagnostics[0].message
@@ -97,10 +97,6 @@ def read_urdf(
         path=files[0].path,
         format=ModelFormat.URDF,
         joints=tuple(joints),
-        actuators=(),
-        timestep=None,
-        integrator="",
-        keyframes=(),
         inertia=masses.matrices,
         inertia_reason=masses.reason,
         files=tuple(files),
@@ -231,19 +227,13 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
         kind=joint_kind,
         span=span,
         body=(child.get("link") or "") if child is not None else "",
-        dof=-1,
         range=_range(lower, upper, kind, name, place, out),
         damping=damping or 0.0,
-        damping_polynomial=(0.0, 0.0),
-        stiffness=0.0,
-        armature=0.0,
         frictionloss=friction or 0.0,
         effort_range=_effort_range(effort),
         velocity_limit=velocity if velocity is not None and 0.0 <= velocity < math.inf else None,
         stated=frozenset(stated),
-        springdamper=False,
         mimic=mimic.get("joint") if mimic is not None else None,
-        reference_position=0.0,
         places=places,
     )
 
@@ -300,60 +290,6 @@ def _range(
             span=span,
         )
     return (low, high) if low < high and (low > -math.inf or high < math.inf) else None
-
-
-def _compiled(files: Sequence[ModelFile]) -> tuple[mujoco.MjModel, MeshDependence | None]:
-    """The model, and the bodies whose mass comes from mesh files."""
-    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec
-
-    spec, files = open_urdf(files)
-    meshes = mesh_dependence(spec)
-    if meshes is not None and not meshes.missing:
-        spec = open_spec(files, format=ModelFormat.URDF, real_assets=True)
-    return compile_spec(spec, files), meshes
-
-
-def _compiled_without_shapes(document: XmlDocument) -> tuple[mujoco.MjModel, MeshDependence | None]:
-    """As in `read_mjcf`."""
-    from actspec.robot.assets import without_shapes
-
-    files = without_shapes(document)
-    if files is not document.files:
-        with suppress(RobotError):
-            return _compiled(files)
-    return _compiled(document.files)
-
-
-def open_urdf(files: Sequence[ModelFile]) -> tuple[mujoco.MjSpec, Sequence[ModelFile]]:
-    """Open a URDF that may give one visual several colours, which only MuJoCo refuses.
-
-    Returns: The spec, uncompiled, and the files that it was opened from; lines stay where they are.
-
-    Raises: RobotError: MuJoCo refuses the text.
-    """
-    from actspec.robot.mjspec import open_spec
-
-    try:
-        return open_spec(files, format=ModelFormat.URDF), files
-    except RobotError as err:
-        if "'material'" not in err.diagnostics[0].message:
-            raise
-    files = _first_colours(files)
-    return open_spec(files, format=ModelFormat.URDF), files
-
-
-def _first_colours(files: Sequence[ModelFile]) -> tuple[ModelFile, ...]:
-    """The text with every `material` but the first of its parent blanked."""
-    from actspec.robot.xml import parse_document
-
-    data = files[0].data
-    pieces: list[bytes] = []
-    begin = 0
-    for parent in parse_document(files).walk():
-        for extra in [child for child in parent.children if child.tag == "material"][1:]:
-            pieces += [data[begin : extra.start], b"\n" * data.count(b"\n", extra.start, extra.end)]
-            begin = extra.end
-    return (replace(files[0], data=b"".join((*pieces, data[begin:]))), *files[1:])
 
 
 def _order(model: mujoco.MjModel) -> dict[str, tuple[int, float]]:

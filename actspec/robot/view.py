@@ -80,19 +80,19 @@ class JointView:
     kind: JointKind
     span: Span
     body: str
-    dof: int
-    range: tuple[float, float] | None
-    damping: float
-    damping_polynomial: tuple[float, float]
-    stiffness: float
-    armature: float
-    frictionloss: float
-    effort_range: tuple[float, float] | None
-    velocity_limit: float | None
-    stated: frozenset[str]
-    springdamper: bool
-    mimic: str | None
-    reference_position: float
+    dof: int = -1
+    range: tuple[float, float] | None = None
+    damping: float = 0.0
+    damping_polynomial: tuple[float, float] = (0.0, 0.0)
+    stiffness: float = 0.0
+    armature: float = 0.0
+    frictionloss: float = 0.0
+    effort_range: tuple[float, float] | None = None
+    velocity_limit: float | None = None
+    stated: frozenset[str] = frozenset()
+    springdamper: bool = False
+    mimic: str | None = None
+    reference_position: float = 0.0
     parent: str = ""
     places: Mapping[str, Span] = field(default_factory=dict)
     unknown: frozenset[str] = frozenset()
@@ -255,13 +255,13 @@ class RobotView:
     path: str
     format: ModelFormat
     joints: tuple[JointView, ...]
-    actuators: tuple[ActuatorView, ...]
-    timestep: float | None
-    integrator: str
-    keyframes: tuple[str, ...]
-    inertia: PoseInertia | None
-    inertia_reason: str
-    files: tuple[ModelFile, ...]
+    actuators: tuple[ActuatorView, ...] = ()
+    timestep: float | None = None
+    integrator: str = ""
+    keyframes: tuple[str, ...] = ()
+    inertia: PoseInertia | None = None
+    inertia_reason: str = ""
+    files: tuple[ModelFile, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     eulerdamp: bool = True
     joint_inertia: Mapping[str, JointInertia] | None = None

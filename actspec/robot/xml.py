@@ -27,21 +27,11 @@ import os
 import re
 from collections.abc import Callable, Sequence
 
-from actspec.diagnostics import Collector, Diagnostic, RobotError, Severity, Span, listed, nearest
+from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_scan import Malformed, scan
-from actspec.robot.xml_tree import Attribute, Element, Include, XmlDocument
-
-__all__ = [
-    "Attribute",
-    "Element",
-    "Include",
-    "XmlDocument",
-    "open_document",
-    "parse_document",
-    "read_model_files",
-]
+from actspec.robot.xml_tree import Element, Include, XmlDocument
 
 MOST_BYTES = 64 * 1024 * 1024
 """Chosen: all files of a model together; the largest real one known is 0.2 MB."""
@@ -91,7 +81,7 @@ def read_main(path: str) -> ModelFile:
     try:
         return ModelFile(path, "", read_file(path, MOST_BYTES))
     except Unreadable as err:
-        raise _error("ROBOT001", f"{err}", Span(path)) from err
+        raise RobotError.of("ROBOT001", f"{err}", Span(path)) from err
 
 
 def _on_disk(main: str, including: str, name: str) -> ModelFile:
@@ -173,7 +163,7 @@ class _Assembly:
         self._bytes += len(file.data)
         if self._bytes > MOST_BYTES:
             limit = f"the model's files are larger than {MOST_BYTES >> 20} MiB together"
-            raise _error("ROBOT002", limit, site or Span(file.path))
+            raise RobotError.of("ROBOT002", limit, site or Span(file.path))
         try:
             elements = scan(file, index, depth, self._elements, MOST_ELEMENTS)
         except Malformed as err:
@@ -212,7 +202,9 @@ class _Assembly:
         site = Span(file.path, element.line, element.column)
         self._sites += 1
         if self._sites > MOST_FILES or len(chain) > MOST_CHAIN:
-            raise _error("ROBOT002", f"more than {MOST_FILES} includes, or {MOST_CHAIN} in a chain", site)
+            raise RobotError.of(
+                "ROBOT002", f"more than {MOST_FILES} includes, or {MOST_CHAIN} in a chain", site
+            )
         name = element.get("file")
         if not name:
             self.out.error("ROBOT006", "an include without a file", span=site, help='write file="..."')
@@ -263,10 +255,6 @@ def _includes(root: Element, depth: int) -> list[tuple[Element, Element, int]]:
                 found.append((element, child, inside))
             stack.append((child, inside + 1))
     return sorted(found, key=lambda item: item[1].start)
-
-
-def _error(code: str, message: str, span: Span, help: str | None = None) -> RobotError:
-    return RobotError([Diagnostic(code, Severity.ERROR, message, "", span, help)])
 
 
 class Unreadable(Exception):

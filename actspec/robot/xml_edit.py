@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import Element, XmlDocument
+from actspec.robot.xml_tree import Element, XmlDocument
 
 _NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_.:-]*")
 _ESCAPES = {"&": "&amp;", "<": "&lt;", ">": "&gt;", "\n": "&#10;", "\r": "&#13;", "\t": "&#9;"}

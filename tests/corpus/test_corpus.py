@@ -22,7 +22,8 @@ from actspec.readings.joint import read_joint
 from actspec.resolution.model_values import finite_limit
 from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.robot.xml import Element, parse_document
+from actspec.robot.xml import parse_document
+from actspec.robot.xml_tree import Element
 from tests.importing import Imported, dynamics, imported
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -14,8 +14,9 @@ import pytest
 
 from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
+from actspec.robot.assets import mesh_dependence
 from actspec.robot.load import load_robot
-from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet, splice
+from actspec.robot.mjspec import compile_spec, open_spec, quiet, splice
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ActuatorView, ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document

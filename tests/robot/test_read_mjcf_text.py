@@ -16,7 +16,8 @@ from actspec.diagnostics import RobotError
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.read_mjcf_text import read_mjcf_text
 from actspec.robot.view import ActuatorView, JointView, ModelFile, RobotView
-from actspec.robot.xml import XmlDocument, open_document, parse_document
+from actspec.robot.xml import open_document, parse_document
+from actspec.robot.xml_tree import XmlDocument
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 EXACT = 1e-9

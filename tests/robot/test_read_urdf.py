@@ -13,7 +13,7 @@ import pytest
 from actspec.diagnostics import RobotError
 from actspec.ir import JointKind
 from actspec.robot.load import load_robot
-from actspec.robot.read_urdf import open_urdf
+from actspec.robot.mjspec import open_urdf
 from actspec.robot.view import JointView, ModelFile, RobotView
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))

@@ -15,7 +15,8 @@ from actspec.robot.assets import without_shapes
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile, RobotView
-from actspec.robot.xml import XmlDocument, open_document, parse_document
+from actspec.robot.xml import open_document, parse_document
+from actspec.robot.xml_tree import XmlDocument
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 MODELS = sorted(path for path in CORPUS.rglob("*") if path.suffix in (".xml", ".urdf"))

@@ -15,7 +15,8 @@ from hypothesis import strategies as st
 from actspec.diagnostics import RobotError, Span
 from actspec.robot import xml
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import Element, XmlDocument, parse_document, read_model_files
+from actspec.robot.xml import parse_document, read_model_files
+from actspec.robot.xml_tree import Element, XmlDocument
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS") or Path(__file__).parents[2].parent / "shared" / "corpus")
 MODELS = sorted(p for p in CORPUS.rglob("*") if p.suffix in (".xml", ".urdf"))

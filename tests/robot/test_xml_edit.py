@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from actspec.diagnostics import RobotError
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import Element, XmlDocument, parse_document, read_model_files
+from actspec.robot.xml import parse_document, read_model_files
 from actspec.robot.xml_edit import (
     AppendChild,
     Edit,
@@ -27,6 +27,7 @@ from actspec.robot.xml_edit import (
     escape_attribute,
     format_number,
 )
+from actspec.robot.xml_tree import Element, XmlDocument
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS") or Path(__file__).parents[2].parent / "shared" / "corpus")
 MODELS = sorted(p for p in CORPUS.rglob("*") if p.suffix in (".xml", ".urdf"))

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector
 from actspec.robot.view import RobotView
-from actspec.robot.xml import Element, XmlDocument
 from actspec.robot.xml_edit import (
     AppendChild,
     Edit,
@@ -16,6 +15,7 @@ from actspec.robot.xml_edit import (
     SetAttribute,
     format_number,
 )
+from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.mujoco.actuator_xml import actuator_xml
 from actspec.targets.mujoco.plan import JointEdit, Plan

@@ -25,7 +25,7 @@ from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, wi
 if TYPE_CHECKING:
     import mujoco
 
-    from actspec.robot.xml import XmlDocument
+    from actspec.robot.xml_tree import XmlDocument
 
 REPORT = "this is an error of the compiler: please report it with the spec and the model"
 
@@ -259,9 +259,9 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     Raises:
         RobotError: MuJoCo cannot open or compile the model.
     """
-    from actspec.robot.mjspec import compile_spec, mesh_dependence, open_spec, quiet
+    from actspec.robot.assets import mesh_dependence
+    from actspec.robot.mjspec import compile_spec, open_spec, open_urdf, quiet
     from actspec.robot.read_mjcf import read_mjcf
-    from actspec.robot.read_urdf import open_urdf
 
     files: Sequence[ModelFile] = robot.files
     if robot.format is ModelFormat.URDF:

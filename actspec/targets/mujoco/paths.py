@@ -12,8 +12,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import Element, XmlDocument
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute
+from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import relative_path
 
 MESH_TAGS = frozenset({"mesh", "hfield", "skin", "flexcomp"})

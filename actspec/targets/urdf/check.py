@@ -10,7 +10,8 @@ from itertools import zip_longest
 from actspec.diagnostics import RobotError, Span
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import JointView, ModelFile
-from actspec.robot.xml import XmlDocument, parse_document
+from actspec.robot.xml import parse_document
+from actspec.robot.xml_tree import XmlDocument
 from actspec.targets.urdf.plan import PARTS, UrdfJointEdit, joint_elements, part_of, relative_paths
 
 _TEXT_ALONE = "only the text is compared"

@@ -25,8 +25,8 @@ from actspec.targets.urdf.plan import (
 )
 
 if TYPE_CHECKING:
-    from actspec.robot.xml import Element, XmlDocument
     from actspec.robot.xml_edit import Edit
+    from actspec.robot.xml_tree import Element, XmlDocument
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:

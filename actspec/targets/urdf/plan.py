@@ -11,7 +11,7 @@ from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, JointActuator, Level, Origin, Quantity
 from actspec.laws import law_of
 from actspec.robot.view import JointView, RobotView
-from actspec.robot.xml import Element, XmlDocument
+from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointLosses, delta_action_loss
 from actspec.targets.kit.sizes import boxed, static_error

@@ -16,7 +16,8 @@ from actspec.diagnostics import RobotError, shortened
 from actspec.files import NotRegular, TooLarge
 from actspec.ir import ActuatorSet, JointKind
 from actspec.processes import IsolatedCall, LostError
-from actspec.robot.xml import Element, open_document
+from actspec.robot.xml import open_document
+from actspec.robot.xml_tree import Element
 from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.engines.asking import EngineMissing, EngineRefused
 from actspec.verify.fields import engine_rows
