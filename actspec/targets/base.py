@@ -6,15 +6,17 @@ import hashlib
 import os
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TypeVar
+from typing import TYPE_CHECKING, TypeVar
 
 from actspec.diagnostics import Diagnostic, Span
 from actspec.ir import Approximation
-from actspec.spec.models import AnyTarget
 
 __all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions", "relative_path"]
 
-T = TypeVar("T", bound=AnyTarget)
+if TYPE_CHECKING:
+    from actspec.spec.models import AnyTarget
+
+T = TypeVar("T", bound="AnyTarget")
 
 
 @dataclass(frozen=True, slots=True)
