@@ -90,6 +90,13 @@ class Report:
         broken = any(problem.severity is Severity.ERROR for problem in self.problems)
         return not broken and all(file.readable for file in self.case.files)
 
+    def did_not_apply(self) -> tuple[int, dict[str, list[str]]]:
+        """How many rules had no input, and the reasons with the codes of their rules."""
+        reasons: dict[str, list[str]] = {}
+        for item in self.skipped:
+            reasons.setdefault(item.reason, []).append(item.code)
+        return len({item.code for item in self.skipped}), reasons
+
     def at_or_above(self, severity: Severity | None) -> tuple[Reported, ...]:
         """Findings of at least this severity; none for None."""
         if severity is None:

@@ -33,17 +33,14 @@ NEEDED = 6 << 30
 def set_up(arguments: argparse.Namespace) -> int:
     """Say what would be installed, ask, and install it."""
     folder = cache_folder()
-    collector = Collector()
     targets = _targets(arguments)
     releases = list(_releases(targets, folder))
     kinds = {options.kind for options in targets}
     wanted = not arguments.spec or bool(kinds & set(FRAMEWORKS))
     why = unusable() if wanted else None
     if why is not None:
-        collector.error(
-            "VFY003", why, where="--setup", help="run actspec with one of these; MuJoCo needs none"
-        )
-        collector.raise_if_failed(VerifyError)
+        help = "run actspec with one of these; MuJoCo needs none"
+        raise VerifyError.of("VFY003", why, where="--setup", help=help)
     there = find_frameworks(folder) if wanted else None
     if there is not None:
         print(f"prepared: {there.folder}")
@@ -53,7 +50,7 @@ def set_up(arguments: argparse.Namespace) -> int:
         return EXIT_CLEAN
     print("\n".join(_plan(folder, frameworks, releases)))
     if frameworks:
-        _check_space(folder, collector)
+        _check_space(folder)
     if not arguments.yes and not _agreed():
         return EXIT_FAILED
     try:
@@ -62,13 +59,8 @@ def set_up(arguments: argparse.Namespace) -> int:
         if frameworks:
             print(f"installed: {prepare_frameworks(folder, say=_say).folder}")
     except EngineUnavailableError as err:
-        collector.error(
-            "VFY003",
-            f"not installed: {err}",
-            where="--setup",
-            help="nothing is left half made; pip's own settings decide where packages come from",
-        )
-        raise VerifyError(collector.sorted()) from err
+        help = "nothing is left half made; pip's own settings decide where packages come from"
+        raise VerifyError.of("VFY003", f"not installed: {err}", where="--setup", help=help) from err
     return EXIT_CLEAN
 
 
@@ -108,18 +100,14 @@ def _plan(folder: Path, frameworks: bool, releases: Sequence[str]) -> Iterator[s
     yield "set ACTSPEC_ENGINES for another folder; remove the folder to uninstall"
 
 
-def _check_space(folder: Path, collector: Collector) -> None:
+def _check_space(folder: Path) -> None:
     """Raises: VerifyError: the disk is too full."""
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     free = shutil.disk_usage(there).free
     if free < NEEDED:
-        collector.error(
-            "VFY003",
-            f"{folder} has {free / 1e9:.1f} GB left, and {NEEDED / 1e9:.1f} GB are needed on the way",
-            where="--setup",
-            help="set ACTSPEC_ENGINES to a folder on another disk",
-        )
-        collector.raise_if_failed(VerifyError)
+        message = f"{folder} has {free / 1e9:.1f} GB left, and {NEEDED / 1e9:.1f} GB are needed on the way"
+        help = "set ACTSPEC_ENGINES to a folder on another disk"
+        raise VerifyError.of("VFY003", message, where="--setup", help=help)
 
 
 def _agreed() -> bool:

@@ -81,8 +81,7 @@ def _files(
         return ("written" if written else "not written") if any(f.changed for f in some) else "unchanged"
 
     for options in targets:
-        version = f"{options.kind} {options.version}".rstrip()
-        label = version if options.name == options.kind else f"{options.name} ({version})"
+        label = options.title
         for file in files:
             if file.target == options.name and os.path.basename(file.path) != MANIFEST:
                 yield label, file.path, state([file])

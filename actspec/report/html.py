@@ -218,8 +218,9 @@ def _rules(report: Report) -> Iterator[str]:
     for rule in rules:
         yield from _rule(rule)
     if report.skipped:
-        title = f"{many(len({item.code for item in report.skipped}), 'rule')} did not apply"
-        lines = "".join(f"<li>{_text(item.code)}: {_text(item.reason)}</li>" for item in report.skipped)
+        count, reasons = report.did_not_apply()
+        title = f"{many(count, 'rule')} did not apply"
+        lines = "".join(f"<li>{_text(reason)}: {', '.join(codes)}</li>" for reason, codes in reasons.items())
         yield from _fold(title, iter((f"<ul>{lines}</ul>",)), shown=False)
 
 

@@ -103,13 +103,10 @@ def _ledger(report: Report) -> Iterator[str]:
 def _skipped(report: Report) -> Iterator[str]:
     if not report.skipped:
         return
-    by_reason: dict[str, list[str]] = {}
-    for item in report.skipped:
-        by_reason.setdefault(item.reason, []).append(item.code)
-    count = len({item.code for item in report.skipped})
+    count, reasons = report.did_not_apply()
     yield f"<details><summary>{many(count, 'rule')} did not apply</summary>"
     yield ""
-    for reason, codes in by_reason.items():
+    for reason, codes in reasons.items():
         yield f"- {escaped(reason)}: {', '.join(codes)}"
     yield ""
     yield "</details>"

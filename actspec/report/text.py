@@ -117,14 +117,11 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup]) -> Ite
         style: How it is to look.
         groups: The findings as they are shown.
     """
-    skipped: dict[str, list[str]] = {}
-    for item in report.skipped:
-        skipped.setdefault(item.reason, []).append(item.code)
-    if len(skipped) <= MOST_REASONS:
-        for reason, codes in skipped.items():
+    count, reasons = report.did_not_apply()
+    if len(reasons) <= MOST_REASONS:
+        for reason, codes in reasons.items():
             yield style.faint(f"{listed(codes)} did not apply: {one_line(reason)}")
     else:
-        count = len({item.code for item in report.skipped})
         yield style.faint(f"{many(count, 'rule')} did not apply; --select CODE reports why")
     aside = Counter(item.means for item in report.suppressed)
     notes = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]

@@ -10,7 +10,6 @@ from actspec.output import Compilation
 from actspec.report.tables import escaped, many, markdown_table, table
 from actspec.report.terminal import style_of
 from actspec.simulate.experiment import COURSES
-from actspec.targets.base import TargetOptions
 from actspec.units import format_number, format_quantity
 from actspec.verify.agreement import Agreement, At, Row, Skip
 from actspec.verify.response import SOFT
@@ -109,7 +108,7 @@ def _cells(compilation: Compilation, agreement: Agreement) -> Iterator[Cells]:
     """One line for each target and actuator with numbers of its own."""
     for options in compilation.targets:
         mine = [row for row in agreement.rows if row.target == options.name]
-        label = _label(options)
+        label = options.title
         torques = [row for row in mine if row.quantity in _HISTORIES]
         fields = [row for row in mine if row.quantity not in _HISTORIES and row.quantity not in COURSES]
         if not torques:
@@ -145,7 +144,7 @@ def _response_cells(compilation: Compilation, agreement: Agreement) -> Iterator[
             worst = max(shared, key=lambda row: (not row.ok, _share(row)))
             joints = sum(row.joints for row in shared if row.quantity == worst.quantity)
             yield (
-                _label(options) if index == 0 else "",
+                options.title if index == 0 else "",
                 group,
                 str(joints),
                 worst.quantity,
@@ -165,11 +164,6 @@ def _by_actuator(rows: Sequence[Row]) -> list[list[Row]]:
         else:
             last.append(row)
     return found
-
-
-def _label(options: TargetOptions) -> str:
-    version = f"{options.kind} {options.version}".rstrip()
-    return version if options.name == options.kind else f"{options.name} ({version})"
 
 
 def _share(row: Row) -> float:

@@ -44,6 +44,12 @@ class TargetOptions:
     given: AnyTarget | None = None
     siblings: tuple[TargetOptions, ...] = ()
 
+    @property
+    def title(self) -> str:
+        """What people call it: `mujoco 3.12`, or `bench (mujoco 3.12)` where it has a name of its own."""
+        version = f"{self.kind} {self.version}".rstrip()
+        return version if self.name == self.kind else f"{self.name} ({version})"
+
     def of(self, kind: type[T]) -> T:
         """The options of a kind of target, as its class in `spec.models` has them.
 
