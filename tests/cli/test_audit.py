@@ -32,8 +32,8 @@ LEG = """<mujoco model="leg">
 </mujoco>
 """
 HEADLINE = (
-    "leg.xml:10:5: LIM101 [warning] hip, knee: no force range, joint limit or control range limits this actuator: it "
-    "gives every N*m that it is asked for\n"
+    "leg.xml:10:5: LIM101 [warning] hip, knee: no force range, joint limit or control range limits this actuator: "
+    "its torque is unlimited\n"
 )
 SKIPPED = "LIM107 did not apply: no drive with both a torque-speed line and an effort limit among the files\n"
 COUNT = "1 warning affecting 2 joints in 1 file\n"

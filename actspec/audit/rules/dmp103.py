@@ -79,9 +79,9 @@ class DampingOutsideClamp(RuleInParts):
         )
         return Finding(
             self.code,
-            f"at the joint's {shown(row, 'velocity_limit', speed)} the damping of {shown(row, 'kd', damping)} takes "
+            f"at the joint's {shown(row, 'velocity_limit', speed)} the damping of {shown(row, 'kd', damping)} uses "
             f"{shown(row, 'effort_limit', damping * speed)} of an effort limit of {shown(row, 'effort_limit', limit)}, "
-            f"outside every clamp: that {effect}",
+            f"and is not limited: that {effect}",
             row.place("joint_damping"),
             row.joint,
             damping,
@@ -93,9 +93,9 @@ class DampingOutsideClamp(RuleInParts):
     def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
         return Finding(
             self.code,
-            f"the damping of {shown(row, 'kd', damping)}, which no limit clamps, takes the whole effort limit of "
-            f"{shown(row, 'effort_limit', limit)} at {shown(row, 'velocity_limit', limit / damping)}: the joint cannot "
-            "be driven faster",
+            f"the damping of {shown(row, 'kd', damping)} is not limited: it uses the whole effort limit of "
+            f"{shown(row, 'effort_limit', limit)} at {shown(row, 'velocity_limit', limit / damping)}, and the joint "
+            "cannot be driven faster",
             row.place("joint_damping"),
             row.joint,
             damping,

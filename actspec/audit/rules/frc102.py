@@ -63,7 +63,8 @@ class FrictionUnit(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 "this friction is a dimensionless coefficient on Isaac Sim 4.5 and OVPhysX, and a torque in "
-                f"{unit(row, 'frictionloss')} from Isaac Lab 2.3 on Isaac Sim 5: no {named} is named that tells which",
+                f"{unit(row, 'frictionloss')} from Isaac Lab 2.3 on Isaac Sim 5: which of the two "
+                f"depends on the {named}, and none is named",
                 span,
                 row.joint,
                 help="name it: --target backend==physx (or ovphysx, newton)"

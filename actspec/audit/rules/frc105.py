@@ -40,14 +40,14 @@ class NoFrictionAnywhere(RuleOver[_Subject]):
         ):
             others = {row.artifact: row.span for row in reversed(models) if row.joint in driven}
             who = (
-                f"none of the {len(driven)} driven joints"
+                f"none of the {len(driven)} driven joints has"
                 if len(driven) > 1
-                else "not even the one driven joint"
+                else "the one driven joint has no"
             )
+            what = "dry or viscous friction in any file of the robot"
             yield Finding(
                 self.code,
-                f"{who} has dry or viscous friction in any file of the robot: "
-                "what is trained on it meets friction first on the real one",
+                f"{who} {what}: a policy trained on it first meets friction on the real robot",
                 first.span,
                 help="measure the torque at several constant speeds: its offset is the dry, its slope the "
                 "viscous friction",

@@ -10,6 +10,7 @@ from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Severity, Span
+from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
@@ -59,8 +60,8 @@ class NoEffectiveLimit(RuleInParts):
     def _missing(self, row: LedgerRow) -> Iterator[Finding]:
         yield Finding(
             self.code,
-            "no force range, joint limit or control range limits this actuator: it gives every "
-            f"{unit(row, 'effort_limit')} that it is asked for",
+            "no force range, joint limit or control range limits this actuator: its "
+            f"{'force' if row.kind is JointKind.SLIDE else 'torque'} is unlimited",
             row.span,
             row.joint,
             help="add actuatorfrcrange to the joint, or forcerange to the actuator",

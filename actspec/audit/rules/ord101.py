@@ -75,8 +75,9 @@ class ActuatorsNotInJointOrder(RuleOver[_Subject]):
             return
         other = _other_order(case, index, driven)
         text = (
-            f"{len(places)} of {len(driven)} actuators do not stand where their joints do: place {places[0]} is "
-            f"{driven[places[0]]} in ctrl and {joints[places[0]]} in qpos"
+            f"actuator and joint order differ for {len(places)} of {len(driven)} actuators: "
+            f"ctrl[{robot.actuators.index(drives[places[0]])}] is {driven[places[0]]}, "
+            f"{_place(robot, joints[places[0]], places[0])} is {joints[places[0]]}"
         )
         if other is not None:
             text += f"; the joint order of {basename(other[0])} is not that of ctrl"
@@ -84,11 +85,17 @@ class ActuatorsNotInJointOrder(RuleOver[_Subject]):
             self.code,
             text,
             drives[places[0]].span,
-            help="map by name between ctrl and qpos; a policy's order is that of the simulator that it was "
+            help="map by name between ctrl and qpos or qvel; a policy's order is that of the simulator that it was "
             "trained in",
             related=(other[1].span,) if other is not None else (),
             severity=self.severity if other is None else Severity.WARNING,
         )
+
+
+def _place(robot: RobotView, joint: str, place: int) -> str:
+    """Where a joint stands: among the velocities, or in text that MuJoCo does not take among the joints with drives."""
+    view = robot.joint(joint)
+    return f"joint {place}" if view is None or view.dof < 0 else f"qvel[{view.dof}]"
 
 
 def _other_order(case: Case, index: int, driven: Sequence[str]) -> tuple[str, Setting] | None:

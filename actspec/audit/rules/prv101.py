@@ -40,7 +40,7 @@ class FigureWithoutSource(RuleOver[ActuatorSet]):
                 figure = format_quantity(quantity.value, quantity.unit, 3)
                 yield Finding(
                     self.code,
-                    f"{field.replace('_', ' ')} {figure} has no source: nobody can tell a datasheet from a guess",
+                    f"no source given for {field.replace('_', ' ')} {figure}: it may be a datasheet's or a guess",
                     quantity.span,
                     actuator.joint,
                     quantity.value,

@@ -86,7 +86,7 @@ class NotTheServoMeant(RuleInParts):
             yield Finding(
                 self.code,
                 f"gainprm is {view.gain:.3g} and the stiffness in biasprm {kp:.3g}: the servo settles at {scale:.3g} "
-                "times the position that it is told",
+                "times its target position",
                 place_of(found, "gainprm", "biasprm"),
                 joint_of(found),
                 view.gain,

@@ -51,7 +51,7 @@ class Timing(RuleInParts):
         if name == "control_dt":
             what = (
                 f"the policy runs every {mine * 1e3:.3g} ms here and every {theirs * 1e3:.3g} ms in {file} "
-                f"(x{ratio:.3g}): what it takes for one step of time is another"
+                f"(x{ratio:.3g}): one step is not the time that it was trained with"
             )
         else:
             what = (

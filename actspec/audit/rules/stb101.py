@@ -102,11 +102,11 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
     ) -> Finding:
         beyond = figure >= limit
         sure = beyond and reference is not None and drive.figure(reference) >= limit
-        what = "makes the speed grow with every step" if beyond else "turns the speed round with every step"
+        what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
         return Finding(
             self.code,
             f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "
-            f"{drive.step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {limit:g})",
+            f"{drive.step * 1e3:g} ms {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {limit:g})",
             row.place("kd"),
             row.joint,
             figure,

@@ -54,11 +54,11 @@ class ExplicitDrive(RuleOver[_Subject]):
         if kd <= 0.0 or figure < self.option(case, "near"):
             return
         beyond = figure >= LIMIT
-        what = "makes the speed grow with every step" if beyond else "turns the speed round with every step"
+        what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
         yield Finding(
             self.code,
             f"the drive ({row.control}) takes kd {shown(row, 'kd', kd)} explicitly: with a step of "
-            f"{step * 1e3:g} ms it {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g}){concerned}",
+            f"{step * 1e3:g} ms {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g}){concerned}",
             row.place("kd"),
             row.joint,
             figure,

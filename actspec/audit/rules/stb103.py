@@ -36,7 +36,7 @@ class FilterFasterThanStep(RuleInParts):
             if exact:
                 what = f"it passes {-math.expm1(-step / tau):.0%} of a change in one step and hardly filters"
             elif swings:
-                what = "its activation swings without end, a' = a + h/tau (u - a)"
+                what = "its activation oscillates undamped, a' = a + h/tau (u - a)"
             else:
                 what = f"its activation overshoots by {step / tau - 1.0:.0%} of a change"
             yield Finding(
