@@ -85,7 +85,7 @@ class ActuatorsNotInJointOrder(RuleOver[_Subject]):
             self.code,
             text,
             drives[places[0]].span,
-            help="map by name between ctrl and qpos or qvel; a policy's order is that of the simulator that it was "
+            help="map by name between ctrl and qpos; a policy's order is that of the simulator that it was "
             "trained in",
             related=(other[1].span,) if other is not None else (),
             severity=self.severity if other is None else Severity.WARNING,
