@@ -15,31 +15,24 @@ from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framewo
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_is_torque
 
-FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
+_OF_EVERY = {"kp": "stiffness", "kd": "damping", "armature": "armature"}
+
+_FIELDS: dict[Framework, dict[str, str]] = {
     Framework.ISAACLAB: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "armature": ("armature",),
-        "joint_damping": ("viscous_friction",),
-        "stall_torque": ("saturation_effort",),
+        **_OF_EVERY,
+        "joint_damping": "viscous_friction",
+        "stall_torque": "saturation_effort",
     },
     Framework.MJLAB: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "effort_limit": ("effort_limit",),
-        "armature": ("armature",),
-        "frictionloss": ("frictionloss",),
-        "joint_damping": ("viscous_damping",),
-        "stall_torque": ("saturation_effort",),
+        **_OF_EVERY,
+        "effort_limit": "effort_limit",
+        "frictionloss": "frictionloss",
+        "joint_damping": "viscous_damping",
+        "stall_torque": "saturation_effort",
     },
-    Framework.LEGGED_GYM: {
-        "kp": ("stiffness",),
-        "kd": ("damping",),
-        "armature": ("armature",),
-        "action_scale": ("action_scale",),
-    },
+    Framework.LEGGED_GYM: _OF_EVERY,
     Framework.DEPLOY: {
-        name: (name,)
+        name: name
         for name in (
             "kp",
             "kd",
@@ -48,13 +41,10 @@ FIELDS: dict[Framework, dict[str, tuple[str, ...]]] = {
             "armature",
             "frictionloss",
             "joint_damping",
-            "default_position",
-            "action_scale",
         )
     },
 }
-"""Ledger field to the settings that hold it, where no class or version decides."""
-
+"""Ledger field to the setting that holds it, where no class or version decides."""
 
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
@@ -200,8 +190,8 @@ def figures_of(
                 values[field] = found
                 return
 
-    for field, settings in FIELDS[config.framework].items():
-        take(field, *settings)
+    for field, name in _FIELDS[config.framework].items():
+        take(field, name)
     take("default_position", "default_position")
     take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
@@ -250,17 +240,12 @@ def value_of(
         return Found(float(value), setting.span)
     if not isinstance(value, Mapping):
         return None
-    keys = [key for key, number in value.items() if isinstance(number, int | float)]
+    numbers = {key: float(number) for key, number in value.items() if isinstance(number, int | float)}
     if named is None:
-        chosen = next((key for key in keys if key in (pattern, ".*")), None)
-        return Found(None, setting.span) if chosen is None else Found(_float(value[chosen]), setting.span)
-    chosen = next((key for key in keys if matching(framework, str(key), (joint,))), None)
+        return Found(next((numbers[key] for key in numbers if key in (pattern, ".*")), None), setting.span)
+    chosen = next((key for key in numbers if matching(framework, key, (joint,))), None)
     if chosen is not None:
-        return Found(_float(value[chosen]), setting.span)
-    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(keys) == len(value):
+        return Found(numbers[chosen], setting.span)
+    if framework in (Framework.ISAACLAB, Framework.LEGGED_GYM) and len(numbers) == len(value):
         return Found(0.0, setting.span, stated=False)
     return None
-
-
-def _float(value: object) -> float | None:
-    return float(value) if isinstance(value, int | float) else None

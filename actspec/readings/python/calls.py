@@ -153,26 +153,16 @@ def elements(data: Data, budget: Budget) -> list[Value] | Unknown:
     if isinstance(data, Seq) and budget.spend(len(data.items)):
         return list(data.items)
     if isinstance(data, Table) and data.open is None and budget.spend(len(data.items)):
-        return [_key(key, value) for key, value in data.items.items()]
+        return [Value(key, value.span) for key, value in data.items.items()]
     if isinstance(data, Obj) and "NamedTuple" in class_names(data.cls):
         return list(data.fields.values())
     return Unknown("iterated over")
-
-
-def _key(key: Key, value: Value) -> Value:
-    if isinstance(key, tuple):
-        return Value(Seq([Value(part, value.span) for part in key], "tuple"), value.span)
-    return Value(key, value.span)
 
 
 def key_of(data: Data) -> Key | Unknown:
     """Data as a dict's key."""
     if isinstance(data, (str, int, float, type(None))):
         return data
-    if isinstance(data, Seq) and data.kind == "tuple":
-        parts = [key_of(one.data) for one in data.items]
-        if all(isinstance(part, (str, int, float, type(None))) for part in parts):
-            return tuple(part for part in parts if not isinstance(part, (Unknown, tuple)))
     return Unknown(reason_of(data) or "a key that is neither text nor number")
 
 
@@ -246,14 +236,6 @@ def _dict(args: Args, named: Named, budget: Budget) -> Data:
         budget.spend(len(first.items) if isinstance(first, (Seq, Table)) else 0)
         if isinstance(first, Table):
             table = Table(dict(first.items), first.open)
-        elif isinstance(first, Seq):
-            for pair in first.items:
-                if not isinstance(pair.data, Seq) or len(pair.data.items) != 2:
-                    return Unknown("dict() of what are no pairs")
-                key = key_of(pair.data.items[0].data)
-                if isinstance(key, Unknown):
-                    return key
-                table.items[key] = pair.data.items[1]
         else:
             return Unknown(reason_of(first) or "dict() of what is no dict")
     table.items.update(named)
@@ -328,7 +310,7 @@ def table_method(
             return Unknown(table.open or "iterated over", among=possible(table.items.values()))
         if name == "values":
             return Seq(list(table.items.values()), "tuple")
-        keys = [_key(key, value) for key, value in table.items.items()]
+        keys = [Value(key, value.span) for key, value in table.items.items()]
         if name == "keys":
             return Seq(keys, "tuple")
         pairs = [[key, value] for key, value in zip(keys, table.items.values(), strict=True)]

@@ -230,7 +230,7 @@ class Interpreter(Objects):
 
     def either(self, values: Sequence[Value], reason: str) -> Value:
         first, *others = values
-        return first if all(same(first, one, self.budget) for one in others) else perhaps(values, reason)
+        return first if all(same(first, one) for one in others) else perhaps(values, reason)
 
     def _loop(self, node: ast.For | ast.AsyncFor | ast.While, scope: Scope) -> None:
         before = dict(scope.names)

@@ -236,7 +236,7 @@ class Scope:
 
 
 Scalar: TypeAlias = bool | int | float | str | None
-Key: TypeAlias = Scalar | tuple[Scalar, ...]
+Key: TypeAlias = Scalar
 Data: TypeAlias = Scalar | Seq | Table | Obj | Cls | Func | Bound | Module | External | Unknown
 
 
@@ -338,33 +338,14 @@ def shallow(value: Value, budget: Budget) -> Value:
     return value
 
 
-def same(one: Value, other: Value, budget: Budget, depth: int = 0) -> bool:
-    """Whether two values are known and equal; objects by class and fields."""
+def same(one: Value, other: Value) -> bool:
+    """Whether two values are known and equal: one object, one name of another package, or equal scalars."""
     a, b = one.data, other.data
-    if a is b:
-        return not isinstance(a, Unknown)
-    if depth > MAX_NESTING or not budget.spend():
-        return False
-    if isinstance(a, Seq) and isinstance(b, Seq):
-        return len(a.items) == len(b.items) and all(
-            same(x, y, budget, depth + 1) for x, y in zip(a.items, b.items, strict=True)
-        )
-    if isinstance(a, Table) and isinstance(b, Table):
-        return a.open is None and b.open is None and _same_named(a.items, b.items, budget, depth)
-    if isinstance(a, Obj) and isinstance(b, Obj):
-        return a.cls == b.cls and not a.args and not b.args and _same_named(a.fields, b.fields, budget, depth)
     if isinstance(a, External) and isinstance(b, External):
         return a.dotted == b.dotted
-    scalars = (bool, int, float, str, type(None))
-    return isinstance(a, scalars) and type(a) is type(b) and a == b
-
-
-def _same_named(a: dict[Key, Value] | dict[str, Value], b: object, budget: Budget, depth: int) -> bool:
-    return (
-        isinstance(b, dict)
-        and list(a) == list(b)
-        and all(same(x, y, budget, depth + 1) for x, y in zip(a.values(), b.values(), strict=True))
-    )
+    if isinstance(a, (bool, int, float, str, type(None))):
+        return type(a) is type(b) and a == b
+    return a is b and not isinstance(a, Unknown)
 
 
 def possible(values: Iterable[Value]) -> tuple[Value, ...]:
