@@ -8,28 +8,5 @@
 
 Arrays are numpy's, joint side and SI; time runs along the first axis, joints along the last. Nothing here knows
 specs, robot files or targets; it stands on `ir` and `laws`. MuJoCo is imported by `rollout` alone, inside functions.
+Names are imported from the modules: who needs one module does not wait for the others.
 """
-
-from __future__ import annotations
-
-from actspec.simulate.excitation import HeldMotion, chirp, command_for, held_motions, ramped, stepped
-from actspec.simulate.experiment import COURSES, Experiment, closed_loop_rate, design
-from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory, held_torque, integrate
-
-__all__ = [
-    "COURSES",
-    "DrivenJoint",
-    "Experiment",
-    "HeldMotion",
-    "PassiveFriction",
-    "Trajectory",
-    "chirp",
-    "closed_loop_rate",
-    "command_for",
-    "design",
-    "held_motions",
-    "held_torque",
-    "integrate",
-    "ramped",
-    "stepped",
-]
