@@ -180,7 +180,7 @@ class DeltaAction:
     span: Span | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class JointActuator:
     """The actuator of one joint, joint side, SI.
 
@@ -225,36 +225,36 @@ class JointActuator:
     kind: JointKind
     group: str
     pattern: str
-    motor: str | None
+    motor: str | None = None
     level: Level
     command: Command
     kp: Quantity | None
     kd: Quantity | None
     effort_limit: Quantity
     velocity_limit: Quantity
-    stall_torque: Quantity | None
-    no_load_speed: Quantity | None
-    curve: AsymmetricCurve | None
+    stall_torque: Quantity | None = None
+    no_load_speed: Quantity | None = None
+    curve: AsymmetricCurve | None = None
     peak_torque: Quantity
     continuous_torque: Quantity
     armature: Quantity
     reflected_inertia: Quantity
     friction_coulomb: Quantity
-    friction_static: Quantity | None
+    friction_static: Quantity | None = None
     friction_viscous: Quantity
-    stribeck_velocity: Quantity | None
-    filter_cutoff: Quantity | None
-    command_range: tuple[Quantity, Quantity] | None
-    delay: Delay | None
+    stribeck_velocity: Quantity | None = None
+    filter_cutoff: Quantity | None = None
+    command_range: tuple[Quantity, Quantity] | None = None
+    delay: Delay | None = None
     encoder_bias: Quantity
-    action_scale: Quantity | None
+    action_scale: Quantity | None = None
     default_position: Quantity
-    position_range: tuple[float, float] | None
-    network: Network | None
-    randomize: tuple[Randomization, ...]
-    inertia_held: InertiaRange | None
-    inertia_free: InertiaRange | None
-    span: Span | None
+    position_range: tuple[float, float] | None = None
+    network: Network | None = None
+    randomize: tuple[Randomization, ...] = ()
+    inertia_held: InertiaRange | None = None
+    inertia_free: InertiaRange | None = None
+    span: Span | None = None
 
     def quantities(self) -> Iterator[tuple[str, Quantity]]:
         """Every number that there is, by name: the fields, then the parts of curve, delay and range."""

@@ -10,10 +10,10 @@ from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.read import read_files
 from actspec.diagnostics import AuditError, Collector, Span, listed, one_line
+from actspec.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.compare import EXACT, Deviation, Figure, compare, ratio_of, same
 from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
-from actspec.readings.fields import DAMPING_PARTS, FIELDS, Role
 from actspec.readings.versions import Versions
 
 SAME_INERTIA = 1e-6

@@ -19,11 +19,11 @@ from actspec.audit.case import Case
 from actspec.audit.difference import Difference, compare_robots
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Span, one_line, shortened
+from actspec.fields import FIELDS
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
-from actspec.readings.fields import FIELDS
 from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"

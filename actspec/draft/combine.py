@@ -12,34 +12,26 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.draft.sources import RobotReading, keyed, robot_name, source_keys, sources_of, stated
+from actspec.fields import BY_IR, Role
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Quantity, Randomization
 from actspec.lift.lifted import LeftAlone
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import COPIED, same
-from actspec.readings.fields import BY_IR, Role
 from actspec.robot.view import RobotView, joints_above
 
 NO_DRIVE = "no file says what drives it"
 """Why a joint without a drive is left alone where others have one."""
 
-_PASSIVE = (
-    "effort_limit",
-    "velocity_limit",
-    "peak_torque",
-    "continuous_torque",
-    "armature",
-    "reflected_inertia",
-    "friction_coulomb",
-    "friction_viscous",
-    "stribeck_velocity",
-    "filter_cutoff",
-    "encoder_bias",
-    "action_scale",
-    "default_position",
-)
-"""What any file may say, whoever drives the joint."""
 _DRIVE = ("kp", "kd", "stall_torque", "no_load_speed")
 """What only a file with the same kind of drive says."""
+
+_OWN_WAY = ("friction_static", "delay")
+"""What is put together in a way of its own: with the dry friction, with its range."""
+_PASSIVE = (
+    *("peak_torque", "continuous_torque", "reflected_inertia"),
+    *(ir for ir, field in BY_IR.items() if "." not in ir and ir not in (*_DRIVE, *_OWN_WAY)),
+)
+"""What any file may say, whoever drives the joint."""
 
 
 @dataclass(frozen=True, slots=True)

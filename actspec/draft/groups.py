@@ -15,10 +15,10 @@ from actspec.draft.names import body_part, given_name, group_name, joint_pattern
 from actspec.draft.rows import Row, clamp_of, motor_of, network_of, randomize_of, rows_of
 from actspec.draft.sources import stated
 from actspec.draft.text import figure
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointActuator, JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import EXACT, LEAST_REDUCTION, SAME_POWER, near
-from actspec.readings.fields import PLACEHOLDER
 from actspec.units import format_number
 
 MOST_DIFFERENT = 2

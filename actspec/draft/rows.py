@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from actspec.diagnostics import Span
 from actspec.draft.sources import stated
 from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
+from actspec.fields import FRICTION
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
 from actspec.readings.artifact import FileKind
 from actspec.readings.quantities import unit_of
@@ -99,10 +100,8 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
     add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
     if joint.action_scale is not None:
         add("action_scale", joint.action_scale, "action_scale", always=False)
-    add("friction.coulomb", joint.friction_coulomb, "friction_coulomb")
-    add("friction.viscous", joint.friction_viscous, "friction_viscous")
-    add("friction.static", joint.friction_static, "friction_static", always=False)
-    add("friction.stribeck_velocity", joint.stribeck_velocity, "stribeck_velocity", always=False)
+    for part in FRICTION:
+        add(part.spec, getattr(joint, part.ir), part.ir, always=not part.optional)
     return rows
 
 

@@ -108,7 +108,6 @@ class ConfigJoint:
             kind=JointKind.HINGE if view is None else view.kind,
             group=self._group.name,
             pattern=self._pattern,
-            motor=None,
             level=level,
             command=command,
             kp=kp,
@@ -125,7 +124,6 @@ class ConfigJoint:
             friction_coulomb=coulomb,
             friction_static=static,
             friction_viscous=self._viscous(),
-            stribeck_velocity=None,
             filter_cutoff=self._setting("filter_cutoff", "Hz") if self._own else None,
             command_range=self._command_range(command),
             delay=self._delay(),
@@ -136,8 +134,6 @@ class ConfigJoint:
             position_range=self._position_range(),
             network=network,
             randomize=randomize,
-            inertia_held=None,
-            inertia_free=None,
             span=self._group.span,
         )
 

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
-from actspec.readings.fields import FIELDS, LIMITS
+from actspec.fields import FIELDS, LIMITS
 from actspec.units import format_number
 
 EXACT = 1e-9

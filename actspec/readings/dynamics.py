@@ -11,11 +11,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
+from actspec.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import JointActuator
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure
-from actspec.readings.fields import BY_IR, FIELDS, Role, unit_of
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView

@@ -20,11 +20,11 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from actspec.diagnostics import Span
+from actspec.fields import FIELDS
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
 from actspec.joints import InertiaRange, JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework
 from actspec.readings.config_figures import Found, control_of_group, figures_of, models_of, selected
-from actspec.readings.fields import FIELDS
 from actspec.readings.joint import (
     IMPLICIT,
     DriveReading,

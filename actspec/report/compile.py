@@ -7,9 +7,9 @@ import textwrap
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Severity, listed, one_line
+from actspec.fields import BY_IR
 from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.output import MANIFEST, Compilation, Output
-from actspec.readings.fields import BY_IR
 from actspec.report.show import number, title
 from actspec.report.tables import many, table
 from actspec.targets.base import Approximation, TargetOptions

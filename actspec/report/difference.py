@@ -8,23 +8,14 @@ from typing import Any
 
 from actspec.audit.difference import Change, Difference
 from actspec.diagnostics import Span, listed, one_line
-from actspec.readings.fields import FIELDS, Role
+from actspec.fields import FIELDS, Role
 from actspec.report.terminal import json_number
 from actspec.units import format_number
 
 _NO_RATIO = ("encoder_bias", "command_low", "command_high", "natural_frequency", "damping_ratio")
 """What is measured from a zero that means nothing, or is rough; so are poses."""
 
-_MAY_LACK = (
-    "spring",
-    "friction_static",
-    "stribeck_velocity",
-    "stall_torque",
-    "no_load_speed",
-    "position_low",
-    "position_high",
-    "network",
-)
+_MAY_LACK = frozenset({"network", *(field.name for field in FIELDS.values() if field.optional)})
 """What a joint need not have, beside drive and command, so that a file without it has none of it."""
 
 

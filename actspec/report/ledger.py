@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.diagnostics import listed, one_line
+from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact
-from actspec.readings.fields import DAMPING_PARTS, FIELDS, Field, Role
 from actspec.readings.ledger import LedgerRow
 from actspec.report.tables import Style, table
 from actspec.units import format_number

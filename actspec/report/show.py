@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import Any
 
+from actspec.fields import BY_IR
 from actspec.ir import Approximation, JointActuator, Quantity
-from actspec.readings.fields import BY_IR
 from actspec.report.tables import table
 from actspec.units import format_number, format_quantity
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
+from actspec.fields import BY_SPEC, FRICTION
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
 from actspec.patterns import PatternError, match_names, suggest_pattern
 from actspec.readings.quantities import unit_of
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 FIELDS = tuple(name for name in Tunable.model_fields if name != "friction")
 """What a group states of its joints; its friction by part."""
-FRICTION = ("coulomb", "viscous", "static", "stribeck_velocity")
 
 UNITS_OF_JOINTS = "a hinge is in rad and N*m, a slide in m and N"
 """What to write where a unit does not fit the joint."""
@@ -115,9 +115,10 @@ def _lay(fields: dict[str, tuple[Any, Path]], source: Any, path: Path) -> None:
             fields[field] = (value, (*path, field))
     if source.friction is not None:
         for part in FRICTION:
-            value = getattr(source.friction, part)
+            key = part.spec.partition(".")[2]
+            value = getattr(source.friction, key)
             if value is not None:
-                fields[f"friction.{part}"] = (value, (*path, "friction", part))
+                fields[part.spec] = (value, (*path, "friction", key))
 
 
 def _check_units(stated: Stated, breaches: Breaches) -> None:
@@ -331,16 +332,7 @@ class _Matcher:
         return ()
 
 
-FITTED = (
-    "kp",
-    "kd",
-    "armature",
-    "encoder_bias",
-    "friction.coulomb",
-    "friction.viscous",
-    "friction.static",
-    "friction.stribeck_velocity",
-)
+FITTED = tuple(spec for spec, field in BY_SPEC.items() if field.fitted)
 """Fields that identification results may hold, beside the delay and the bandwidth."""
 
 

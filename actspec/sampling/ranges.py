@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
+from actspec import fields
 from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, JointActuator, Level, Quantity, Randomization
 from actspec.units import format_number, format_quantity
@@ -22,18 +23,7 @@ if TYPE_CHECKING:
 
 Number = TypeVar("Number", float, "Numbers")
 
-FIELDS = (
-    "kp",
-    "kd",
-    "effort_limit",
-    "armature",
-    "friction.coulomb",
-    "friction.static",
-    "friction.viscous",
-    "friction.stribeck_velocity",
-    "encoder_bias",
-    "delay",
-)
+FIELDS = tuple(one.spec for one in sorted(fields.FIELDS.values(), key=lambda one: one.drawn) if one.drawn)
 """Fields that have a value of their own, in the order of drawing."""
 
 FACTORS = {"gains": ("kp", "kd"), "strength": ("kp", "kd", "effort_limit")}
@@ -49,8 +39,7 @@ def quantity_of(actuator: JointActuator, field: str) -> Quantity | None:
         return actuator.friction_coulomb
     if field == "delay":
         return None if actuator.delay is None else actuator.delay.nominal
-    name = {"friction.stribeck_velocity": "stribeck_velocity"}.get(field, field.replace(".", "_"))
-    found: Quantity | None = getattr(actuator, name)
+    found: Quantity | None = getattr(actuator, fields.BY_SPEC[field].ir)
     return found
 
 
@@ -69,11 +58,7 @@ def unit_of(actuator: JointActuator, field: str) -> str:
     quantity = quantity_of(actuator, field)
     if quantity is not None:
         return quantity.unit
-    if field == "delay":
-        return "s"
-    slide = actuator.effort_limit.unit == "N"
-    units = {"kp": ("N*m/rad", "N/m"), "kd": ("N*m*s/rad", "N*s/m")}
-    return units.get(field, ("rad/s", "m/s"))[slide]
+    return fields.BY_SPEC[field].unit(actuator.kind)
 
 
 def drawn_ends(entry: Randomization) -> tuple[float, float]:

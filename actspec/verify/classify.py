@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from actspec.fields import FIELDS
 from actspec.readings.compare import (
     DEGREES,
     RPM,
@@ -17,7 +18,6 @@ from actspec.readings.compare import (
     torque_slip,
     twice_damped,
 )
-from actspec.readings.fields import FIELDS
 from actspec.units import Kind, format_number
 
 DELAYS = frozenset(name for name in FIELDS if name.startswith("delay"))

@@ -8,9 +8,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Span
+from actspec.fields import FIELDS
 from actspec.ir import ActuatorSet, JointActuator, Level
 from actspec.readings.compare import NOTHING, Figure, same
-from actspec.readings.fields import FIELDS
 from actspec.targets.isaaclab import dialect_for
 from actspec.verify.agreement import Row, TargetFiles, alike, keys
 from actspec.verify.classify import WrongFigure, classify

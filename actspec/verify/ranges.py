@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import Span, one_line
+from actspec.fields import BY_SPEC, FIELDS
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.readings.artifact import RandomizedRange
@@ -25,15 +26,6 @@ from actspec.verify.readback import Asked, read_back
 
 MOST_BYTES = 16 << 20
 """Chosen: the largest such file seen has 100 kB."""
-
-
-FIGURES = {
-    "friction.coulomb": "frictionloss",
-    "friction.static": "friction_static",
-    "friction.viscous": "joint_damping",
-    "delay": "delay_nominal",
-}
-"""Name of a nominal value to that of a figure, where they are two."""
 
 
 class _Unreadable(Exception):
@@ -104,7 +96,7 @@ def _nominal(entry: Any) -> dict[str, float | None]:
     found = {}
     for name, one in entry["nominal"].items():
         value = one["value"]
-        found[FIGURES.get(name, name)] = None if value is None else float(value)
+        found[_figure_of(name)] = None if value is None else float(value)
     return found
 
 
@@ -124,7 +116,7 @@ def _nominal_rows(
             continue
         everywhere = {name: (asked[name].get(field), found.get(name, {}).get(field)) for name in asked}
         code, reason = classify(WrongFigure(field, want, have, wanted, got, everywhere))
-        name = next((name for name, figure in FIGURES.items() if figure == field), field)
+        name = FIELDS[field].spec
         unit = units.get(name, "")
         should = f"{figure_text(have, unit)}, and should be {figure_text(want, unit)}"
         yield target.fault(
@@ -235,3 +227,8 @@ def _changed(fresh: tuple[RandomizedRange, ...], built: tuple[RandomizedRange, .
 def _words(one: tuple[str, float, float, str]) -> str:
     operation, low, high, distribution = one
     return f"{one_line(operation)} {format_number(low)} to {format_number(high)} ({one_line(distribution)})"
+
+
+def _figure_of(name: str) -> str:
+    """The figure that a nominal value of the spec is held to."""
+    return "delay_nominal" if name == "delay" else BY_SPEC[name].name

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.diagnostics import ActspecError, Collector, Span
+from actspec.fields import is_placeholder, unit_of
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import lift_newton
@@ -21,7 +22,6 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import JointDynamics, dynamics_of
-from actspec.readings.fields import is_placeholder, unit_of
 from actspec.readings.ledger import LedgerRow, rows_of_config, rows_of_robot, rows_of_spec
 from actspec.readings.pair import matching
 from actspec.readings.read import PendingFiles

@@ -17,6 +17,7 @@ PACKAGE = ROOT / "actspec"
 LAYERS = (
     {"units", "diagnostics", "resources", "files", "patterns", "processes"},
     {"joints"},
+    {"fields"},
     {"ir", "simulators"},
     {"laws"},
     {"simulate"},

@@ -8,8 +8,8 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joints import by_joint, shown, unit
 from actspec.diagnostics import Severity
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
-from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[float, list[LedgerRow]]

@@ -7,8 +7,8 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
 from actspec.audit.case import Case
+from actspec.fields import unit_of
 from actspec.readings.artifact import FileKind
-from actspec.readings.fields import unit_of
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
 from actspec.units import format_quantity

@@ -8,9 +8,9 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleOver
 from actspec.audit.rules.joints import partner_rows, shown, unit
 from actspec.diagnostics import Severity, Span
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointActuator, Quantity
 from actspec.readings.artifact import FileKind
-from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, LedgerRow, str, Quantity, str, float, float]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.rules.joints import by_joint
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.compare import LEAST_REDUCTION, SAME_POWER
-from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot
 from actspec.robot import view

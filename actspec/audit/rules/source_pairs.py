@@ -13,10 +13,10 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.diagnostics import Severity, Span
+from actspec.fields import FIELDS, is_placeholder
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure, angle_slip
 from actspec.readings.dynamics import figure
-from actspec.readings.fields import FIELDS, is_placeholder
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import Robot, joint_names
 from actspec.units import format_quantity

@@ -17,9 +17,9 @@ from actspec.audit.rules.spec_pairs import (
     unit_confused,
 )
 from actspec.diagnostics import Severity
+from actspec.fields import FIELDS
 from actspec.ir import Level
 from actspec.readings.compare import Figure
-from actspec.readings.fields import FIELDS
 
 _GAINS = ("kp", "kd")
 _COMMAND = ("delay", "action_scale", "default_position")

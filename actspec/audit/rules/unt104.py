@@ -9,9 +9,9 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shown, unit
 from actspec.diagnostics import Severity, Span
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.compare import RPM
-from actspec.readings.fields import PLACEHOLDER
 from actspec.readings.ledger import LedgerRow
 
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from actspec.diagnostics import Path, nearest
+from actspec.fields import FIELDS, FRICTION
 from actspec.spec.document import Breaches
 from actspec.spec.fields import CommandRange, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Friction, Motor, Randomize, SpecModel, Tunable
@@ -246,8 +247,9 @@ def _check_unidentified(path: Path, fields: Tunable, breaches: Breaches) -> None
         (field,): getattr(fields, field) for field in ("kp", "kd", "armature", "encoder_bias")
     }
     if fields.friction is not None:
-        for part in ("coulomb", "viscous", "static", "stribeck_velocity"):
-            values["friction", part] = getattr(fields.friction, part)
+        for part in FRICTION:
+            key = part.spec.partition(".")[2]
+            values["friction", key] = getattr(fields.friction, key)
     if isinstance(fields.delay, SpecDelay):
         values["delay",] = fields.delay.nominal
     if isinstance(fields.command_filter, CommandFilter):
@@ -263,18 +265,8 @@ def _check_unidentified(path: Path, fields: Tunable, breaches: Breaches) -> None
 
 
 RANDOMIZED_KINDS: Mapping[str, Kind] = {
-    "kp": Kind.STIFFNESS,
-    "kd": Kind.VELOCITY_GAIN,
-    "gains": Kind.RATIO,
-    "strength": Kind.RATIO,
-    "effort_limit": Kind.TORQUE,
-    "armature": Kind.INERTIA,
-    "friction.coulomb": Kind.TORQUE,
-    "friction.viscous": Kind.VELOCITY_GAIN,
-    "friction.static": Kind.TORQUE,
-    "friction.stribeck_velocity": Kind.SPEED,
-    "encoder_bias": Kind.POSITION,
-    "delay": Kind.TIME,
+    **{field.spec: field.kind for field in FIELDS.values() if field.drawn and field.kind is not None},
+    **dict.fromkeys(("gains", "strength"), Kind.RATIO),
 }
 """Quantity kind of `add` and `abs` of each field."""
 UNFITTED = ("gains", "strength", "effort_limit")

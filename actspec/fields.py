@@ -1,0 +1,207 @@
+"""The figures of a joint: one row each, with name, words, unit and what they are.
+
+Readers, rules, targets, verify, `diff` and the reports ask this table; nobody writes a second one. A figure has three
+names: in readings, ledger and JSON (`Field.name`), in the IR (`Field.ir`, an attribute of `ir.JointActuator`) and in
+the spec (`Field.spec`, also the name of its approximations).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from types import MappingProxyType
+
+from actspec.joints import JointKind
+from actspec.units import Kind
+
+PLACEHOLDER = 1e5
+"""A limit from which on it is nobody's number [N*m, N, rad/s or m/s]. Chosen: far above every joint of a legged
+machine; the placeholders in published files are 1e6 (the drive limit of Isaac Sim), 1e9 and 3.4e38."""
+
+
+class Role(Enum):
+    """What a figure is, which decides who may state it and with what it is compared."""
+
+    DRIVE = "drive"
+    """Of the active drive: only whoever drives the joint states it."""
+    LIMIT = "limit"
+    """A bound of torque or speed: the least of several counts."""
+    PASSIVE = "passive"
+    """Acts on the joint whoever drives it, outside every clamp."""
+    COMMAND = "command"
+    """Between the policy and the drive: delay, filter, clamp, bias, scale."""
+    POSE = "pose"
+    """Positions of the joint itself."""
+    TOTAL = "total"
+    """The sum of figures of other origins; nobody states it."""
+    DERIVED = "derived"
+    """Follows from the others and the links; nobody states it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One figure of a joint.
+
+    Attributes:
+        name: In readings, ledger and JSON.
+        noun: In a sentence: `the dry friction`.
+        heading: Over a column, where that is not the noun.
+        role: What it is.
+        kind: Kind of quantity, which decides the unit at a hinge and at a slide; None: `fixed`.
+        fixed: Unit that does not depend on the joint; "" without a unit.
+        ir: Attribute or part in `ir.JointActuator`; "" where the IR has no such number.
+        spec: Name in a spec and of its approximations; "" where the spec has no such key.
+        summed: Whether it adds up over the actuators of a joint.
+        optional: Whether a joint need not have such a thing: without it there is none, and it is not unknown.
+        drawn: Place in the order of drawing, from 1; 0: a spec gives it no range of its own.
+        fitted: Whether identification may give it.
+    """
+
+    name: str
+    noun: str
+    heading: str
+    role: Role
+    kind: Kind | None = None
+    fixed: str = ""
+    ir: str = ""
+    spec: str = ""
+    summed: bool = False
+    optional: bool = False
+    drawn: int = 0
+    fitted: bool = False
+
+    @property
+    def title(self) -> str:
+        """Over a column."""
+        return self.heading or self.noun
+
+    def unit(self, joint: JointKind | None) -> str:
+        """SI unit at a joint; one of unknown kind is taken for a hinge, as nearly all are."""
+        if self.kind is None:
+            return self.fixed
+        return self.kind.linear_unit if joint is JointKind.SLIDE else self.kind.rotary_unit
+
+
+_TABLE = (
+    Field(
+        "kp", "stiffness kp", "kp", Role.DRIVE, Kind.STIFFNESS, "", "kp", "kp",
+        summed=True, drawn=1, fitted=True,
+    ),
+    Field(
+        "kd", "drive gain kd", "kd", Role.DRIVE, Kind.VELOCITY_GAIN, "", "kd", "kd",
+        summed=True, drawn=2, fitted=True,
+    ),
+    Field(
+        "joint_damping", "joint damping", "", Role.PASSIVE, Kind.VELOCITY_GAIN, "",
+        "friction_viscous", "friction.viscous", drawn=7, fitted=True,
+    ),
+    Field("actuator_damping", "actuator damping", "", Role.PASSIVE, Kind.VELOCITY_GAIN, summed=True),
+    Field("back_emf", "back-EMF", "", Role.DRIVE, Kind.VELOCITY_GAIN, summed=True),
+    Field("total_damping", "total damping", "", Role.TOTAL, Kind.VELOCITY_GAIN),
+    Field(
+        "frictionloss", "dry friction", "frictionloss", Role.PASSIVE, Kind.TORQUE, "",
+        "friction_coulomb", "friction.coulomb", drawn=5, fitted=True,
+    ),
+    Field(
+        "friction_static", "break-away friction", "", Role.PASSIVE, Kind.TORQUE, "",
+        "friction_static", "friction.static", optional=True, drawn=6, fitted=True,
+    ),
+    Field(
+        "stribeck_velocity", "Stribeck velocity", "", Role.PASSIVE, Kind.SPEED, "",
+        "stribeck_velocity", "friction.stribeck_velocity", optional=True, drawn=8, fitted=True,
+    ),
+    Field("friction_setting", "friction as written", "", Role.PASSIVE),
+    Field("dynamic_friction_setting", "dynamic friction as written", "", Role.PASSIVE),
+    Field("spring", "joint stiffness", "", Role.PASSIVE, Kind.STIFFNESS, optional=True),
+    Field(
+        "effort_limit", "effort limit", "", Role.LIMIT, Kind.TORQUE, "", "effort_limit", "effort_limit", drawn=3
+    ),
+    Field("solver_effort_limit", "effort limit of the solver", "", Role.LIMIT, Kind.TORQUE),
+    Field("velocity_limit", "velocity limit", "", Role.LIMIT, Kind.SPEED, "", "velocity_limit", "velocity_limit"),
+    Field(
+        "stall_torque", "stall torque", "", Role.LIMIT, Kind.TORQUE, "",
+        "stall_torque", "torque_speed_curve", optional=True,
+    ),
+    Field(
+        "no_load_speed", "no-load speed", "", Role.LIMIT, Kind.SPEED, "",
+        "no_load_speed", "torque_speed_curve", optional=True,
+    ),
+    Field(
+        "curve.drive_torque", "drive torque of the curve", "", Role.LIMIT, Kind.TORQUE, "",
+        "curve.drive_torque", "torque_speed_curve",
+    ),
+    Field(
+        "curve.brake_torque", "brake torque of the curve", "", Role.LIMIT, Kind.TORQUE, "",
+        "curve.brake_torque", "torque_speed_curve",
+    ),
+    Field(
+        "curve.knee_speed", "knee speed of the curve", "", Role.LIMIT, Kind.SPEED, "",
+        "curve.knee_speed", "torque_speed_curve",
+    ),
+    Field("armature", "armature", "", Role.PASSIVE, Kind.INERTIA, "", "armature", "armature", drawn=4, fitted=True),
+    Field("inertia_min", "least inertia of the links", "inertia min", Role.DERIVED, Kind.INERTIA),
+    Field("inertia_max", "largest inertia of the links", "inertia max", Role.DERIVED, Kind.INERTIA),
+    Field("inertia_free_min", "least free inertia", "free inertia min", Role.DERIVED, Kind.INERTIA),
+    Field("natural_frequency", "natural frequency", "", Role.DERIVED, None, "rad/s"),
+    Field("damping_ratio", "damping ratio", "", Role.DERIVED),
+    Field("stability", "h kd/I", "", Role.DERIVED),
+    Field("delay", "delay", "", Role.COMMAND, Kind.TIME, "", "delay", "delay", drawn=10),
+    Field("delay_nominal", "delay", "", Role.COMMAND, Kind.TIME, "", "delay", "delay"),
+    Field("delay_low", "least delay", "", Role.COMMAND, Kind.TIME, "", "", "delay.range"),
+    Field("delay_high", "largest delay", "", Role.COMMAND, Kind.TIME, "", "", "delay.range"),
+    Field(
+        "filter_cutoff", "cutoff of the command filter", "", Role.COMMAND, Kind.FREQUENCY, "",
+        "filter_cutoff", "command_filter",
+    ),
+    Field("command_low", "least command", "", Role.COMMAND, None, "", "command_range.low", "command_range"),
+    Field("command_high", "largest command", "", Role.COMMAND, None, "", "command_range.high", "command_range"),
+    Field("position_low", "lower position limit", "", Role.POSE, Kind.POSITION, optional=True),
+    Field("position_high", "upper position limit", "", Role.POSE, Kind.POSITION, optional=True),
+    Field(
+        "encoder_bias", "encoder bias", "", Role.COMMAND, Kind.POSITION, "",
+        "encoder_bias", "encoder_bias", drawn=9, fitted=True,
+    ),
+    Field("action_scale", "action scale", "", Role.COMMAND, Kind.POSITION, "", "action_scale", "action_scale"),
+    Field(
+        "default_position", "default position", "default pose", Role.POSE, Kind.POSITION, "",
+        "default_position", "default_pose",
+    ),
+)  # fmt: skip
+
+
+FIELDS: Mapping[str, Field] = MappingProxyType({field.name: field for field in _TABLE})
+"""Name to field, in the order in which they are shown."""
+
+BY_IR: Mapping[str, Field] = MappingProxyType({field.ir: field for field in _TABLE if field.ir})
+"""Attribute of `ir.JointActuator` to its field."""
+
+BY_SPEC: Mapping[str, Field] = MappingProxyType(
+    {field.spec: field for field in reversed(_TABLE) if field.spec}
+)
+"""Name in a spec to its field, of several the first."""
+
+FRICTION = tuple(
+    sorted(
+        (field for field in _TABLE if field.spec.startswith("friction.")),
+        key=lambda field: (field.optional, field.spec),
+    )
+)
+"""The parts of `friction` in a spec, those first that every joint has."""
+
+DAMPING_PARTS = ("kd", "joint_damping", "actuator_damping")
+"""Origins of damping: each has its own clamp and its own way of integration."""
+
+LIMITS = frozenset(field.name for field in _TABLE if field.role is Role.LIMIT)
+"""What bounds torque or speed: 0 and a placeholder are nobody's numbers there."""
+
+
+def unit_of(name: str, joint: JointKind | None) -> str:
+    """SI unit of a field at a joint; "" for what has none."""
+    field = FIELDS.get(name)
+    return "" if field is None else field.unit(joint)
+
+
+def is_placeholder(limit: float) -> bool:
+    """Whether a limit is nobody's number, because no motor reaches it."""
+    return abs(limit) >= PLACEHOLDER
