@@ -10,8 +10,8 @@ from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joints import shown, unit
 from actspec.diagnostics import Severity, Span
-from actspec.ir import JointKind
 from actspec.fields import PLACEHOLDER
+from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import numbers
