@@ -149,11 +149,22 @@ def diff(files: tuple[Output, ...]) -> Iterator[str]:
     for file in files:
         if not file.changed:
             continue
-        old = [] if file.old is None else file.old.decode("utf-8", "replace").splitlines(keepends=True)
-        new = file.data.decode("utf-8", "replace").splitlines(keepends=True)
         before = os.devnull if file.old is None else file.path
-        for line in difflib.unified_diff(old, new, before, file.path):
-            yield line if line.endswith("\n") else line + "\n"
+        yield from diff_lines(file.old or b"", file.data, before, file.path)
+
+
+def diff_lines(old: bytes, new: bytes, before: str, after: str) -> Iterator[str]:
+    """Lines of a unified diff.
+
+    Args:
+        old: Text before.
+        new: Text after.
+        before: What the old file is called.
+        after: What the new file is called.
+    """
+    first, second = (data.decode("utf-8", "replace").splitlines(keepends=True) for data in (old, new))
+    for line in difflib.unified_diff(first, second, before, after):
+        yield line if line.endswith("\n") else line + "\n"
 
 
 def check_free(path: str, sources: Sequence[str], force: bool) -> None:

@@ -119,19 +119,15 @@ def _fix(
 
 def _show_fixes(report: Report, unsafe: bool) -> int:
     """The fixes as a unified diff. Those that overlap with others would come later, and are not shown."""
-    from difflib import unified_diff
-
     from actspec.audit.fix import apply_fixes
+    from actspec.output import diff_lines
 
     fixes = apply_fixes(report.findings, report.case.files, unsafe)
     _print_problems(report)
     print_diagnostics(fixes.refused)
     for file in fixes.files:
-        old, new = (
-            data.decode("utf-8", "replace").splitlines(keepends=True) for data in (file.old, file.new)
-        )
-        for line in unified_diff(old, new, file.path, file.path):
-            _print(line if line.endswith("\n") else line + "\n")
+        for line in diff_lines(file.old, file.new, file.path, file.path):
+            _print(line)
     if not report.complete:
         return EXIT_FAILED
     return EXIT_FINDINGS if fixes.files else EXIT_CLEAN
