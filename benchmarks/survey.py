@@ -307,7 +307,7 @@ def _text(
         "",
         "## By rule",
         "",
-        "| rule | | errors | warnings | remarks | files |",
+        "| rule | | errors | warnings | notes | files |",
         "|---|---|---:|---:|---:|---:|",
         *_by_rule(found),
         "",
