@@ -9,14 +9,14 @@ from dataclasses import replace
 from typing import TypeVar
 
 from actspec.diagnostics import Collector, EmitError, listed
-from actspec.ir import ActuatorSet, Approximation, Command, JointActuator, Level
+from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.resolution.quantities import Reports
 from actspec.simulators import UnknownVersion
 from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
 from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 T = TypeVar("T")
 
@@ -61,8 +61,8 @@ class JointLosses:
             drive, brake, knee, no_load = law.curve
             tail = f" {unit}" if unit else ""
             return (
-                f"curve: drive {self.torque(drive)}, brake {self.torque(brake)}, knee {knee:g}, "
-                f"no load {no_load:g}{tail}"
+                f"curve: drive {self.torque(drive)}, brake {self.torque(brake)}, knee {format_number(knee)}, "
+                f"no load {format_number(no_load)}{tail}"
             )
         speed = format_quantity(law.no_load_speed, self.actuator.velocity_limit.unit)
         return f"line from {format_quantity(law.stall_torque, self.unit)} to {speed}"
@@ -145,7 +145,7 @@ class JointEmission(JointLosses):
         """Report the command filter as lost, if there is one."""
         cutoff = self.law.filter_cutoff
         if cutoff is not None:
-            self.approximate("command_filter", f"{cutoff:g} Hz", "none", why, self.late)
+            self.approximate("command_filter", f"{format_number(cutoff)} Hz", "none", why, self.late)
 
     def no_bias(self, why: str) -> None:
         """Report the encoder bias as lost, if it does anything."""
@@ -169,7 +169,7 @@ class JointEmission(JointLosses):
             Command.POSITION: self.actuator.encoder_bias.unit,
             Command.VELOCITY: self.actuator.velocity_limit.unit,
         }
-        asked = f"{low:g} to {high:g} {unit.get(self.actuator.command, self.unit)}"
+        asked = f"{format_number(low)} to {format_number(high)} {unit.get(self.actuator.command, self.unit)}"
         self.approximate("command_range", asked, "none", why, self.range_error())
 
     def range_error(self) -> float | None:
@@ -194,11 +194,13 @@ class JointEmission(JointLosses):
 
     def drive_side(self, why: str) -> TorqueLaw:
         """The drive side of an asymmetric curve, as a line through knee and no-load speed, with what it loses."""
-        line = lined(self.law)
+        line, number = lined(self.law), format_number
+        assert line.stall_torque is not None and line.no_load_speed is not None
         self.approximate(
             "torque_speed_curve",
             self.curve_text(self.law),
-            f"line from {line.stall_torque:g} to {line.no_load_speed:g}, cut at {line.effort_limit:g}",
+            f"line from {number(line.stall_torque)} to {number(line.no_load_speed)}, "
+            f"cut at {number(line.effort_limit)}",
             why,
             static_error(self.law, line.torque),
         )
@@ -229,7 +231,7 @@ class JointEmission(JointLosses):
         delay = self.actuator.delay
         if delay is None or delay.high == 0.0:
             return 0, 0.0
-        asked_range = f"{delay.low * 1e3:g} to {delay.high * 1e3:g} ms, drawn each {delay.sampling}"
+        asked_range = f"{_range(delay)}, drawn each {delay.sampling}"
         ranged = delay.low != delay.high
         nominal = delay.nominal.value if ranged else delay.high
         if nominal is None:
@@ -239,31 +241,31 @@ class JointEmission(JointLosses):
             return 0, 0.0
         count, loss = delay_steps(nominal, self.step)
         if none and count:
-            self.approximate("delay", f"{nominal * 1e3:g} ms", said(0), none, size(count * self.step))
+            self.approximate("delay", _ms(nominal), said(0), none, size(count * self.step))
             count = 0
         elif abs(loss) > 1e-9:
             self.approximate(
                 "delay",
-                f"{nominal * 1e3:g} ms",
+                _ms(nominal),
                 said(count),
-                f"a delay is a whole number of {steps}; {abs(loss) * 1e3:g} ms "
+                f"a delay is a whole number of {steps}; {_ms(abs(loss))} "
                 f"{'more' if loss > 0 else 'less'} than asked",
                 size(abs(loss)),
             )
         if ranged:
             reach = max(abs(count * self.step - end) for end in (delay.low, delay.high))
-            more = f"; at most {reach * 1e3:g} ms off" if off else ""
+            more = f"; at most {_ms(reach)} off" if off else ""
             self.approximate("delay.range", asked_range, said(count), f"{why}{more}", size(reach))
         return count, nominal
 
     def ms(self, steps: int) -> str:
         """A number of physics steps in words: `10 ms (2 steps of 5 ms)`."""
         plural = "" if steps == 1 else "s"
-        return f"{steps * self.step * 1e3:g} ms ({steps} step{plural} of {self.step * 1e3:g} ms)"
+        return f"{_ms(steps * self.step)} ({steps} step{plural} of {_ms(self.step)})"
 
     def count(self, steps: int) -> str:
         """A number of physics steps in words: `2 steps of 5 ms`."""
-        return f"{steps} step{'' if steps == 1 else 's'} of {self.step * 1e3:g} ms"
+        return f"{steps} step{'' if steps == 1 else 's'} of {_ms(self.step)}"
 
 
 def delta_action_loss(actuators: ActuatorSet, target: str, why: str) -> tuple[Approximation, ...]:
@@ -348,3 +350,11 @@ def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, col
             span=unknown[0].armature.span or unknown[0].span,
             help="state armature, or rotor_inertia and gear_ratio of the motor",
         )
+
+
+def _ms(seconds: float) -> str:
+    return f"{format_number(seconds * 1e3)} ms"
+
+
+def _range(delay: Delay) -> str:
+    return f"{format_number(delay.low * 1e3)} to {_ms(delay.high)}"

@@ -15,7 +15,7 @@ from actspec.simulators.mujoco import POLYNOMIALS, MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import delta_action_loss, warn_unknown_armature
 from actspec.targets.mujoco.drive import Drive, Form, drive_of
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 if TYPE_CHECKING:
     import mujoco
@@ -172,7 +172,7 @@ def plan_model(
         timestep = step
         collector.info(
             "MJC010",
-            f"option/timestep becomes {step:g} s, the file has {robot.timestep:g} s",
+            f"option/timestep becomes {format_number(step)} s, the file has {format_number(robot.timestep)} s",
             span=actuators.physics_dt.span,
             where="timing.physics_dt",
         )
@@ -223,7 +223,8 @@ def _note_replaced(own: tuple[ActuatorView, ...], drive: Drive, collector: Colle
     if first.gear != 1.0:
         collector.warning(
             "MJC012",
-            f"'{first.name}' had gear {first.gear:g}, it gets 1: its control and its sensors are in joint units now",
+            f"'{first.name}' had gear {format_number(first.gear)}, it gets 1: its control and its sensors are in joint "
+            "units now",
             where=drive.joint,
             span=first.span,
         )
@@ -259,7 +260,8 @@ def _joint_edit(
         if viscous is not None and actuator.friction_viscous.origin.value in ("authored", "identified"):
             collector.warning(
                 "MJC013",
-                f"'{joint.name}' keeps its polynomial damping ({damping[1]:g} w|w|, {damping[2]:g} w^3) beside "
+                f"'{joint.name}' keeps its polynomial damping ({format_number(damping[1])} w|w|, "
+                f"{format_number(damping[2])} w^3) beside "
                 f"friction.viscous {format_quantity(viscous, actuator.friction_viscous.unit)}",
                 where=joint.name,
                 span=joint.span,
@@ -299,7 +301,7 @@ def _joint_edit(
         collector.info(
             "MJC020",
             f"'{joint.name}' has a springdamper in force; it is written out of force, with the stiffness "
-            f"{joint.stiffness:g} and the viscous friction {damping[0]:g} that it stood for",
+            f"{format_number(joint.stiffness)} and the viscous friction {format_number(damping[0])} that it stood for",
             where=joint.name,
             span=joint.span,
         )

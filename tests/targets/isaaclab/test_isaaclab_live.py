@@ -109,7 +109,7 @@ def test_without_its_simulator(installed: Installed) -> None:
 def test_without_a_version(installed: Installed) -> None:
     """A package that nothing tells the version of is an error, not a guess."""
     installed.package()
-    with pytest.raises(ModuleNotFoundError, match="which Isaac Lab this is"):
+    with pytest.raises(ModuleNotFoundError, match="the version of Isaac Lab is unknown"):
         actuators(installed.spec())
 
 
