@@ -12,6 +12,19 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Safety, Skipped
 from actspec.diagnostics import Severity
 
+__all__ = [
+    "HEADINGS",
+    "Case",
+    "Confidence",
+    "Finding",
+    "Rule",
+    "RuleInParts",
+    "RuleOver",
+    "Severity",
+    "sections",
+]
+"""With what every rule is written with."""
+
 T = TypeVar("T")
 
 HEADINGS = ("What it does", "Why it matters", "Example", "Use instead", "Limits", "Source")

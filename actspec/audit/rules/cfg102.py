@@ -5,11 +5,8 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import names_model
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.robot.view import RobotView

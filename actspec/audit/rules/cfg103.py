@@ -2,11 +2,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import CLASSES, FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
-from actspec.diagnostics import Severity, listed, nearest, shortened
+from actspec.diagnostics import listed, nearest, shortened
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.simulators import before, release
 from actspec.simulators.mjlab import COMMON_FIELDS

@@ -4,9 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import (
     EXPLICIT,
     MJLAB_WITH_LINE,
@@ -19,7 +17,6 @@ from actspec.audit.rules.configs import (
     stock_groups,
 )
 from actspec.audit.rules.joints import partner_rows
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig
 
 _MJLAB_EXPLICIT = MJLAB_WITH_LINE | {"IdealPdActuatorCfg"}

@@ -2,11 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS, NO_STOCK_CLASSES, StockClass, stock_groups
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.versions import is_native
 

@@ -4,9 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.actuator_texts import (
     NO_DELAY,
     WrittenActuator,
@@ -15,7 +13,6 @@ from actspec.audit.rules.actuator_texts import (
     milliseconds,
     stored_samples,
 )
-from actspec.diagnostics import Severity
 
 
 class DelayBetweenSteps(RuleOver[tuple[WrittenActuator, float]]):

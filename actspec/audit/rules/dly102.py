@@ -3,9 +3,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
-from actspec.audit.rule import RuleOver
+from actspec.audit.finding import Fix, Safety, TextEdit
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.actuator_texts import (
     NO_DELAY,
     WrittenActuator,
@@ -14,7 +13,6 @@ from actspec.audit.rules.actuator_texts import (
     milliseconds,
     stored_samples,
 )
-from actspec.diagnostics import Severity
 from actspec.robot.xml_edit import format_number
 
 _ALMOST = 1e-6

@@ -2,10 +2,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
-from actspec.diagnostics import Severity
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.versions import is_native
 

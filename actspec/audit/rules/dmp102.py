@@ -5,12 +5,9 @@ from collections.abc import Iterator, Sequence
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.damping_parts import INTENT, Parts, parts_by_joint, same
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 

@@ -4,12 +4,9 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.damping_parts import first_rows
 from actspec.audit.rules.joints import by_joint, shown, unit
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 

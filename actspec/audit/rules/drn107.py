@@ -2,11 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.randomized import ranges
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
 from actspec.readings.pair import matching
 

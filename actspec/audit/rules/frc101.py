@@ -4,11 +4,8 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
-from actspec.diagnostics import Severity
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]

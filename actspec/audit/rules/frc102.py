@@ -5,12 +5,10 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import groups_of
 from actspec.audit.rules.joints import partner_rows, shown, unit
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, is_native

@@ -3,12 +3,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.source_pairs import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints, unit_confused
-from actspec.diagnostics import Severity
 
 
 class FrictionUnit(RuleOver[SpecJoint]):

@@ -3,9 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import shown, unit
 from actspec.audit.rules.reductions import (
     SAME,
@@ -17,7 +15,6 @@ from actspec.audit.rules.reductions import (
     same,
     states_speed,
 )
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 

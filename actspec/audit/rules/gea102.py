@@ -3,12 +3,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
 from actspec.audit.rules.reductions import figures, limbs_of, reductions, same, states_speed
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 

@@ -3,11 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, shown, unit
-from actspec.diagnostics import Severity
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow

@@ -4,11 +4,8 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow

@@ -3,11 +3,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.ledger import LedgerRow

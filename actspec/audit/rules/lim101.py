@@ -4,12 +4,10 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joints import shown, unit
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind

@@ -3,9 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from itertools import chain
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import (
     EXPLICIT,
     IMPLICIT,
@@ -14,7 +12,6 @@ from actspec.audit.rules.configs import (
     major_version,
 )
 from actspec.audit.rules.joints import shown, unit
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 
 

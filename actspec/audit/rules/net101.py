@@ -3,9 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.networks_found import (
     SAME,
     conventions,
@@ -14,7 +12,7 @@ from actspec.audit.rules.networks_found import (
     tap_factor,
     tap_steps,
 )
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.artifact import (
     ActuatorGroup,
     Framework,

@@ -5,11 +5,9 @@ from collections.abc import Iterator
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.networks_found import SAME, conventions, networks
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.artifact import NetworkConventions, Setting
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}

@@ -3,11 +3,8 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.networks_found import networks, of_specs
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import NetworkReading
 
 

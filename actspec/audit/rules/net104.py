@@ -3,9 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from os.path import basename
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.networks_found import (
     conventions,
     networks,
@@ -13,7 +11,7 @@ from actspec.audit.rules.networks_found import (
     tap_factor,
     tap_steps,
 )
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.artifact import (
     ActuatorGroup,
     Framework,

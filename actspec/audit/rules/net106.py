@@ -2,12 +2,9 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import Group, groups_of
 from actspec.audit.rules.joints import shown
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
 from actspec.readings.versions import isaaclab_row
 

@@ -3,10 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from os.path import basename
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
-from actspec.diagnostics import Severity
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind, Setting
 from actspec.robot.view import ActuatorView, RobotView

@@ -3,9 +3,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from os.path import basename
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.ord101 import (
     differing_places,
     first_drives,
@@ -13,7 +11,7 @@ from actspec.audit.rules.ord101 import (
     scalar_joints,
     stated_order,
 )
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind, Setting
 from actspec.robot.view import isaac_order
 

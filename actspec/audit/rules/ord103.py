@@ -2,11 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind, Framework, RobotConfig
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import is_native

@@ -5,11 +5,9 @@ from difflib import SequenceMatcher
 from os.path import basename
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
-from actspec.diagnostics import Severity, shortened
+from actspec.diagnostics import shortened
 from actspec.patterns import PatternError, compile_pattern, suggest_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.pair import joint_names, matching

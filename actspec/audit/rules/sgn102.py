@@ -4,9 +4,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
-from actspec.audit.rule import RuleInParts
+from actspec.audit.finding import Fix, Safety, TextEdit
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import (
     NO_ACTUATORS,
     WrittenActuator,
@@ -15,7 +14,6 @@ from actspec.audit.rules.actuator_texts import (
     place_of,
     written_actuators,
 )
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.robot.view import ActuatorView, JointView, RobotView
 from actspec.robot.xml_edit import format_number

@@ -4,9 +4,7 @@ import math
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.source_pairs import shown
 from actspec.audit.rules.spec_pairs import (
     NO_SPEC,
@@ -16,7 +14,6 @@ from actspec.audit.rules.spec_pairs import (
     spec_joints,
     unit_confused,
 )
-from actspec.diagnostics import Severity
 from actspec.fields import FIELDS
 from actspec.ir import Level
 from actspec.readings.compare import Figure

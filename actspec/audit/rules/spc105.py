@@ -2,11 +2,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints
-from actspec.diagnostics import Severity
 from actspec.ir import Command, Level
 from actspec.readings.artifact import FileKind
 from actspec.readings.dynamics import figure

@@ -4,10 +4,8 @@ import re
 from collections.abc import Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
-from actspec.diagnostics import Severity, Span
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.dynamics import settings_of
 from actspec.units import format_quantity

@@ -3,10 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
-from actspec.diagnostics import Severity, Span
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.dynamics import settings_of
 

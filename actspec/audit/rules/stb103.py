@@ -3,11 +3,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import written_actuators
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.robot.view import ActuatorView, RobotView
 from actspec.units import format_quantity

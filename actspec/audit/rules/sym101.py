@@ -7,11 +7,8 @@ from itertools import combinations
 from operator import attrgetter, eq
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 from actspec.units import format_quantity

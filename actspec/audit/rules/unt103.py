@@ -5,11 +5,8 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow

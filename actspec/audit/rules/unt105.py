@@ -4,11 +4,8 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import joint_pairs, shared_joints, shown, unit
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 

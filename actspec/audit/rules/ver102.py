@@ -2,11 +2,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.simulators.mujoco import TORQUE_SPACE
 

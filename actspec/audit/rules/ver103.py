@@ -3,10 +3,8 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator, Sequence
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding, Fix, Safety, TextEdit
-from actspec.audit.rule import RuleOver
-from actspec.diagnostics import Severity
+from actspec.audit.finding import Fix, Safety, TextEdit
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
 from actspec.readings.config_figures import control_of
 from actspec.readings.versions import is_native

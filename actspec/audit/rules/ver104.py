@@ -3,12 +3,9 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joints import shown
-from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native
 

@@ -3,10 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleOver
-from actspec.diagnostics import Severity, Span
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.mjcf_elements import ACTUATORS

@@ -3,9 +3,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 
-from actspec.audit.case import Case
-from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rule import RuleInParts
+from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import (
     NO_ACTUATORS,
     WrittenActuator,
@@ -13,7 +11,6 @@ from actspec.audit.rules.actuator_texts import (
     drives_kind,
     written_actuators,
 )
-from actspec.diagnostics import Severity
 from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.mjcf_actuator_text import numbers
