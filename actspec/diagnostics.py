@@ -198,6 +198,12 @@ def nearest(name: str, known: Sequence[str]) -> str | None:
     return found[0] if found else None
 
 
+def did_you_mean(name: str, known: Sequence[str], otherwise: str | None = None) -> str | None:
+    """The help for a misspelt name: the nearest known one, else `otherwise`."""
+    guess = nearest(name, known)
+    return otherwise if guess is None else f"did you mean '{guess}'?"
+
+
 Path = tuple[str | int, ...]
 """Keys and indices from the top."""
 

@@ -7,7 +7,7 @@ from typing import Any, Literal
 
 from pydantic_core import PydanticCustomError
 
-from actspec.diagnostics import nearest
+from actspec.diagnostics import did_you_mean
 from actspec.spec.values import (
     EXAMPLES,
     FieldParser,
@@ -37,10 +37,9 @@ class EffortField(FieldParser):
             if given in EFFORT_WORDS:
                 return given
             if given.isalpha() and given != "unknown":
-                guess = nearest(given, (*EFFORT_WORDS, "unknown"))
                 raise fault(
                     f"must be a torque, `continuous`, `peak` or `unknown`, got {short(given)}",
-                    f"did you mean '{guess}'?" if guess else "write for instance `33.5 N*m`",
+                    did_you_mean(given, (*EFFORT_WORDS, "unknown"), "write for instance `33.5 N*m`"),
                 )
         return self.number(given)
 
@@ -125,12 +124,11 @@ class DelayField(FieldParser):
         limits = parse_below("range", given["range"], self.pair) if "range" in given else None
         sampling = given.get("sampling", "episode")
         if sampling not in SAMPLINGS:
-            guess = nearest(str(sampling), SAMPLINGS)
             raise fault(
                 f"must be `episode` or `step`, got {short(sampling)}",
-                f"did you mean '{guess}'?"
-                if guess
-                else "`episode` draws at reset and holds, `step` draws anew",
+                did_you_mean(
+                    str(sampling), SAMPLINGS, "`episode` draws at reset and holds, `step` draws anew"
+                ),
                 ("sampling",),
             )
         pair = None if limits is None or isinstance(limits, str) else limits
@@ -235,13 +233,12 @@ class GainField(FieldParser):
             return self.number(given)
         method = given["derive"]
         if method not in self.methods:
-            guess = nearest(str(method), self.methods)
             known = isinstance(method, str) and method in METHODS
             raise fault(
                 f"'{method}' does not derive a {self.number.kind.noun}"
                 if known
                 else f"no derivation is named {short(method)}",
-                f"did you mean '{guess}'?" if guess else f"known here: {', '.join(self.methods)}",
+                did_you_mean(str(method), self.methods, f"known here: {', '.join(self.methods)}"),
                 ("derive",),
             )
         keys = METHODS[method]

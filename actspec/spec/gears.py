@@ -18,6 +18,7 @@ from actspec.spec.values import (
     SpecValue,
     Strict,
     fault,
+    parse_below,
     parse_value,
     short,
     value_schema,
@@ -127,21 +128,15 @@ class PoseField(FieldParser):
             words = "".join(f", or `{word}`" for word in self.words)
             help = "write one a joint of the linkage, `[0.1 rad, 0 rad]`"
             raise fault(f"must be a list of 1 to {MOST_JOINTS} positions{words}, got {short(given)}", help)
-        return tuple(_position(item, index) for index, item in enumerate(given))
+        return tuple(parse_below(index, item, _POSITION) for index, item in enumerate(given))
 
     def json_schema(self) -> dict[str, Any]:
-        position = value_schema(Number(Kind.POSITION, unknown=False))
+        position = value_schema(_POSITION)
         pose = {"type": "array", "minItems": 1, "maxItems": MOST_JOINTS, "items": position}
         return {"anyOf": [{"enum": list(self.words)}, pose]} if self.words else pose
 
 
-def _position(given: Any, index: int) -> SpecValue:
-    try:
-        return parse_value(given, Kind.POSITION, words=())
-    except PydanticCustomError as err:
-        context = dict(err.context or {})
-        raise fault(context["message"], context["help"], (index, *context["at"])) from None
-
+_POSITION = Number(Kind.POSITION, unknown=False)
 
 Jacobian = Annotated[tuple[tuple[SpecValue, ...], ...], MatrixField()]
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, listed, nearest
+from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed
 from actspec.spec.document import Breaches, Document, load_document
 from actspec.spec.models import (
     GAPPED,
@@ -164,12 +164,11 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
         expected = str(context.get("expected", ""))
         options = [option.strip("' ") for option in expected.replace(" or ", ", ").split(",")]
         on_key = bool(item["loc"]) and item["loc"][-1] == "[key]"
-        guess = nearest(str(given), options)
         breaches.error(
             "SPEC105",
             f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
             path,
-            f"did you mean '{guess}'?" if guess else None,
+            did_you_mean(str(given), options),
             key=on_key,
         )
     else:
@@ -251,10 +250,7 @@ def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
     for section, place in _SECTIONS:
         if key in section.model_fields and key not in ("name", "note", "joints"):
             return f"`{key}` belongs to {place}"
-    guess = nearest(key, known)
-    if guess is not None:
-        return f"did you mean '{guess}'?"
-    return f"known keys: {listed(known, 40)}" if known else None
+    return did_you_mean(key, known, f"known keys: {listed(known, 40)}" if known else None)
 
 
 def _got(given: Any) -> str:

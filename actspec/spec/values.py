@@ -15,7 +15,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from actspec.diagnostics import nearest
+from actspec.diagnostics import did_you_mean
 from actspec.units import Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
 
 T = TypeVar("T")
@@ -80,10 +80,9 @@ def check_keys(given: Mapping[str, Any], known: tuple[str, ...], what: str) -> N
     """Raise for a key that `what` does not have, naming the nearest one that it has."""
     for key in given:
         if key not in known:
-            guess = nearest(key, known)
             raise fault(
                 f"unknown key '{key}' in {what}",
-                f"did you mean '{guess}'?" if guess else f"known keys: {', '.join(known)}",
+                did_you_mean(key, known, f"known keys: {', '.join(known)}"),
                 (key,),
             )
 
@@ -256,14 +255,8 @@ class Pair(FieldParser):
                 f"must be [low, high], each {_a(self.kind.noun)}{choices}, got {short(given)}",
                 f"write for instance `[0, {EXAMPLES[self.kind]}]`",
             )
-        ends = []
-        for index, item in enumerate(given):
-            try:
-                ends.append(parse_value(item, self.kind, at_least=self.at_least, words=()))
-            except PydanticCustomError as err:
-                context = dict(err.context or {})
-                raise fault(context["message"], context["help"], (index, *context["at"])) from None
-        low, high = ends
+        end = Number(self.kind, at_least=self.at_least, unknown=False)
+        low, high = (parse_below(index, item, end) for index, item in enumerate(given))
         if None not in (low.linear, high.linear) and low.linear is not high.linear:
             raise fault(
                 f"the ends are in two units, {low.written} and {high.written}", "use one unit for both"
@@ -307,8 +300,8 @@ def pair_or_fault(given: Any, pair: Pair) -> tuple[SpecValue, SpecValue] | Fault
     return ends
 
 
-def parse_below(key: str, given: Any, parse: Callable[[Any], T]) -> T:
-    """Parse the value of `key` inside a mapping; an error names the key too."""
+def parse_below(key: str | int, given: Any, parse: Callable[[Any], T]) -> T:
+    """Parse the value of `key` inside a mapping or list; an error names the key too."""
     try:
         return parse(given)
     except PydanticCustomError as err:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.diagnostics import Path, nearest
+from actspec.diagnostics import Path
 from actspec.patterns import PatternError, match_names
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
 from actspec.spec.models import Motor, Source
+from actspec.spec.rules.robot import check_named
 from actspec.spec.values import SpecValue
 from actspec.units import format_number, format_quantity
 
@@ -212,22 +213,9 @@ def check_linkages(
                 breaches.error("SPEC170", f"the joint '{joint}' is {twice}", (*path, "joints", index))
             owner.setdefault(joint, name)
         for index, motor in enumerate(linkage.motors):
-            if motor not in motors:
-                guess = nearest(motor, sorted(motors))
-                breaches.error(
-                    "SPEC141",
-                    f"no motor is named '{motor}'",
-                    (*path, "motors", index),
-                    f"did you mean '{guess}'?" if guess else "add it to `motors`",
-                )
-        if linkage.source is not None and linkage.source not in sources:
-            guess = nearest(linkage.source, sorted(sources))
-            breaches.error(
-                "SPEC123",
-                f"no source is named '{linkage.source}'",
-                (*path, "source"),
-                f"did you mean '{guess}'?" if guess else "add it to `sources`",
-            )
+            check_named("motors", motor, motors, (*path, "motors", index), breaches)
+        if linkage.source is not None:
+            check_named("sources", linkage.source, sources, (*path, "source"), breaches)
         _check_geometry(path, linkage, breaches)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from actspec.diagnostics import Path, nearest
+from actspec.diagnostics import Path, did_you_mean, nearest
 from actspec.patterns import PatternError, compile_pattern
 from actspec.spec.document import Breaches
 from actspec.spec.models import KINDS, AnyTarget, Robot, Source, Target
@@ -42,14 +42,15 @@ def check_robot(robot: Robot, breaches: Breaches) -> None:
 def check_sources(data: Any, sources: Mapping[str, Source], breaches: Breaches) -> None:
     """Every `source:` beside a value names one of the spec's."""
     for path, key in _source_keys(data):
-        if key not in sources:
-            guess = nearest(key, sorted(sources))
-            breaches.error(
-                "SPEC123",
-                f"no source is named '{key}'",
-                path,
-                f"did you mean '{guess}'?" if guess else "add it to `sources`",
-            )
+        check_named("sources", key, sources, path, breaches)
+
+
+def check_named(section: str, name: str, known: Mapping[str, object], path: Path, breaches: Breaches) -> None:
+    """A motor or a source that is named at `path` is in its section."""
+    if name not in known:
+        code, noun = {"sources": ("SPEC123", "source"), "motors": ("SPEC141", "motor")}[section]
+        help = did_you_mean(name, sorted(known), f"add it to `{section}`")
+        breaches.error(code, f"no {noun} is named '{name}'", path, help)
 
 
 def _source_keys(node: Any, path: Path = ()) -> Iterator[tuple[Path, str]]:
