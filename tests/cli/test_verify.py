@@ -117,7 +117,7 @@ def test_edited_file(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
 
 
 def test_missing_file(capsys: pytest.CaptureFixture[str]) -> None:
-    """A build folder without a file of a target cannot be verified: exit code 2, every file told."""
+    """A build folder without a file of a target cannot be verified: exit code 2, every file reported."""
     assert run("--built", "nowhere") == 2
     err = capsys.readouterr().err
     assert err.count("VFY001") == 3
@@ -240,7 +240,7 @@ def test_setup_of_a_spec_that_needs_nothing(capsys: pytest.CaptureFixture[str], 
 def test_setup_without_a_registry(
     capsys: pytest.CaptureFixture[str], folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Offline the reason is told, exit code 2, and nothing that counts is left."""
+    """Offline the reason is reported, exit code 2, and nothing that counts is left."""
     for name, value in (
         ("PIP_NO_INDEX", "1"),
         ("PIP_CONFIG_FILE", "/dev/null"),

@@ -87,7 +87,7 @@ def test_code(field: str, got: float | None, code: str) -> None:
 
 
 def test_swapped_joints() -> None:
-    """Two joints with each other's numbers are swapped; with every sign turned, that is what is told."""
+    """Two joints with each other's numbers are swapped; with every sign turned, that is what is reported."""
     hips = {"left": (0.1, -0.1), "right": (-0.1, 0.1), "knee": (-0.8, -0.8)}
     assert of("default_position", -0.1, everywhere=hips)[0] == "VFY109"
     turned = {**hips, "knee": (-0.8, 0.8)}

@@ -106,7 +106,7 @@ CHANGED: dict[str, tuple[Edit, str, str, str]] = {
 
 @pytest.mark.parametrize("name", CHANGED)
 def test_change_is_found(name: str, arm: Built) -> None:
-    """A number that no figure tells is told by MuJoCo's own name, with what actspec writes."""
+    """A number that no figure tells is reported by MuJoCo's own name, with what actspec writes."""
     edit, code, quantity, message = CHANGED[name]
     rows = arm.verified("mujoco", edit).faults
     assert [row.code for row in rows if row.quantity == quantity and message in row.message] == [code]
@@ -128,7 +128,7 @@ def test_what_is_not_compared(edit: Edit, arm: Built) -> None:
 
 
 def test_places(arm: Built) -> None:
-    """A changed row is told at its actuator's line, and a joint whose figure is wrong is told once."""
+    """A changed row is reported at its actuator's line, and a joint whose figure is wrong is reported once."""
     (row,) = arm.verified("mujoco", replaced('gear="1"', 'gear="-1"')).faults
     assert row.place is not None
     assert "gear" in Path(row.place.path).read_text("utf-8").splitlines()[row.place.line - 1]

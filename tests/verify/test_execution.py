@@ -1,4 +1,4 @@
-"""Python files run only where they are what the spec compiles to; what nobody ran and nobody read is told."""
+"""Python files run only where they are what the spec compiles to; what nobody ran and nobody read is reported."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_statement_that_no_field_tells(name: str, built: Built, tmp_path: Path) 
     ids=["law", "default of a class", "function", "names", "import", "change of a cfg", "second assignment"],
 )
 def test_code_that_nobody_ran(name: str, edit: Edit, built: Built) -> None:
-    """What a class, a function or a later statement says is in no field, and is told."""
+    """What a class, a function or a later statement says is in no field, and is reported."""
     quantities = {row.quantity for row in built.verified(name, edit, run_edited=False).faults}
     assert "code" in quantities
 

@@ -205,7 +205,7 @@ def test_joint_that_is_not_driven(built: Built) -> None:
 
 
 def test_place(built: Built) -> None:
-    """A figure is told at the line of its attribute."""
+    """A figure is reported at the line of its attribute."""
     (row,) = built.verified("newton", replaced("delaySteps = 2", "delaySteps = 3")).faults[:1]
     assert row.place is not None
     line = Path(row.place.path).read_text("utf-8").splitlines()[row.place.line - 1]
@@ -213,7 +213,7 @@ def test_place(built: Built) -> None:
 
 
 def test_reason_why_it_cannot_be_read(built: Built) -> None:
-    """What is wrong with a text is told with its line."""
+    """What is wrong with a text is reported with its line."""
     (row,) = built.verified("newton", replaced("delaySteps = 2", "delaySteps = two")).faults
     text = (built.folder / "edited" / "rich_newton.usda").read_text("utf-8")
     line = text[: text.index("= two")].count("\n") + 1

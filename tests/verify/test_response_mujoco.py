@@ -95,7 +95,7 @@ def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
 
 @pytest.mark.parametrize("name", UNSEEN)
 def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
-    """Of what MuJoCo does only responses are wrong; beside them the compiled model is told to be another one."""
+    """Of what MuJoCo does only responses are wrong; beside them the compiled model is reported to be another one."""
     found = rich.built.verified("mujoco", UNSEEN[name][0], engines=True)
     assert {row.quantity for row in found.faults if row.engine} <= set(COURSES)
     assert any(row.engine for row in found.faults)

@@ -94,7 +94,7 @@ def test_tolerance_is_of_the_limit(bench: Bench) -> None:
     row = bench.rows(spoiled, bench.target())["left_hip", "torque"]
     assert (row.ok, row.code, row.joints) == (False, "VFY100", 1)
     assert row.max_error == pytest.approx(3e-8, rel=1e-3)
-    # the other hip is told apart
+    # the other hip has a row of its own
     assert bench.rows(spoiled, bench.target())["right_hip", "torque"].ok
 
 
