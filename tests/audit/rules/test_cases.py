@@ -72,8 +72,8 @@ KEYS = {
 FINDING_KEYS = {"joint", "joints", "file", "at", "line", "message", *COMPARED}
 
 
-class _Loader(yaml.SafeLoader):
-    """YAML in which 1e9 is a number, as in a spec."""
+class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):  # type: ignore[misc]
+    """YAML in which 1e9 is a number, as in a spec; by libyaml, where it is, ten times as fast."""
 
 
 _Loader.add_implicit_resolver(
