@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import ast
+from pathlib import Path
+
 import pytest
 
+import actspec
 from actspec.simulators import (
     DEFAULT_VERSIONS,
     Release,
@@ -134,3 +138,28 @@ def test_friction_unit(
 def test_mujoco_of_mjlab(named: Release, taken: Release | None) -> None:
     """mjlab 1.6 requires `~=3.11.0`, 1.3 any MuJoCo from 3.7 on."""
     assert mujoco_taken_by(named) == taken
+
+
+def test_releases_are_compared_in_the_tables_alone() -> None:
+    """No other module orders a version by a literal: what a release changed has a name in its simulator's table."""
+    package = Path(actspec.__file__).parent
+    found = []
+    for path in package.rglob("*.py"):
+        if "simulators" in path.parts or "probes" in path.parts:
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if not isinstance(node, ast.Compare) or not any(isinstance(op, ORDERS) for op in node.ops):
+                continue
+            sides = [node.left, *node.comparators]
+            literal = any(isinstance(s, ast.Tuple) and s.elts and all(map(_is_number, s.elts)) for s in sides)
+            # Python's own version is no simulator's.
+            if literal and "sys.version_info" not in ast.unparse(node):
+                found.append(f"{path.relative_to(package)}:{node.lineno}: {ast.unparse(node)}")
+    assert not found
+
+
+ORDERS = (ast.Lt, ast.LtE, ast.Gt, ast.GtE)
+
+
+def _is_number(node: ast.expr) -> bool:
+    return isinstance(node, ast.Constant) and isinstance(node.value, int)
