@@ -102,7 +102,7 @@ def lift_config(
     if found and not any(views.values()):
         asset = asset_of(config)
         beside = f" (the configuration reads {one_line(asset)}: name it too)" if asset else ""
-        whole.append(f"no robot file says what kind of joints they are: all are taken for hinges{beside}")
+        whole.append(f"no robot file states the kinds of the joints: all are taken as hinges{beside}")
     if whole:
         notes[""] = whole
     return Lifted(
@@ -235,7 +235,7 @@ def _whole(config: RobotConfig, versions: Versions) -> Iterator[str]:
     if friction_unit_of(versions) is None and any(s.value for s in frictions):
         yield (
             "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), "
-            "which nobody says: it is left unknown"
+            "which are not stated: it is left unknown"
         )
 
 

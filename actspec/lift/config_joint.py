@@ -325,7 +325,7 @@ class ConfigJoint:
             self.notes.append(f"delay: {steps} physics steps, which is none")
             return None
         if step is None:
-            why = f"{steps} physics steps, whose length no file says"
+            why = f"{steps} physics steps, whose length no file states"
             self.notes.append(f"delay: {why}")
             return Delay(unknown("s", why, high.span), 0.0, 0.0, sampling)
         ends, formula = (tidy(least * step), tidy(most * step)), f"{steps} steps x {step:g} s"
@@ -417,7 +417,7 @@ def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, tuple[str, ...]]:
     notes = []
     if hold:
         notes.append(
-            f"delay: a lag is kept with probability {hold:g} (delay_hold_prob), a spec has no word for it"
+            f"delay: a lag is kept with probability {hold:g} (delay_hold_prob), which a spec cannot express"
         )
     if period >= HELD_FROM:
         return "episode", tuple(notes)

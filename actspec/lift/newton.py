@@ -389,7 +389,7 @@ class NewtonDrive:
         if found is None or steps is None or steps == 0.0:
             return None
         if self._physics_dt is None or steps < 0.0:
-            note = f"{steps:g} physics steps, whose length no file says"
+            note = f"{steps:g} physics steps, whose length no file states"
             self.notes.append(f"delay: {note}")
             return Delay(unknown("s", note, found.span), 0.0, 0.0, "episode")
         value = tidy(steps * self._physics_dt)
@@ -422,7 +422,7 @@ class NewtonDrive:
                 self.notes.append(f"{name} does nothing without {' or '.join(apis)}")
         self.notes += [f"{api} is not read" for api in self._prim.apis if api not in _KNOWN]
         if self._joint.kind is None:
-            self.notes.append("nobody says what kind of joint it is: it is taken for a hinge")
+            self.notes.append("the kind of the joint is not stated: it is taken as a hinge")
         head = f"drive:{'angular' if self._kind is JointKind.HINGE else 'linear'}:physics:"
         attributes = {} if self._joint.prim is None else self._joint.prim.attributes
         for part in ("stiffness", "damping"):

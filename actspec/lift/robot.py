@@ -25,7 +25,7 @@ from actspec.ir import (
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.unsupported import held_joints, unsupported
 from actspec.readings.compare import EXACT
-from actspec.readings.joint import NOT_TOLD, DriveReading, JointReading, largest, read_joints
+from actspec.readings.joint import NOT_IN_FILE, DriveReading, JointReading, largest, read_joints
 from actspec.readings.quantities import assumed, stated, tidy, unknown
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml_tree import XmlDocument
@@ -205,7 +205,7 @@ class _Joint:
         }[command]
         span = lead.place("ctrlrange", "posrange", "inheritrange", "ctrllimited")
         if "control_range" in lead.view.unknown:
-            hidden = unknown(unit, NOT_TOLD, span)
+            hidden = unknown(unit, NOT_IN_FILE, span)
             return hidden, hidden
         ends, exact = lead.command_range, lead.view.gear == 1.0
         if command is Command.EFFORT:
@@ -242,14 +242,14 @@ class _Joint:
             return assumed(0.0, unit, "no bias is stated")
         span, offset = first.place("biasprm"), first.view.offset
         if {"offset", "kp"} & first.view.unknown:
-            return unknown(unit, NOT_TOLD, span)
+            return unknown(unit, NOT_IN_FILE, span)
         kp = first.view.kp / first.view.gear
         return stated(tidy(-offset / kp), unit, span, formula=f"{-offset:g} / {kp:g} (stiffness)")
 
     def _default_position(self) -> Quantity:
         joint, unit = self.joint, self.units.position
         if "reference_position" in joint.unknown:
-            return unknown(unit, NOT_TOLD, self.pose)
+            return unknown(unit, NOT_IN_FILE, self.pose)
         if self.view.keyframes and self.pose is not None:
             return stated(joint.reference_position, unit, self.pose, note="the first keyframe")
         return assumed(joint.reference_position, unit, "the file has no pose: its zero")
@@ -264,7 +264,7 @@ def _number(limit: Quantity) -> Quantity:
     """A limit; 0 is nobody's number."""
     if limit.value != 0.0:
         return limit
-    return unknown(limit.unit, f"the file says 0 {limit.unit}: nobody's number", limit.span)
+    return unknown(limit.unit, f"the file says 0 {limit.unit}, which is a placeholder", limit.span)
 
 
 def _notes(reading: JointReading, command: Command) -> Iterator[str]:
@@ -287,14 +287,14 @@ def _notes(reading: JointReading, command: Command) -> Iterator[str]:
             yield f"the file's limit is not symmetric ({span[0]:g} to {span[1]:g}), a spec has one number: the larger"
             break
     if any(joint.damping_polynomial) or any(any(drive.view.damping[1:]) for drive in reading.drives):
-        yield "the file's polynomial damping stays in the model, a spec has no word for it"
+        yield "the file's polynomial damping stays in the model: a spec cannot express it"
     if joint.springdamper and "stiffness" in joint.unknown:
         yield "the file's springdamper is in force: what it stands for follows a mass that is unknown"
     elif joint.springdamper:
         yield "the file's springdamper is in force: a compile writes the stiffness and damping that it stands for"
     elif joint.stiffness and "stiffness" not in joint.unknown:
         value = f"{joint.stiffness:g} {units.stiffness}"
-        yield f"the joint's own spring ({value}) stays in the model, a spec has no word for it"
+        yield f"the joint's own spring ({value}) stays in the model: a spec cannot express it"
     ratios = [drive.view for drive in acting if "dampratio" in drive.view.stated]
     if any("kd" in view.unknown for view in ratios):
         yield "the file's dampratio is no number: the kd that MuJoCo makes of it follows a mass that is unknown"

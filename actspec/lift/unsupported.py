@@ -95,7 +95,7 @@ def _unsupported_drives(reading: JointReading) -> str | None:
         return "an actuator that the file switches off"
     kinds = sorted(a.control for a in own)
     if any("gear" in a.unknown for a in every):
-        return "an actuator whose gear the text alone does not tell"
+        return "an actuator whose gear is not known from the text alone"
     if any(a.gear == 0.0 for a in own):
         return "an actuator with gear 0"
     if any(a.damping[0] < 0.0 or a.armature < 0.0 for a in every):
@@ -115,7 +115,7 @@ def _unsupported_drive(actuator: ActuatorView) -> str | None:
             return "a dcmotor that is more than a PD within its voltage, or is commanded in volts"
     elif kind == "position":
         if {"kp", "gain"} & actuator.unknown:
-            return "a position servo whose stiffness the text alone does not tell"
+            return "a position servo whose stiffness is not known from the text alone"
         before_gear = actuator.kp / actuator.gear**2
         if actuator.kp <= 0.0 or abs(actuator.gain - before_gear) > EXACT * abs(before_gear):
             return f"a position servo with gain {actuator.gain:g} and stiffness {before_gear:g}"

@@ -25,7 +25,7 @@ SERVOS = ("position", "velocity", "dcmotor", "pid")
 IMPLICIT = ("implicit", "implicitfast", "discrete")
 """Integrators that take the derivative of a drive's velocity gain. Source: MuJoCo 3.13 and 4.0, measured."""
 
-NOT_TOLD = "the file alone does not tell"
+NOT_IN_FILE = "not known from the file alone"
 
 _STATED_BY = {
     "kp": ("kp", "biasprm", "controller"),
@@ -87,7 +87,7 @@ class DriveReading:
     def _gain(self, name: str, unit: str) -> Quantity:
         view, place = self.view, self.place(*_STATED_BY[name])
         if name in view.unknown:
-            return unknown(unit, NOT_TOLD, place)
+            return unknown(unit, NOT_IN_FILE, place)
         value: float = getattr(view, name)
         if not value and not view.stated & set(_STATED_BY[name]):
             word = {"kp": "kp", "kd": "kv"}[name]
@@ -120,11 +120,11 @@ class DriveReading:
         view, unit = self.view, self.units.torque
         place = self.place("forcerange", "saturation", "forcelimited")
         if view.unknown and {"force_range", "gear"} & view.unknown:
-            return unknown(unit, NOT_TOLD, place)
+            return unknown(unit, NOT_IN_FILE, place)
         if view.force_range is None:
             # A plugin or a muscle has bounds of its own.
             if view.control in ("plugin", "other") and "kp" in view.unknown:
-                return unknown(unit, NOT_TOLD, place)
+                return unknown(unit, NOT_IN_FILE, place)
             return assumed(math.inf, unit, "the file has no limit")
         gear, end = abs(view.gear), largest(view.force_range)
         formula = None if gear == 1.0 else f"{gear:g} (gear) x {end:g}"
@@ -138,7 +138,7 @@ class DriveReading:
         if not self.is_torque:
             return assumed(math.inf, unit, "the control is no torque")
         if view.unknown and {"control_range", "gear"} & view.unknown:
-            return unknown(unit, NOT_TOLD, place)
+            return unknown(unit, NOT_IN_FILE, place)
         torques = self.control_torques
         if torques is None:
             return assumed(math.inf, unit, "the file has no limit")
@@ -189,7 +189,7 @@ class DriveReading:
             return None
         place = self.place("timeconst", "dynprm")
         if "time_constant" in view.unknown:
-            return unknown("Hz", NOT_TOLD, place)
+            return unknown("Hz", NOT_IN_FILE, place)
         cutoff = 1.0 / (2.0 * math.pi * view.time_constant)
         return stated(cutoff, "Hz", place, formula=f"1 / (2 pi {view.time_constant:g} s)")
 
@@ -200,7 +200,7 @@ class DriveReading:
         if view.delay <= 0.0 and "delay" not in view.unknown:
             return None
         place = self.place("delay")
-        return unknown("s", NOT_TOLD, place) if "delay" in view.unknown else stated(view.delay, "s", place)
+        return unknown("s", NOT_IN_FILE, place) if "delay" in view.unknown else stated(view.delay, "s", place)
 
     @property
     def places(self) -> dict[str, Span]:
@@ -277,7 +277,7 @@ class JointReading:
         """Largest torque that the joint itself lets its actuators apply; infinite without a limit."""
         joint, unit, place = self.joint, self.units.torque, self.place("effort")
         if "effort_range" in joint.unknown:
-            return unknown(unit, NOT_TOLD, place)
+            return unknown(unit, NOT_IN_FILE, place)
         if joint.effort_range is None:
             return assumed(math.inf, unit, "the file has no limit")
         return stated(largest(joint.effort_range), unit, place)
@@ -285,7 +285,7 @@ class JointReading:
     def _passive(self, name: str, value: float, unit: str) -> Quantity:
         place = self.place(name)
         if name in self.joint.unknown:
-            return unknown(unit, NOT_TOLD, place)
+            return unknown(unit, NOT_IN_FILE, place)
         if value or name in self.joint.stated:
             return stated(value, unit, place)
         return assumed(0.0, unit, f"{self.format.value.upper()} default, the file does not say")
@@ -349,7 +349,7 @@ class JointReading:
         place = next((d.place(attribute) for d in self.drives if attribute in d.view.stated), None)
         place = place or (self.drives[0].view.span if self.drives else self.joint.span)
         if at_actuators is None:
-            return unknown(own.unit, NOT_TOLD, place)
+            return unknown(own.unit, NOT_IN_FILE, place)
         formula = f"{own.value:g} (joint) + {at_actuators:g} (actuator)"
         return stated(tidy(own.value + at_actuators), own.unit, place, formula=formula)
 

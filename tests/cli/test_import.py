@@ -360,7 +360,7 @@ def get_cfg():
     (folder / "cfg.py").write_text(text.replace("PATTERN", "swing"), encoding="utf-8")
     assert main(["import", "cfg.py"]) == 0
     assert (
-        "all are taken for hinges (the configuration reads robot.xml: name it too)\n"
+        "all are taken as hinges (the configuration reads robot.xml: name it too)\n"
         in capsys.readouterr().err
     )
 

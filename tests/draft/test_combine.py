@@ -305,7 +305,7 @@ def test_configuration_alone(tmp_path: Path) -> None:
     named = ISAACLAB.replace('[".*"]', '["hip", "knee"]')
     found = imported(write(tmp_path, leg_py=named), tmp_path)
     assert found.data["robot"] == {"name": "leg", "model": "none", "joints": ["hip", "knee"]}
-    assert "no robot file says what kind of joints they are" in found.draft.text
+    assert "no robot file states the kinds of the joints" in found.draft.text
     with pytest.raises(AuditError) as caught:
         imported(write(tmp_path, leg_py=ISAACLAB), tmp_path)
     (item,) = caught.value.diagnostics

@@ -185,7 +185,7 @@ def test_limits_that_are_none(tmp_path: Path) -> None:
     found = read(tmp_path, {"hip": (0, 0)})
     (group,) = bare(found.data["actuators"]).values()
     assert (group["effort_limit"], group["velocity_limit"]) == ("unknown", "unknown")
-    assert "effort_limit: unknown    # the file says 0 N*m: nobody's number\n" in found.draft.text
+    assert "effort_limit: unknown    # the file says 0 N*m, which is a placeholder\n" in found.draft.text
 
 
 @pytest.mark.parametrize(

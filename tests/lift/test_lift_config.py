@@ -105,7 +105,7 @@ def test_friction_by_version(tmp_path: Path) -> None:
     assert by_name(unnamed)["hip"].friction_coulomb.origin is Origin.UNKNOWN
     assert unnamed.notes[""] == (
         "what friction means depends on the versions of Isaac Lab and Isaac Sim (of 3.0 on the backend), "
-        "which nobody says: it is left unknown",
+        "which are not stated: it is left unknown",
     )
 
 
@@ -173,7 +173,7 @@ def test_delay_in_steps(tmp_path: Path) -> None:
     assert (new["hip"].delay.nominal.value, new["hip"].delay.low) == (0.03, 0.03)
     silent = isaaclab(tmp_path, group)
     assert by_name(silent)["hip"].delay is not None
-    assert silent.notes["hip"] == ("delay: 2 to 6 physics steps, whose length no file says",)
+    assert silent.notes["hip"] == ("delay: 2 to 6 physics steps, whose length no file states",)
 
 
 def test_overlapping_groups(tmp_path: Path) -> None:
@@ -375,7 +375,7 @@ def test_mjlab_two_cfgs_for_one_joint(tmp_path: Path) -> None:
             ", delay_update_period=8, delay_hold_prob=0.5",
             "step",
             (
-                "delay: a lag is kept with probability 0.5 (delay_hold_prob), a spec has no word for it",
+                "delay: a lag is kept with probability 0.5 (delay_hold_prob), which a spec cannot express",
                 "delay: a lag is drawn every 8 steps, a spec has every step or every episode",
             ),
         ),
@@ -502,7 +502,7 @@ def test_deploy_names_its_joints(tmp_path: Path) -> None:
     assert hip.kp is not None and knee.kp is not None
     assert (hip.kp.value, knee.kp.value, knee.default_position.value) == (20.0, 30.0, -0.8)
     assert (hip.effort_limit.origin, hip.kind) == (Origin.UNKNOWN, JointKind.HINGE)
-    assert found.notes[""] == ("no robot file says what kind of joints they are: all are taken for hinges",)
+    assert found.notes[""] == ("no robot file states the kinds of the joints: all are taken as hinges",)
 
 
 def test_patterns_without_a_robot_file(tmp_path: Path) -> None:

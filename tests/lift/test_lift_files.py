@@ -55,7 +55,7 @@ def test_joints_of_a_deploy_file(tmp_path: Path) -> None:
     found = lift_files([str(tmp_path / "leg_cfg.py"), str(tmp_path / "leg.yaml")])
     parts = [part for robot in found.robots for part in robot.parts if part.actuators.robot == "LEG_CFG"]
     assert [actuator.joint for actuator in parts[0].actuators.joints] == ["hip", "knee"]
-    assert any("taken for hinges" in note for note in parts[0].notes[""])
+    assert any("taken as hinges" in note for note in parts[0].notes[""])
 
 
 def test_unreadable(tmp_path: Path) -> None:

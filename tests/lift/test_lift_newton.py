@@ -238,7 +238,7 @@ def test_delay(head: str, given: float | None, seconds: float | None) -> None:
     delay = only(found).delay
     assert delay is not None and delay.nominal.value == seconds
     assert (delay.low, delay.high) == (seconds or 0.0, seconds or 0.0)
-    told = "delay: 3 physics steps, whose length no file says" in found.notes.get("hip", ())
+    told = "delay: 3 physics steps, whose length no file states" in found.notes.get("hip", ())
     assert told == (seconds is None)
     assert found.actuators.physics_dt.value == (0.0025 if head == HEAD else None)
 
@@ -382,7 +382,7 @@ def test_joints_by_name_alone() -> None:
         ("hip", JointKind.HINGE),
         ("rod", JointKind.SLIDE),
     ]
-    assert found.notes == {"hip": ("nobody says what kind of joint it is: it is taken for a hinge",)}
+    assert found.notes == {"hip": ("the kind of the joint is not stated: it is taken as a hinge",)}
     assert [(alone.joint, alone.span) for alone in found.left_alone] == [("knee", None)]
     twice = lifted(actuator("", joint="a/hip"), actuator("", joint="b/hip", name="two"))
     assert [a.joint for a in twice.actuators.joints] == ["/leg/a/hip", "/leg/b/hip"]

@@ -395,8 +395,8 @@ def test_notes() -> None:
     assert only(found).effort_limit.value == 6.0
     assert found.notes["j"] == (
         "the file's limit is not symmetric (-2 to 6), a spec has one number: the larger",
-        "the file's polynomial damping stays in the model, a spec has no word for it",
-        "the joint's own spring (3 N*m/rad) stays in the model, a spec has no word for it",
+        "the file's polynomial damping stays in the model: a spec cannot express it",
+        "the joint's own spring (3 N*m/rad) stays in the model: a spec cannot express it",
         "the file's dampratio becomes the kd that MuJoCo makes of it",
     )
 
@@ -435,7 +435,7 @@ def test_urdf() -> None:
     assert shoulder.friction_viscous.span is not None and shoulder.friction_viscous.span.line == 4
     assert shoulder.position_range == (-1.0, 1.0)
     assert said(elbow.effort_limit) == (None, "N", "unknown")
-    assert elbow.effort_limit.note == "the file says 0 N: nobody's number"
+    assert elbow.effort_limit.note == "the file says 0 N, which is a placeholder"
     assert elbow.velocity_limit.span is not None and elbow.velocity_limit.note is not None
     assert said(elbow.friction_viscous) == (0.0, "N*s/m", "default")
     assert [(item.joint, item.why) for item in found.left_alone] == [("hook", "follows 'elbow' (mimic)")]
