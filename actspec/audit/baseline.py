@@ -1,4 +1,4 @@
-"""Known findings in a file: hidden as long as they are there, told when they have gone."""
+"""Known findings in a file: hidden as long as they are there, reported when they have gone."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """The audit: files to findings.
 
-A rule that breaks off is a fault of actspec and is told as one; the others still run.
+A rule that breaks off is a fault of actspec and is reported as one; the others still run.
 """
 
 from __future__ import annotations

@@ -30,8 +30,8 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             yield rows, parts
         for key, rows in by_joint(case, FileKind.SPEC).items():
             parts = everything[key]
-            unsaid = "kd" in rows[0].stated and "joint_damping" not in rows[0].stated
-            if parts is not None and parts.kd > 0.0 and unsaid and keeps_for_model(case, rows[0]):
+            unstated = "kd" in rows[0].stated and "joint_damping" not in rows[0].stated
+            if parts is not None and parts.kd > 0.0 and unstated and keeps_for_model(case, rows[0]):
                 yield rows, parts
 
     def judge(self, case: Case, subject: tuple[Sequence[LedgerRow], Parts]) -> Iterator[Finding]:
@@ -40,14 +40,14 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
         if parts.passive <= self.option(case, "share") * parts.kd or parts.in_three_places:
             return
         if case.artifacts[rows[0].artifact].kind is FileKind.SPEC:
-            yield self._unsaid(rows[0], parts)
+            yield self._unstated(rows[0], parts)
             return
         others = list(partner_rows(case, rows[0], *INTENT))
         if any(_declares(row, parts) for row in others):
             return
         yield self._finding(case, rows, parts, others)
 
-    def _unsaid(self, row: LedgerRow, parts: Parts) -> Finding:
+    def _unstated(self, row: LedgerRow, parts: Parts) -> Finding:
         """The file of a spec's robot has damping that the spec does not mention."""
         passive = shown(row, "kd", parts.passive)
         return Finding(

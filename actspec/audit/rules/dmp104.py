@@ -15,7 +15,8 @@ _Subject = tuple[float | None, bool, LedgerRow, Parts | None, float]
 
 class DampingInThreePlaces(RuleOver[_Subject]):
     code = "DMP104"
-    name = "damping-counted-thrice"
+    name = "damping-counted-three-times"
+    aliases: ClassVar[dict[str, str]] = {"DMP104": "damping-counted-thrice"}
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
@@ -38,9 +39,9 @@ class DampingInThreePlaces(RuleOver[_Subject]):
         if slope is not None and abs(damping - slope) <= self.option(case, "near") * slope:
             yield self._twice(row, damping, slope)
         elif mjcf and parts is not None and parts.in_three_places:
-            yield self._thrice(row, parts)
+            yield self._three_times(row, parts)
 
-    def _thrice(self, row: LedgerRow, parts: Parts) -> Finding:
+    def _three_times(self, row: LedgerRow, parts: Parts) -> Finding:
         return Finding(
             self.code,
             f"the drive brakes with {shown(row, 'kd', parts.kd)}, the joint's damping with "

@@ -57,14 +57,14 @@ class GainBesideModelDamping(RuleOver[_Subject]):
                 if row.damping_ratio and row.total_damping
                 else None
             )
-            told, absurd = "", False
+            text, absurd = "", False
             if alone is not None:
                 ratio = alone * (kd + damping) / kd
-                told = f", a damping ratio of {ratio:.2g} instead of {alone:.2g}"
+                text = f", a damping ratio of {ratio:.2g} instead of {alone:.2g}"
                 absurd = damping >= kd and ratio >= 1.0
             message = (
                 f"the drive of {file} brakes with kd {shown(row, 'kd', kd)}, and {figures} stays beside it, "
-                f"outside the torque limit: {total}{told}"
+                f"outside the torque limit: {total}{text}"
             )
             severity, confidence = (
                 (Severity.ERROR, Confidence.HIGH) if absurd else (self.severity, self.confidence)

@@ -34,11 +34,11 @@ class UrdfDamping(RuleOver[_Subject]):
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare the URDF's damping with the other files'."""
         row, damping, other = subject
-        told = self._other(case, other, damping)
-        if told is not None:
+        instead = self._other(case, other, damping)
+        if instead is not None:
             yield Finding(
                 self.code,
-                f"the URDF's damping of {shown(row, 'kd', damping)} meets {told} in {basename(other.file)}: "
+                f"the URDF's damping of {shown(row, 'kd', damping)} meets {instead} in {basename(other.file)}: "
                 "it is joint damping in MuJoCo, the drive's kd in Newton and nothing in Isaac Sim 6.1",
                 row.place("joint_damping"),
                 row.joint,

@@ -53,7 +53,7 @@ class RangeWiderThanIdentified(RuleOver[_Subject]):
         unit = measured.unit
         if low <= middle <= high and ratio < self.option(case, "ratio"):
             return None
-        told = (
+        text = (
             f"which is {ratio:.2g} times its three deviations to either side"
             if low <= middle <= high
             else "which leaves that out"
@@ -62,7 +62,7 @@ class RangeWiderThanIdentified(RuleOver[_Subject]):
         return Finding(
             self.code,
             f"{one.field} was measured as {format_quantity(middle, unit, 3)} with a deviation of "
-            f"{format_quantity(std, unit, 2)}, and is randomised from {written(low, high, unit)}, {told}",
+            f"{format_quantity(std, unit, 2)}, and is randomised from {written(low, high, unit)}, {text}",
             one.span,
             row.joint,
             help=f"three deviations are {written(low_, high_, unit)}",

@@ -9,7 +9,7 @@ from actspec.readings.versions import friction_unit_of
 from actspec.simulators.isaaclab import FrictionUnit
 
 SPEED = 10.0
-"""Joint speed at which a consequence is told [rad/s]. Chosen: a leg's joint in a trot."""
+"""Joint speed at which a consequence is given [rad/s]. Chosen: a leg's joint in a trot."""
 
 
 class FrictionRangeSetsViscous(RuleOver[tuple[RandomizedRange, FrictionUnit | None]]):
@@ -33,13 +33,13 @@ class FrictionRangeSetsViscous(RuleOver[tuple[RandomizedRange, FrictionUnit | No
             return
         low, high = ends(one)
         low = max(low, 0.0)
-        told = f"{written(low, high, 'N*m*s/rad')}, {written(SPEED * low, SPEED * high, 'N*m')} at {SPEED:g} rad/s"
+        text = f"{written(low, high, 'N*m*s/rad')}, {written(SPEED * low, SPEED * high, 'N*m')} at {SPEED:g} rad/s"
         if one.operation == "add":
-            told = f"{written(low, high, 'N*m*s/rad')} more"
+            text = f"{written(low, high, 'N*m*s/rad')} more"
         yield Finding(
             self.code,
             f"{'on Isaac Sim 5 and later ' if unit is None else ''}this friction range is drawn for viscous "
-            f"friction as well: {told}",
+            f"friction as well: {text}",
             one.span,
             help='use operation "scale", with friction, dynamic_friction and viscous_friction in the actuator cfg',
             severity=Severity.INFO if unit is None else None,

@@ -12,7 +12,7 @@ from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, is_native
-from actspec.simulators.isaaclab import FrictionUnit as SolverUnit
+from actspec.simulators.isaaclab import FrictionUnit
 
 SAME = 0.01
 """Relative difference up to which two frictions are one figure. Chosen: rounding of published figures."""
@@ -30,7 +30,7 @@ def _place(versions: Versions) -> str:
 _Subject = tuple[Setting, LedgerRow, float]
 
 
-class FrictionUnit(RuleOver[_Subject]):
+class FrictionUnitByBackend(RuleOver[_Subject]):
     code = "FRC102"
     name = "friction-unit-by-backend"
     severity = Severity.WARNING
@@ -72,7 +72,7 @@ class FrictionUnit(RuleOver[_Subject]):
                 confidence=Confidence.HIGH,
             )
             return
-        if found is SolverUnit.DEAD:
+        if found is FrictionUnit.DEAD:
             yield Finding(
                 self.code,
                 f"this friction does nothing: {place} never writes it to the solver",
@@ -86,12 +86,12 @@ class FrictionUnit(RuleOver[_Subject]):
             torque = other.frictionloss
             if torque is None or torque <= 0.0:
                 continue
-            told, file = shown(row, "frictionloss", torque), basename(other.file)
+            text, file = shown(row, "frictionloss", torque), basename(other.file)
             if found.coefficient and math.isclose(friction, torque, rel_tol=SAME):
                 yield Finding(
                     self.code,
                     f"on {place} friction is a dimensionless coefficient, and {file} has the same figure as a torque, "
-                    f"{told}: the joint gets {friction:.3g} times its load instead",
+                    f"{text}: the joint gets {friction:.3g} times its load instead",
                     span,
                     row.joint,
                     friction,
@@ -105,7 +105,7 @@ class FrictionUnit(RuleOver[_Subject]):
                 yield Finding(
                     self.code,
                     f"on {place} friction is a torque, here {shown(row, 'frictionloss', friction)}, and {file} has "
-                    f"{told}: is this a coefficient from Isaac Sim 4.5?",
+                    f"{text}: is this a coefficient from Isaac Sim 4.5?",
                     span,
                     row.joint,
                     friction,

@@ -8,7 +8,7 @@ from actspec.audit.rules.source_pairs import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, spec_joints, unit_confused
 
 
-class FrictionUnit(RuleOver[SpecJoint]):
+class FrictionUnitOfSpec(RuleOver[SpecJoint]):
     code = "FRC201"
     name = "friction-unit-mismatch-against-spec"
     severity = Severity.ERROR
@@ -26,10 +26,10 @@ class FrictionUnit(RuleOver[SpecJoint]):
         wanted = joint.wanted("frictionloss")
         if found is None or wanted is None:
             return
-        mine, told = found
+        mine, text = found
         yield Finding(
             self.code,
-            f"the dry friction {told}",
+            f"the dry friction {text}",
             mine.place,
             joint.rows[0].joint,
             mine.value,

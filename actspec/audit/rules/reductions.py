@@ -59,8 +59,8 @@ def figures(case: Case) -> dict[int, dict[str, Figures]]:
             continue
         if 0.0 < effort < PLACEHOLDER:
             speed = row.no_load_speed if row.no_load_speed is not None else row.velocity_limit
-            told = speed if speed is not None and 0.0 < speed < PLACEHOLDER else None
-            found.setdefault(index, {})[joint] = Figures(row, effort, told)
+            limit = speed if speed is not None and 0.0 < speed < PLACEHOLDER else None
+            found.setdefault(index, {})[joint] = Figures(row, effort, limit)
     return found
 
 

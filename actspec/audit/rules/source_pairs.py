@@ -22,7 +22,7 @@ from actspec.readings.pair import Robot, joint_names
 from actspec.units import format_quantity
 
 TIMES = 3.0
-"""From here a ratio is told as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+"""From here a ratio is given as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
 
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
@@ -323,9 +323,9 @@ class SourceRule(RuleInParts):
             if not self.is_explained(case, found, tolerance)
         ]
         if findings or any(compared(case, fields) for fields in self.groups):
-            yield self.without_told(case, findings) if findings else ()
+            yield self.without_reported(case, findings) if findings else ()
 
-    def without_told(self, case: Case, findings: list[Finding]) -> list[Finding]:
+    def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
         """Findings without those that another rule has at the same place and joint, and says more about."""
         return findings
 

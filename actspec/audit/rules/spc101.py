@@ -65,16 +65,16 @@ class FigureDeparts(RuleOver[SpecJoint]):
         assert mine.value is not None and wanted.value is not None
         ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
         if math.isinf(mine.value):
-            told = f"there is no {FIELDS[field].noun}"
+            text = f"there is no {FIELDS[field].noun}"
         elif mine.stated:
-            told = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
+            text = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
         else:
-            told = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
+            text = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
         if math.isinf(mine.value) or math.isinf(wanted.value):
             ratio = ""
         return Finding(
             self.code,
-            f"{told}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
+            f"{text}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
             mine.place,
             joint.rows[0].joint,
             mine.value,

@@ -22,10 +22,10 @@ class SpecControl(RuleOver[SpecJoint]):
 
     def judge(self, case: Case, joint: SpecJoint) -> Iterator[Finding]:
         """Compare the kinds of drive."""
-        told = _departs(joint)
-        if told is None:
+        departs = _departs(joint)
+        if departs is None:
             return
-        message, severity = told
+        message, severity = departs
         first = joint.rows[0]
         yield Finding(
             self.code,

@@ -25,7 +25,7 @@ class EffortLimit(SourceRule):
             return True
         return hidden_gear(found.ratio, ratio_of(found, "velocity_limit", "no_load_speed"))
 
-    def without_told(self, case: Case, findings: list[Finding]) -> list[Finding]:
+    def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
         """A forgotten reduction says more than that the figures differ."""
         gears = {(item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)}
         return [item for item in findings if (item.span, item.joint) not in gears]

@@ -36,14 +36,16 @@ class Timing(RuleInParts):
                     yield ()
                     if any(abs(mine / other - 1.0) <= tolerance for _, other in theirs):
                         continue
-                    yield (self._told(case, index, name, mine, *theirs[0]),)
+                    yield (self._departing(case, index, name, mine, *theirs[0]),)
                     break
 
     def _period(self, case: Case, index: int, name: str) -> float | None:
         value = settings_of(case.artifacts[index]).get(name)
         return value if isinstance(value, float) and value > 0.0 else None
 
-    def _told(self, case: Case, index: int, name: str, mine: float, other: int, theirs: float) -> Finding:
+    def _departing(
+        self, case: Case, index: int, name: str, mine: float, other: int, theirs: float
+    ) -> Finding:
         file = case.artifacts[other].path
         ratio = mine / theirs
         if name == "control_dt":

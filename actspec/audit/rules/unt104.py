@@ -24,7 +24,7 @@ class SpeedInRpm(RuleInParts):
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare speeds with other files', and with what joints do."""
-        told: set[tuple[Span, str]] = set()
+        reported: set[tuple[Span, str]] = set()
         relative = self.option(case, "relative")
 
         def in_rpm(one: LedgerRow, other: LedgerRow) -> list[tuple[LedgerRow, str, float, float, Span]]:
@@ -39,7 +39,7 @@ class SpeedInRpm(RuleInParts):
 
         for one, other in joint_pairs(case, _speed_figures, lambda one, other: bool(in_rpm(one, other))):
             for mine, field, limit, right, place in in_rpm(one, other):
-                told.add((mine.place(field), mine.joint))
+                reported.add((mine.place(field), mine.joint))
                 found = Finding(
                     self.code,
                     f"{shown(mine, field, limit, 4)} is 9.55 times the {shown(mine, field, right, 4)} in "
@@ -58,7 +58,7 @@ class SpeedInRpm(RuleInParts):
                 speed: float | None = getattr(row, field)
                 if speed is None or field not in row.stated or row.kind is JointKind.SLIDE:
                     continue
-                known = (row.place(field), row.joint) in told or speed % 10.0 != 0.0
+                known = (row.place(field), row.joint) in reported or speed % 10.0 != 0.0
                 yield () if known else self._alone(case, row, field, speed)
 
     def _alone(self, case: Case, row: LedgerRow, field: str, speed: float) -> Iterator[Finding]:

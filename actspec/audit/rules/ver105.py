@@ -148,7 +148,7 @@ class NeedsAnotherMujoco(RuleOver[RobotView]):
     def judge(self, case: Case, robot: RobotView) -> Iterator[Finding]:
         """Compare each file with the release."""
         meant = mujoco_of(case.versions)
-        words = {word for feature, word in WORDS if _may_be_told(feature, meant)}
+        words = {word for feature, word in WORDS if _may_apply(feature, meant)}
         if not any(word in file.data for file in robot.files for word in words):
             return
         document = parse_document(robot.files)
@@ -184,7 +184,7 @@ class NeedsAnotherMujoco(RuleOver[RobotView]):
                 )
 
 
-def _may_be_told(feature: Feature, meant: Meant | None) -> bool:
+def _may_apply(feature: Feature, meant: Meant | None) -> bool:
     """Whether there is something to say about it."""
     if meant is None:
         return feature.until is not None
