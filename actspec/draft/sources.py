@@ -156,16 +156,16 @@ def sources_of(
     readings: Sequence[RobotReading], keys: Mapping[str, str], sets: Sequence[ActuatorSet]
 ) -> Iterator[Source]:
     """What the keys stand for."""
-    told = set()
+    given = set()
     for reading in readings:
         key = keys.get(reading.path)
-        if key is None or key in told:
+        if key is None or key in given:
             continue
-        told.add(key)
+        given.add(key)
         yield Source(key, _title(reading), page=reading.reference or reading.path)
     for item in (source for actuators in sets for source in actuators.sources):
-        if item.key not in told:
-            told.add(item.key)
+        if item.key not in given:
+            given.add(item.key)
             yield item
 
 
@@ -239,10 +239,10 @@ def _targets(
             "isaac_sim": versions.isaac_sim,
             "backend": versions.backend,
         }
-        told = (
+        remark = (
             f"{listed(implicit)} implicit there, becomes explicit as the others" if implicit and other else ""
         )
-        yield "isaaclab", _mapping(options, "class: implicit" if implicit and not other else ""), told
+        yield "isaaclab", _mapping(options, "class: implicit" if implicit and not other else ""), remark
     if "mjlab" in stacks:
         yield "mjlab", _mapping({"version": versions.mjlab or DEFAULT_VERSIONS["mjlab"]}), ""
     if FileKind.DEPLOY in kinds:

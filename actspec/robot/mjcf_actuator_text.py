@@ -8,16 +8,11 @@ Source: MuJoCo 4.0, measured on 2000 random pairs of classes; before 3.16 gains 
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.robot.compiled import NAN, ActuatorLaw, Control
-from actspec.robot.xml_tree import Element
-
-_NUMBER = re.compile(
-    r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|inf(?:inity)?)", re.IGNORECASE
-)
+from actspec.robot.xml_tree import NUMBER, Element
 
 TRANSMISSIONS = {
     "joint": "joint",
@@ -45,7 +40,7 @@ def numbers(text: str | None, most: int) -> tuple[float, ...]:
     """
     if text is None:
         return ()
-    return tuple(float(part) if _NUMBER.fullmatch(part) else NAN for part in text.split()[:most])
+    return tuple(float(part) if NUMBER.fullmatch(part) else NAN for part in text.split()[:most])
 
 
 @dataclass(slots=True)

@@ -9,7 +9,6 @@ robot is that of the robot with its base held.
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -18,6 +17,7 @@ from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, Masses, masses_of
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
+from actspec.robot.xml_tree import NUMBER
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -33,9 +33,6 @@ _KINDS = {
 }
 _TYPES = (*_KINDS, "fixed", "planar")
 _UNITS = {JointKind.HINGE: ("N*m", "rad/s"), JointKind.SLIDE: ("N", "m/s"), JointKind.FREE: ("N", "m/s")}
-_NUMBER = re.compile(
-    r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|inf(?:inity)?)", re.IGNORECASE
-)
 
 
 def read_urdf(
@@ -194,7 +191,7 @@ def _joint(element: Element, name: str, kind: str, document: XmlDocument, out: C
         text = part.get(attribute) if part is not None else None
         if part is None or text is None:
             return None
-        if not _NUMBER.fullmatch(text.strip()):
+        if not NUMBER.fullmatch(text.strip()):
             out.error(
                 "ROBOT120",
                 f"<{part.tag} {attribute}> must be a number, got {text!r}",

@@ -31,6 +31,9 @@ class Attribute:
     value_end: int
 
 
+NUMBER = re.compile(r"[+-]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?|inf(?:inity)?)", re.IGNORECASE)
+"""A number in an attribute; MuJoCo takes `nan` too, and nothing here does."""
+
 _ATTRIBUTE = re.compile(r"""\s*([^\s=]+)\s*=\s*(?:"([^"]*)"|'([^']*)')""", re.ASCII)
 _START_TAG = re.compile(r"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""", re.ASCII)
 """A start tag in a well-formed text."""
