@@ -17,7 +17,7 @@ from actspec.ir import (
     Randomization,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config_figures import Found, control_of_group, figures_of, value_of
+from actspec.readings.config_figures import Found, control_of_group, figures_of, lags_of, value_of
 from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
 from actspec.robot.view import JointView
@@ -303,15 +303,12 @@ class ConfigJoint:
         """Physics steps in the frameworks, seconds in a deploy file; Isaac Lab 3.0 has one lag, the largest."""
         if self._config.framework is Framework.DEPLOY:
             return self._delay_in_seconds()
-        settings, step = self._group.settings, self._physics_dt
-        sampling = "episode"
-        losses: tuple[str, ...] = ()
+        (low, high), step = lags_of(self._group), self._physics_dt
+        sampling, losses = "episode", list[str]()
         if self._config.framework is Framework.MJLAB:
-            low, high = (settings.get(f"delay_{end}_lag") for end in ("min", "max"))
             sampling, losses = _mjlab_sampling(self._group)
-        else:
-            low, high = (settings.get(f"{end}_delay") for end in ("min", "max"))
-            low = high if is_native(self._versions) else low
+        elif is_native(self._versions):
+            low = high
         if high is None:
             return None
         most, least = high.number, 0.0 if low is None else low.number
@@ -406,7 +403,7 @@ def _is_range(low: float, high: float) -> bool:
     return 0.0 <= low <= high < math.inf
 
 
-def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, tuple[str, ...]]:
+def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, list[str]]:
     """When mjlab draws a lag anew. Source: mjlab 1.6.0, actuator.py; without a period, in every step."""
 
     def number(name: str) -> float:
@@ -420,7 +417,7 @@ def _mjlab_sampling(group: ActuatorGroup) -> tuple[str, tuple[str, ...]]:
             f"delay: a lag is kept with probability {hold:g} (delay_hold_prob), which a spec cannot express"
         )
     if period >= HELD_FROM:
-        return "episode", tuple(notes)
+        return "episode", notes
     if period > 1:
         notes.append(f"delay: a lag is drawn every {period:g} steps, a spec has every step or every episode")
-    return "step", tuple(notes)
+    return "step", notes

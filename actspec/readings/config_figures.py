@@ -223,6 +223,14 @@ def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
     take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
 
 
+def lags_of(group: ActuatorGroup) -> tuple[Setting | None, Setting | None]:
+    """The least and the largest lag of a group's command [physics steps]: of Isaac Lab, else of mjlab."""
+    low, high = (
+        group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
+    )
+    return low, high
+
+
 def value_of(
     framework: Framework, setting: Setting, joint: str, pattern: str, named: Sequence[str] | None
 ) -> Found | None:

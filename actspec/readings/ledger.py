@@ -24,7 +24,7 @@ from actspec.fields import FIELDS
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
 from actspec.joints import InertiaRange, JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework
-from actspec.readings.config_figures import Found, control_of_group, figures_of, models_of, selected
+from actspec.readings.config_figures import Found, control_of_group, figures_of, lags_of, models_of, selected
 from actspec.readings.joint import (
     IMPLICIT,
     DriveReading,
@@ -458,9 +458,7 @@ def _of_group(
 
 def _delay(group: ActuatorGroup, step: float | None) -> Found | None:
     """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
-    low, high = (
-        group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
-    )
+    low, high = lags_of(group)
     if high is None or not isinstance(high.value, int | float) or step is None:
         return None
     least = low.value if low is not None else high.value

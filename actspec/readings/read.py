@@ -133,8 +133,8 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
 
         view = replace(view, joint_inertia=joint_inertias(view))
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
-    told = tuple(item for item in view.diagnostics if item.code not in _REPORTED_BY_RULES)
-    return FileReading(path, kind, None, (artifact,), document.files, told)
+    said = tuple(item for item in view.diagnostics if item.code not in _REPORTED_BY_RULES)
+    return FileReading(path, kind, None, (artifact,), document.files, said)
 
 
 def _view(document: XmlDocument, kind: FileKind, matrices: bool, refusal: str | None) -> RobotView:
@@ -288,7 +288,7 @@ def _has_known_ending(path: str) -> bool:
 
 
 def _lost(path: str, reason: str) -> FileReading:
-    """A file that would perhaps have been read, but for a fault; that is told wherever the file was found."""
+    """A file that would perhaps have been read, but for a fault; that is reported wherever the file was found."""
     fault = Diagnostic(FAULT, Severity.ERROR, f"the file cannot be read: {reason}", "", Span(path))
     return FileReading(path, None, reason, diagnostics=(fault,))
 
@@ -298,8 +298,8 @@ def _chosen(
 ) -> list[FileReading]:
     """The readings without files that have nothing to do with actuators and that nobody named."""
     chosen = []
-    told = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
-    empty = {path for path in paths if os.path.isdir(path)} - told
+    concerned = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
+    empty = {path for path in paths if os.path.isdir(path)} - concerned
     seen = Counter(file.folder for file in files)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
@@ -323,8 +323,8 @@ def _nothing_in(folder: str, count: int) -> FileReading:
         )
     message = f"nothing to audit in this folder: {reason}"
     help = "links to folders are not followed and hidden folders are passed over; name those"
-    told = Diagnostic("AUD014", Severity.ERROR, message, "", Span(folder), help)
-    return FileReading(folder, None, f"nothing to audit: {reason}", diagnostics=(told,))
+    fault = Diagnostic("AUD014", Severity.ERROR, message, "", Span(folder), help)
+    return FileReading(folder, None, f"nothing to audit: {reason}", diagnostics=(fault,))
 
 
 def _concerns(reading: FileReading) -> bool:

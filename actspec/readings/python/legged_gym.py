@@ -15,20 +15,12 @@ from actspec.readings.python.values import Cls, Unknown, Value, reason_of
 Get = Callable[[Cls, str], "Value | None"]
 """An attribute of a class or of its bases; None when no class that is read has it."""
 
+_PD_SWITCHES = ("randomize_kpkd", "randomize_pd_gain", "randomize_pd_gains")
+
 _RANGES = (
     ("strength", "scale", "motor_strength_range", ("randomize_motor", "randomize_motor_strength")),
-    (
-        "kp",
-        "scale",
-        "kp_range",
-        ("randomize_kpkd", "randomize_pd_gain", "randomize_pd_gains", "randomize_kp"),
-    ),
-    (
-        "kd",
-        "scale",
-        "kd_range",
-        ("randomize_kpkd", "randomize_pd_gain", "randomize_pd_gains", "randomize_kd"),
-    ),
+    ("kp", "scale", "kp_range", (*_PD_SWITCHES, "randomize_kp")),
+    ("kd", "scale", "kd_range", (*_PD_SWITCHES, "randomize_kd")),
     ("kp", "scale", "Kp_factor_range", ("randomize_Kp_factor",)),
     ("kd", "scale", "Kd_factor_range", ("randomize_Kd_factor",)),
     ("kp", "scale", "stiffness_multiplier_range", ("randomize_gains", "randomize_pd_gains")),
