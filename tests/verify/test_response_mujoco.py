@@ -93,6 +93,7 @@ def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
     assert group in {row.group for row in rows if not row.ok}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", UNSEEN)
 def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
     """Of what MuJoCo does only responses are wrong; beside them the compiled model is reported to be another one."""

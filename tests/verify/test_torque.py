@@ -181,6 +181,7 @@ def test_single_precision_gets_what_the_engine_gets(bench: Bench) -> None:
     assert np.array_equal(motion.command, motion.command.astype(np.float32))
 
 
+@pytest.mark.slow
 def test_mujoco_agrees(built: Built) -> None:
     """The installed MuJoCo computes the law to the last digits; what it cannot hold is as far off as is stated."""
     agreement = built.verified("mujoco", engines=True)
@@ -192,6 +193,7 @@ def test_mujoco_agrees(built: Built) -> None:
         assert row.max_error is not None and row.max_error < 1e-11
 
 
+@pytest.mark.slow
 def test_mujoco_finds_what_no_field_says(built: Built) -> None:
     """A filter that acts a step early has every number of the spec, and another torque."""
     agreement = built.verified(
@@ -204,6 +206,7 @@ def test_mujoco_finds_what_no_field_says(built: Built) -> None:
     }
 
 
+@pytest.mark.slow
 def test_line_that_a_version_does_not_have(tmp_path_factory: pytest.TempPathFactory) -> None:
     """MuJoCo 3.3 clips at L instead: at 2 w0 the line forces -22.5 N*m where the clip gives 22.5, 45 N*m apart."""
     spec = SPEC[: SPEC.index("targets:")] + 'targets: {mujoco: {version: "3.3"}}\n'
