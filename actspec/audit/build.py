@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 from actspec.audit.case import Case
-from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 from actspec.readings.versions import Versions, meant_for
 
 
@@ -59,7 +58,8 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
 def _rows(
     artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
 ) -> tuple[LedgerRow, ...]:
-    from actspec.readings.ledger import rows_of_config, rows_of_robot, rows_of_spec
+    from actspec.readings.ledger import rows_of_robot, rows_of_spec
+    from actspec.readings.ledger_config import rows_of_config
 
     rows: list[LedgerRow] = []
     for index, artifact in enumerate(artifacts):

@@ -6,9 +6,8 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
-from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 from actspec.readings.versions import Versions, meant_for
 
 _T = TypeVar("_T")

@@ -246,3 +246,16 @@ class FileReading:
     def readable(self) -> bool:
         """Whether it was read."""
         return self.reason is None
+
+
+@dataclass(frozen=True, slots=True)
+class Robot:
+    """Artifacts that describe the same robot.
+
+    Attributes:
+        name: The most telling name among them.
+        artifacts: Indices into `Case.artifacts`, in the order of the files.
+    """
+
+    name: str
+    artifacts: tuple[int, ...]

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from actspec.diagnostics import Span
-from actspec.ir import InertiaRange, JointKind, Quantity
+from actspec.ir import JointKind, Quantity
 from actspec.readings.quantities import Units, assumed, stated, tidy, units_of, unknown
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
@@ -438,21 +438,13 @@ class JointReading:
             return None
         return self.integrator in IMPLICIT or (self.integrator == "Euler" and self.eulerdamp)
 
-    def stability(self, damping: float | None) -> float | None:
-        """h * Kd / least free inertia, over the damping that the integrator takes explicitly [-]; None: unknown.
-
-        Args:
-            damping: `total_damping`.
-        """
-        inertia = self.inertia
-        if self.timestep is None or not self.integrator or inertia is None:
+    def explicit_damping(self, damping: float | None) -> float | None:
+        """The part of `total_damping` that the integrator takes explicitly; None: unknown, or no integrator."""
+        if not self.integrator:
             return None
-        explicit = damping
         if self.integrator in IMPLICIT:
-            explicit = 0.0
-        elif explicit is not None and self.is_passive_implicit:
-            explicit = self.kd.value
-        return explicit_ratio(self.timestep, explicit, inertia.free)
+            return 0.0
+        return self.kd.value if damping is not None and self.is_passive_implicit else damping
 
     # Places
 
@@ -548,37 +540,6 @@ def joint_inertias(robot: RobotView) -> Mapping[str, JointInertia]:
             armature[dofs[actuator.target]] += actuator.gear**2 * actuator.armature
     held, free = robot.inertia.held(armature), robot.inertia.free(armature)
     return {name: JointInertia(held[dof], free[dof]) for name, dof in dofs.items()}
-
-
-def resonance(
-    stiffness: float | None, damping: float | None, held: InertiaRange | None
-) -> tuple[float | None, float | None]:
-    """Natural frequency and damping ratio at the reference pose; None: unknown, or no stiffness.
-
-    Args:
-        stiffness: kp of everything that drives the joint [N*m/rad or N/m].
-        damping: Gains and passive damping together [N*m*s/rad or N*s/m].
-        held: Inertia with the other joints held, armature included [kg*m^2 or kg].
-
-    Returns: sqrt(kp / inertia) [rad/s], damping / (2 sqrt(kp inertia)) [-].
-    """
-    if not stiffness or stiffness < 0.0 or held is None or held.reference <= 0.0:
-        return None, None
-    ratio = None if damping is None else damping / (2.0 * math.sqrt(stiffness * held.reference))
-    return math.sqrt(stiffness / held.reference), ratio
-
-
-def explicit_ratio(step: float | None, damping: float | None, free: InertiaRange | None) -> float | None:
-    """h * Kd / least free inertia [-], which is stable below 2; None: unknown.
-
-    Args:
-        step: Of the integration [s].
-        damping: What is integrated explicitly [N*m*s/rad or N*s/m].
-        free: Inertia with the other joints free, armature included [kg*m^2 or kg].
-    """
-    if step is None or damping is None or free is None or free.low <= 0.0:
-        return None
-    return step * damping / free.low
 
 
 def largest(ends: tuple[float, float]) -> float:

@@ -15,7 +15,7 @@ paired with. Without one, each pattern is a row of its own.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -23,21 +23,16 @@ from actspec.diagnostics import Span
 from actspec.fields import FIELDS
 from actspec.ir import Command, JointActuator, Level, Origin, Quantity
 from actspec.joints import InertiaRange, JointKind
-from actspec.readings.artifact import ActuatorGroup, Artifact, Framework
-from actspec.readings.config_figures import Found, control_of_group, figures_of, lags_of, models_of, selected
+from actspec.readings.artifact import Artifact
 from actspec.readings.joint import (
     IMPLICIT,
     DriveReading,
     JointReading,
-    explicit_ratio,
     joint_inertias,
     loose_actuators,
     read_joints,
-    resonance,
 )
-from actspec.readings.pair import joint_names
-from actspec.readings.versions import Versions
-from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
+from actspec.robot.view import ActuatorView, ModelFormat
 
 CONTROLS = (
     "position",
@@ -204,12 +199,13 @@ def _rows(file: str, index: int, reading: JointReading, posed: bool) -> list[Led
         "effort_limit": reading.effort_limit.value,
         "velocity_limit": joint.velocity_limit,
         "armature": reading.total_armature,
-        "stability": reading.stability(damping),
-        **_dynamics(
+        **dynamics_at(
             reading.total_stiffness,
             damping,
             None if inertia is None else inertia.held,
             None if inertia is None else inertia.free,
+            reading.timestep,
+            reading.explicit_damping(damping),
         ),
         "position_range": None if "range" in joint.unknown else joint.range,
         "default_position": joint.reference_position
@@ -353,7 +349,7 @@ def _of_spec(path: str, index: int, actuator: JointActuator) -> LedgerRow:
         position_range=actuator.position_range,
         places=places,
         stated=frozenset(stated),
-        **_dynamics(kp, total, actuator.inertia_held, actuator.inertia_free),
+        **dynamics_at(kp, total, actuator.inertia_held, actuator.inertia_free),
         **values,
     )
 
@@ -365,124 +361,33 @@ def _range(actuator: JointActuator) -> tuple[float, float] | None:
     return None if low is None or high is None else (low, high)
 
 
-_PASSIVE = (Framework.ISAACLAB, Framework.MJLAB)
-"""Frameworks whose viscous friction is the joint's, outside the drive's limit."""
-
-_CLAMPED = ("implicit", "ideal_pd", "dc_motor", "position", "velocity", "dcmotor")
-
-
-def rows_of_config(
-    artifact: Artifact, index: int, partners: Sequence[Artifact], versions: Versions
-) -> tuple[LedgerRow, ...]:
-    """The rows of one configuration: what its actuator classes do with what is written.
+def dynamics_at(
+    stiffness: float | None,
+    damping: float | None,
+    held: InertiaRange | None,
+    free: InertiaRange | None,
+    step: float | None = None,
+    explicit: float | None = None,
+) -> dict[str, Any]:
+    """Fields that follow from the sums over what acts on a joint, and from its inertia.
 
     Args:
-        artifact: With a `config`.
-        index: Of the artifact in the case.
-        partners: The other artifacts of the same robot. The model among them that the configuration names names the
-            joints, else the one in which it selects the most, an MJCF and then the first of equals.
-        versions: Decides what Isaac Lab's `friction` means; unknown without.
+        stiffness: kp of everything that drives the joint [N*m/rad or N/m]; None: unknown, and so are the others.
+        damping: Gains and passive damping together [N*m*s/rad or N*s/m].
+        held: Inertia with the other joints held, armature included [kg*m^2 or kg].
+        free: Inertia with the other joints free, likewise.
+        step: Of the integration [s].
+        explicit: The part of the damping that is integrated explicitly, in the unit of `damping`.
+
+    Returns: natural_frequency is sqrt(kp / inertia) [rad/s] and damping_ratio is damping / (2 sqrt(kp inertia)) [-] at
+        the reference pose, stability is step * explicit / least free inertia [-], which is stable below 2.
     """
-    config = artifact.config
-    assert config is not None
-    models = models_of(config, partners)
-    named = next((names for names in map(joint_names, (*models, *partners)) if names), None)
-    if named is None and config.framework is Framework.DEPLOY:
-        named = joint_names(artifact)
-    robots = [model.robot for model in models if model.robot is not None]
-    massive = next((robot for robot in robots if robot.inertia is not None), None)
-    passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
-    members = [
-        (group, joint, figures_of(config, group, joint, pattern, named, versions))
-        for group in config.groups
-        for joint, pattern in selected(config, group, named)
-    ]
-    inertia = _inertia(massive, {joint: figures.get("armature") for _, joint, figures in members})
-    rows = []
-    for group, joint, figures in members:
-        view = robots[0].joint(joint) if robots else None
-        own = passive.joint(joint) if passive is not None and config.framework is Framework.MJLAB else None
-        rows.append(_of_group(artifact, index, group, joint, figures, view, inertia.get(joint), own))
-    if named is not None:
-        order = {name: place for place, name in enumerate(named)}
-        rows.sort(key=lambda row: order.get(row.joint, len(order)))
-    return tuple(rows)
-
-
-def _of_group(
-    artifact: Artifact,
-    index: int,
-    group: ActuatorGroup,
-    joint: str,
-    figures: Mapping[str, Found],
-    view: JointView | None,
-    inertia: JointInertia | None,
-    own: JointView | None,
-) -> LedgerRow:
-    """One joint of a group; `own` is the joint whose passive part mjlab's actuators leave as it is."""
-    config = artifact.config
-    assert config is not None
-    control = control_of_group(config.framework, group)
-    delay = _delay(group, config.physics_dt)
-    figures = figures if delay is None else {**figures, "delay": delay}
-    numbers: dict[str, Any] = {field: found.value for field, found in figures.items()}
-    if own is not None:
-        # mjlab's actuators act on the XML's joints, whose passive part stays unless the cfg sets it.
-        numbers = {"joint_damping": own.damping, "frictionloss": own.frictionloss, **numbers}
-    kd, joint_damping = numbers.get("kd"), numbers.get("joint_damping")
-    total = None if kd is None or joint_damping is None else kd + joint_damping
-    held, free = (None, None) if inertia is None else (inertia.held, inertia.free)
-    explicit = control in ("ideal_pd", "dc_motor", "network") and config.framework is not Framework.DEPLOY
-    return LedgerRow(
-        file=artifact.path,
-        artifact=index,
-        span=group.span,
-        joint=joint,
-        actuator=group.name,
-        control=control,
-        kind=view.kind if view is not None else None,
-        kd_clamped=True if control in _CLAMPED else None,
-        kd_implicit=True if control == "implicit" else False if explicit else None,
-        joint_damping_clamped=False if config.framework in _PASSIVE else None,
-        actuator_damping=0.0 if own is not None else None,
-        actuator_damping_clamped=False if own is not None else None,
-        back_emf=0.0 if kd is not None else None,
-        stability=explicit_ratio(config.physics_dt, kd, free) if explicit else None,
-        position_range=view.range if view is not None and view.kind is not JointKind.BALL else None,
-        places={field: found.span for field, found in figures.items()},
-        stated=frozenset(field for field, found in figures.items() if found.stated),
-        **_dynamics(numbers.get("kp"), total, held, free),
-        **numbers,
-    )
-
-
-def _delay(group: ActuatorGroup, step: float | None) -> Found | None:
-    """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
-    low, high = lags_of(group)
-    if high is None or not isinstance(high.value, int | float) or step is None:
-        return None
-    least = low.value if low is not None else high.value
-    return Found(float(high.value) * step if least == high.value else None, high.span)
-
-
-def _inertia(robot: RobotView | None, armature: Mapping[str, Found | None]) -> dict[str, JointInertia]:
-    """Inertia of each joint, with the configuration's armature on all of them, else the model's own."""
-    if robot is None or robot.inertia is None:
-        return {}
-    views = {joint: view for joint in armature if (view := robot.joint(joint)) is not None and view.dof >= 0}
-    own = {}
-    for joint, view in views.items():
-        found = armature[joint]
-        own[view.dof] = view.armature if found is None or found.value is None else found.value
-    held, free = robot.inertia.held(own), robot.inertia.free(own)
-    return {joint: JointInertia(held[view.dof], free[view.dof]) for joint, view in views.items()}
-
-
-def _dynamics(
-    stiffness: float | None, damping: float | None, held: InertiaRange | None, free: InertiaRange | None
-) -> dict[str, Any]:
-    """Fields that follow from the sums over what acts on a joint, and from its inertia."""
-    frequency, ratio = resonance(stiffness, damping, held)
+    frequency = ratio = stability = None
+    if stiffness is not None and stiffness > 0.0 and held is not None and held.reference > 0.0:
+        frequency = math.sqrt(stiffness / held.reference)
+        ratio = None if damping is None else damping / (2.0 * math.sqrt(stiffness * held.reference))
+    if step is not None and explicit is not None and free is not None and free.low > 0.0:
+        stability = step * explicit / free.low
     return {
         "total_damping": damping,
         "inertia_min": None if held is None else held.low,
@@ -490,4 +395,5 @@ def _dynamics(
         "inertia_free_min": None if free is None else free.low,
         "natural_frequency": frequency,
         "damping_ratio": ratio,
+        "stability": stability,
     }

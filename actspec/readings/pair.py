@@ -9,26 +9,11 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 
 from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names
-from actspec.readings.artifact import Artifact, Framework, RobotConfig
-
-
-@dataclass(frozen=True, slots=True)
-class Robot:
-    """Artifacts that describe the same robot.
-
-    Attributes:
-        name: The most telling name among them.
-        artifacts: Indices into `Case.artifacts`, in the order of the files.
-    """
-
-    name: str
-    artifacts: tuple[int, ...]
-
+from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
 
 SHARE = 0.8
 """Joints that two artifacts must share, of the smaller one. Chosen: a G1 of 23 joints and one of 29 share all 23;

@@ -22,7 +22,8 @@ from actspec.readings.artifact import (
 )
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import JointDynamics, dynamics_of
-from actspec.readings.ledger import LedgerRow, rows_of_config, rows_of_robot, rows_of_spec
+from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
+from actspec.readings.ledger_config import rows_of_config
 from actspec.readings.pair import matching
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions, friction_is_torque

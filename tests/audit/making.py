@@ -9,9 +9,8 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import Severity, Span
-from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 from actspec.robot.view import ModelFile
 
 

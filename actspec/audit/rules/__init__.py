@@ -57,9 +57,8 @@ def check_actuators(
     from actspec.audit.rules.frc101 import FrictionNotBelowEffort
     from actspec.audit.rules.frc106 import ViscousTakesTheLimit
     from actspec.audit.rules.stb102 import ExplicitDrive
-    from actspec.readings.artifact import Artifact, FileKind
+    from actspec.readings.artifact import Artifact, FileKind, Robot
     from actspec.readings.ledger import rows_of_spec
-    from actspec.readings.pair import Robot
 
     artifact = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     robot = Robot(actuators.robot, (0,))

@@ -3,9 +3,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 
 _Subject = tuple[Robot, list[LedgerRow], list[LedgerRow], set[str], LedgerRow]
 

@@ -10,9 +10,9 @@ from actspec.audit.case import Case
 from actspec.audit.rules.joints import by_joint
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
+from actspec.readings.artifact import Robot
 from actspec.readings.compare import LEAST_REDUCTION, SAME_POWER
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 from actspec.robot import view
 
 SAME = 0.05

@@ -14,11 +14,11 @@ from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, is_placeholder
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, angle_slip
 from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot, joint_names
+from actspec.readings.pair import joint_names
 from actspec.units import format_quantity
 
 TIMES = 3.0

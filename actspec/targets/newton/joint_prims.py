@@ -12,13 +12,12 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import Command, JointActuator, JointKind, Quantity
 from actspec.simulators import text_of
 from actspec.simulators.newton import JOINT_DAMPING, NETWORKS, NewtonDialect
-from actspec.spec.results import NetworkManifest
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
 from actspec.targets.kit.network import NetworkWithManifest, read_network, tap_stride
@@ -27,6 +26,9 @@ from actspec.targets.kit.sizes import lined
 from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from actspec.targets.newton.usda import UsdAttribute, asset
 from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.spec.results import NetworkManifest
 
 Schemas = tuple[tuple[str, ...], tuple[UsdAttribute, ...]]
 """API schemas of a prim, and its attributes."""

@@ -11,8 +11,7 @@ from actspec.audit.outcome import Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.ir import JointKind
-from actspec.readings.artifact import Artifact, FileKind, FileReading
-from actspec.readings.pair import Robot
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.robot.view import ModelFile
 from tests.audit.making import finding, row, rule_of
 

@@ -12,7 +12,7 @@ import pytest
 from actspec.audit.engine import judge
 from actspec.audit.outcome import Report
 from actspec.audit.settings import Settings
-from actspec.readings.pair import Robot
+from actspec.readings.artifact import Robot
 from actspec.report import ReportOptions, render
 from actspec.report.ledger import cell, comparisons
 from actspec.report.markdown import LONGEST

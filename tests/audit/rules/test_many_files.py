@@ -11,9 +11,8 @@ from actspec.audit.rules import ver105
 from actspec.audit.rules.joints import by_joint, joint_pairs, partner_rows, shared_joints
 from actspec.audit.rules.source_pairs import disagreements
 from actspec.diagnostics import Span
-from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.artifact import Artifact, FileKind, Robot
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import Robot
 
 
 def _case(files: list[dict[str, float]], *robots: tuple[int, ...]) -> Case:
