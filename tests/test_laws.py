@@ -581,6 +581,7 @@ def test_libraries_agree(library: str, dtype: str, tolerance: float) -> None:
         np.testing.assert_allclose([float(v) for v in got], want, rtol=tolerance, atol=tolerance * scale)
 
 
+@pytest.mark.slow
 def test_torch_gradients_pass() -> None:
     """d tau/dq is -kp = -25 inside the clamp and 0 in it; a copy cut off the graph has none."""
     torch = pytest.importorskip("torch")

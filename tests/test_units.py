@@ -488,6 +488,7 @@ def test_error_crosses_processes() -> None:
     assert (copy.message, copy.help) == ("wrong", "right")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("unit", "kind"),
     [

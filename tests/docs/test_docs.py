@@ -224,6 +224,7 @@ def test_files_that_specs_name_are_valid(block: Block, folder: Path) -> None:
         assert api.load("spec.yaml").document.includes == (block.file,)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", _of("python"), ids=lambda b: b.id)
 def test_python_prints_what_stands_behind_it(block: Block, folder: Path) -> None:
     """Python of the pages runs, and each print line's comment is its output."""

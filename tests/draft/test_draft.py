@@ -538,6 +538,7 @@ def test_nasty_names(tmp_path: Path, actuated: bool) -> None:
     assert set(actuators.unmanaged) == set(NASTY) - managed
 
 
+@pytest.mark.slow
 @settings(max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     names=st.lists(

@@ -63,6 +63,7 @@ ENDLESS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ENDLESS.values(), ids=ENDLESS)
 def test_endless(tmp_path: Path, text: str) -> None:
     """Folding stops after a number of steps, and says that only part of the file was read, here nothing of use."""

@@ -194,6 +194,7 @@ def test_compiled_robot_is_mjlabs(name: str, tmp_path: Path, mjlab_installed: Pa
     assert seen == JOINTS[name]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MJLAB)
 def test_only_drives_differ_from_mjlabs_model(name: str, tmp_path: Path, mjlab_installed: Path) -> None:
     """Bodies, masses, meshes and contacts are those of the file that mjlab ships."""

@@ -81,6 +81,7 @@ def test_every_source_is_in_the_list(name: str) -> None:
         assert re.fullmatch(r"2026-\d\d-\d\d", str(source["accessed"])), key
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_the_audit_has_no_warning(
     name: str,

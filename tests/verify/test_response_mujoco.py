@@ -41,6 +41,7 @@ def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
     assert all(row.tolerance < 0.15 for row in rows)
 
 
+@pytest.mark.slow
 def test_a_first_order_engine_is_off_by_twice_its_change(rich: Bench) -> None:
     """So twice the change, as an estimate, would fail half of what is right; 1.9 to 2.1 for a step of the hips."""
     answer = rich.asked("mujoco")
