@@ -6,6 +6,7 @@ one, however it ends: by `with`, an interrupt, or a signal that nobody can catch
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import signal
 import sys
@@ -211,6 +212,8 @@ def _serve(
     limit: float,
 ) -> None:
     """The life of another process."""
+    # Who called says how this process ended, and needs no stack of it.
+    faulthandler.disable()
     # The parent decides what an interrupt means, and ends its processes.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     alarm = _end_with_parent()

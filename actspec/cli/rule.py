@@ -6,10 +6,11 @@ import argparse
 import os
 import sys
 
+from actspec.audit.ignores import REMARKS
 from actspec.audit.pages import INDEX, index, page, record
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import selected
+from actspec.audit.selection import selected, strength
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
@@ -42,7 +43,14 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json({"format": "actspec-rules/1", "rules": [record(rule) for rule in rules]})
     else:
-        sys.stdout.write("\n".join(page(rule) for rule in rules))
+        remarks = {} if arguments.all else REMARKS
+        texts = [
+            f"{code} {name}\n\nThis is no rule: it is reported about remarks such as `actspec: ignore[LIM101]` in "
+            "audited files. docs/audit.md says when.\n"
+            for code, name in remarks.items()
+            if any(strength(selector, code, name) > 1 for selector in arguments.rule)
+        ]
+        sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
     return EXIT_CLEAN
 
 

@@ -418,6 +418,14 @@ def test_rule(capsys: pytest.CaptureFixture[str]) -> None:
     assert "# LIM107 saturation-below-limit" in both
 
 
+@pytest.mark.parametrize("selector", ["ACT002", "unused-ignore"])
+def test_rule_that_is_none_any_more(selector: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """A code of what is reported about remarks is explained in a line, whatever it is called by."""
+    assert run("rule", selector) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("ACT002 unused-ignore\n") and "no rule" in said
+
+
 def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     """All rules for programs, in the form of the schema; an error too."""
     assert run("rule", "--all", "--output-format", "json") == 0
