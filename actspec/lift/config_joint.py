@@ -22,6 +22,7 @@ from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
 from actspec.robot.view import JointView
 from actspec.simulators.isaaclab import FrictionUnit
+from actspec.units import format_quantity
 
 NONE_FROM = 1e9
 """A limit, stall torque or speed from which on there is none [SI]. Source: Isaac Lab's and mjlab's own defaults."""
@@ -206,7 +207,7 @@ class ConfigJoint:
         unit = self._units.torque
         found = self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
-            return unknown(unit, f"{found.value:g} {unit} is no limit", found.span)
+            return unknown(unit, f"{format_quantity(found.value, unit)} is no limit", found.span)
         if self._control != "implicit":
             for name in ("effort_limit_sim", "joint_effort_limit"):
                 solver = self._setting(name, unit)

@@ -20,6 +20,7 @@ from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaLayer, UsdaPrim
 from actspec.robot.view import JointView
+from actspec.units import format_quantity
 
 ACTUATOR = "NewtonActuator"
 TARGETS = "newton:targets"
@@ -341,7 +342,7 @@ class NewtonDrive:
 
     def _unlimited(self, found: Quantity) -> Quantity:
         assert found.span is not None
-        return unknown(found.unit, f"{found.value:g} {found.unit} is no limit", found.span)
+        return unknown(found.unit, f"{format_quantity(found.value, found.unit)} is no limit", found.span)
 
     def _stated(self, name: str, unit: str) -> Quantity | None:
         """A number of the actuator; None where it is not in force."""

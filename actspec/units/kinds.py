@@ -108,7 +108,9 @@ def format_number(value: float, digits: int = 6) -> str:
     if math.isclose(value, float(f"{value:.{_GIVEN}g}"), rel_tol=1e-9):
         digits = max(digits, _GIVEN)
     text = f"{value:.{digits}g}"
-    return f"{value:.0f}" if "e+" in text and abs(value) < 1e9 else text
+    if "e+" not in text:
+        return text
+    return f"{value:.0f}" if abs(value) < 1e9 else text.replace("e+0", "e").replace("e+", "e")
 
 
 def in_units(kind: Kind) -> str:

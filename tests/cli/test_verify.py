@@ -108,7 +108,7 @@ def test_edited_file(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     place = str(Path("out", "isaaclab", "rich_cfg.py"))
     assert f"{place}:{line}:" in out
     assert (
-        "VFY104 isaaclab left_hip and 1 more: the effort limit is 1e+09 N*m, and should be 22.5 N*m: "
+        "VFY104 isaaclab left_hip and 1 more: the effort limit is 1e9 N*m, and should be 22.5 N*m: "
         "the limit is lost"
     ) in out
     assert run("--built", "out", "--fields-only", "-t", "deploy") == 0
@@ -208,7 +208,7 @@ def test_github(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == (
         f"::error title=VFY104 isaaclab,file=out/isaaclab/rich_cfg.py,line={line},col=22::left_hip and 1 more: "
-        "the effort limit is 1e+09 N*m, and should be 22.5 N*m: the limit is lost"
+        "the effort limit is 1e9 N*m, and should be 22.5 N*m: the limit is lost"
     )
     assert lines[-1].startswith("::error title=rich,file=rich.yaml::1 disagreement in isaaclab; ")
     assert run("--fields-only", "-t", "deploy", "--output-format", "github") == 0

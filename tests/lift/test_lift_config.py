@@ -133,7 +133,7 @@ def test_dc_motor_and_limits(tmp_path: Path) -> None:
     assert (hip.stall_torque.value, hip.no_load_speed.value, hip.effort_limit.value) == (45.0, 30.0, 24.0)
     assert hip.velocity_limit.value == 25.0
     assert found.notes["hip"] == ("the solver clips at 20 N*m too (effort_limit_sim), below effort_limit",)
-    assert (knee.effort_limit.value, knee.effort_limit.note) == (None, "1e+09 N*m is no limit")
+    assert (knee.effort_limit.value, knee.effort_limit.note) == (None, "1e9 N*m is no limit")
     # velocity_limit of an explicit class without a line limits nothing but the joint's soft limit; implicit: ignored.
     assert (lift.effort_limit.value, lift.velocity_limit.value) == (5.0, None)
 

@@ -114,9 +114,9 @@ def _isaac_default(version: str | None, group: Group) -> str | None:
         return (
             None
             if solver is not None
-            else f"Isaac Lab {version} then clips at 1e+09 N*m, which no joint reaches"
+            else f"Isaac Lab {version} then clips at 1e9 N*m, which no joint reaches"
         )
-    first = "at its effort_limit_sim" if solver is not None else "at 1e+09 N*m, which no joint reaches"
+    first = "at its effort_limit_sim" if solver is not None else "at 1e9 N*m, which no joint reaches"
     return f"Isaac Lab 2.2 and 2.3.0 then clip {first}; later versions at the limit that the USD has"
 
 

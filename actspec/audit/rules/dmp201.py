@@ -6,6 +6,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.source_pairs import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints
+from actspec.readings.compare import times
 from actspec.readings.dynamics import figure
 
 
@@ -33,8 +34,8 @@ class DampingCountedTwice(RuleOver[SpecJoint]):
             self.code,
             f"damping is counted twice: the drive's kd is {shown(figure(joint.rows, 'kd').value, unit)} and the "
             f"joint's own damping {shown(passive, unit)}, together {shown(total, unit)}, and the spec says kd "
-            f"{shown(joint.spec.kd, unit)} and viscous friction {shown(joint.spec.joint_damping, unit)} "
-            f"(x{total / joint.spec.total_damping:.3g})",
+            f"{shown(joint.spec.kd, unit)} and viscous friction {shown(joint.spec.joint_damping, unit)}"
+            f"{times(total, joint.spec.total_damping)}",
             first.place("joint_damping"),
             first.joint,
             total,

@@ -15,7 +15,7 @@ from actspec.audit.rule import RuleInParts
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, is_placeholder
 from actspec.readings.artifact import FileKind, Robot
-from actspec.readings.compare import Figure, angle_slip
+from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import joint_names
@@ -63,7 +63,7 @@ class Disagreement:
     @property
     def times(self) -> str:
         """The ratio for a message: ` (x0.517)`, or nothing."""
-        return "" if self.ratio is None else f" (x{self.ratio:.3g})"
+        return times(self.mine.value, self.theirs.value)
 
 
 def disagreements(

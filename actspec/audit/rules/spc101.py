@@ -16,7 +16,7 @@ from actspec.audit.rules.spec_pairs import (
 )
 from actspec.fields import FIELDS
 from actspec.ir import Level
-from actspec.readings.compare import Figure
+from actspec.readings.compare import Figure, times
 
 _GAINS = ("kp", "kd")
 _COMMAND = ("delay", "action_scale", "default_position")
@@ -63,18 +63,15 @@ class FigureDeparts(RuleOver[SpecJoint]):
 
     def _finding(self, joint: SpecJoint, field: str, mine: Figure, wanted: Figure) -> Finding:
         assert mine.value is not None and wanted.value is not None
-        ratio = f" (x{mine.value / wanted.value:.3g})" if mine.value and wanted.value else ""
         if math.isinf(mine.value):
             text = f"there is no {FIELDS[field].noun}"
         elif mine.stated:
             text = f"the {FIELDS[field].noun} is {shown(mine.value, mine.unit)}"
         else:
             text = f"the {FIELDS[field].noun} is not written, so {shown(mine.value, mine.unit)}"
-        if math.isinf(mine.value) or math.isinf(wanted.value):
-            ratio = ""
         return Finding(
             self.code,
-            f"{text}, and the spec says {shown(wanted.value, wanted.unit)}{ratio}",
+            f"{text}, and the spec says {shown(wanted.value, wanted.unit)}{times(mine.value, wanted.value)}",
             mine.place,
             joint.rows[0].joint,
             mine.value,

@@ -7,6 +7,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import times
 from actspec.readings.dynamics import settings_of
 from actspec.units import format_quantity
 
@@ -52,13 +53,13 @@ class SpecTiming(RuleOver[_Subject]):
         self, case: Case, index: int, name: str, mine: tuple[float, Span], wanted: tuple[float, Span]
     ) -> Finding:
         kind = case.artifacts[index].kind
-        ratio = mine[0] / wanted[0]
         help = "set it to the spec's, or correct the spec"
         if kind is FileKind.MJCF:
             help = "the mujoco target writes the spec's; check that what loads this file sets it"
         return Finding(
             self.code,
-            f"the {_NAMES[name]} is {_shown(mine[0])}, and the spec says {_shown(wanted[0])} (x{ratio:.3g})",
+            f"the {_NAMES[name]} is {_shown(mine[0])}, and the spec says {_shown(wanted[0])}"
+            f"{times(mine[0], wanted[0])}",
             mine[1],
             value=mine[0],
             unit="s",

@@ -11,7 +11,7 @@ from actspec.audit.rules.joints import by_joint
 from actspec.audit.rules.source_pairs import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
-from actspec.readings.compare import Figure, torque_slip
+from actspec.readings.compare import Figure, times, torque_slip
 from actspec.readings.dynamics import figure, friction_setting
 from actspec.readings.ledger import LedgerRow
 
@@ -129,7 +129,7 @@ def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figur
         return None
     return found, (
         f"is {found.value:.3g}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
-        f"figure in {other}, where the file means {wanted.unit} (x{ratio:.3g})"
+        f"figure in {other}, where the file means {wanted.unit}{times(found.value, wanted.value)}"
     )
 
 

@@ -6,6 +6,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
+from actspec.readings.compare import times
 from actspec.readings.dynamics import settings_of
 
 
@@ -47,16 +48,15 @@ class Timing(RuleInParts):
         self, case: Case, index: int, name: str, mine: float, other: int, theirs: float
     ) -> Finding:
         file = case.artifacts[other].path
-        ratio = mine / theirs
         if name == "control_dt":
             what = (
-                f"the policy runs every {mine * 1e3:.3g} ms here and every {theirs * 1e3:.3g} ms in {file} "
-                f"(x{ratio:.3g}): one step is not the time that it was trained with"
+                f"the policy runs every {mine * 1e3:.3g} ms here and every {theirs * 1e3:.3g} ms in {file}"
+                f"{times(mine, theirs)}: one step is not the time that it was trained with"
             )
         else:
             what = (
-                f"the physics step is {mine * 1e3:.3g} ms here and {theirs * 1e3:.3g} ms in {file} (x{ratio:.3g}), "
-                "at the same control period: explicit drives and contacts act otherwise"
+                f"the physics step is {mine * 1e3:.3g} ms here and {theirs * 1e3:.3g} ms in {file}"
+                f"{times(mine, theirs)}, at the same control period: explicit drives and contacts act otherwise"
             )
         rare = name == "physics_dt"
         return Finding(
