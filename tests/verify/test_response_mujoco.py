@@ -12,6 +12,8 @@ from actspec.verify.response import SOFT
 from tests.verify.making import SPEC, Edit, both, replaced
 from tests.verify.responding import Bench
 
+pytestmark = pytest.mark.slow
+
 ONLY = 'targets: {mujoco: {version: "3.12"}}\n'
 RICH = SPEC.split("targets:")[0] + ONLY
 FREE = RICH.replace("    kd: 300\n    effort_limit: 150 N\n", "    kd: 3000\n    effort_limit: unknown\n")
@@ -30,7 +32,6 @@ def free(tmp_path_factory: pytest.TempPathFactory) -> Bench:
     return Bench.of(tmp_path_factory.mktemp("free"), FREE, "mujoco")
 
 
-@pytest.mark.slow
 def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
     """16 rows: hips together, knees apart; where it shows, soft friction is the only approximation."""
     rows = rich.rows("mujoco")
@@ -41,7 +42,6 @@ def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
     assert all(row.tolerance < 0.15 for row in rows)
 
 
-@pytest.mark.slow
 def test_a_first_order_engine_is_off_by_twice_its_change(rich: Bench) -> None:
     """So twice the change, as an estimate, would fail half of what is right; 1.9 to 2.1 for a step of the hips."""
     answer = rich.asked("mujoco")
@@ -84,7 +84,6 @@ SEEN: dict[str, tuple[Edit, str]] = {
 """Mistakes that fields or torques show too."""
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", [*UNSEEN, *SEEN])
 def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
     """VFY112 in the group that has it."""
@@ -94,7 +93,6 @@ def test_a_mistake_shows_in_the_response(rich: Bench, name: str) -> None:
     assert group in {row.group for row in rows if not row.ok}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", UNSEEN)
 def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
     """Of what MuJoCo does only responses are wrong; beside them the compiled model is reported to be another one."""
@@ -104,7 +102,6 @@ def test_nothing_else_shows_these(rich: Bench, name: str) -> None:
     assert {row.code for row in found.faults if not row.engine} <= {"VFY110"}
 
 
-@pytest.mark.slow
 def test_an_integrator_that_is_unstable_is_found(free: Bench) -> None:
     """`Euler` integrates the drive's kd explicitly: 5 ms x 3000 / 4.5 kg is more than 2, and the lift diverges."""
     assert [row.message for row in free.rows("mujoco") if not row.ok] == []
