@@ -171,7 +171,9 @@ def test_processes_are_ended_whatever_they_do() -> None:
 
 
 PARENT = """
-import os, sys
+import os, signal, sys
+# Whoever runs the tests in the background has interrupts ignored.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 from actspec.processes import Pool
 def hang(number):
     if number != "2":
