@@ -77,6 +77,7 @@ def _written_lines(original: list[str], text: list[str]) -> str:
     return "\n".join([*lines, f"{gone} lines of the original are replaced", ""])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("robot", ROBOTS)
 def test_compiling_twice_gives_the_same_bytes(
     robot: str, request: pytest.FixtureRequest, tmp_path: Path

@@ -21,6 +21,8 @@ from actspec.simulate.reference import (
     integrate,
 )
 
+pytestmark = pytest.mark.slow
+
 STEP = 0.005
 FREE = PassiveFriction(0.0, 0.0)
 
@@ -169,7 +171,6 @@ def test_a_filter_goes_on_between_the_steps() -> None:
     assert np.abs(found.torque[:, 0] + np.expm1(-np.maximum(times(99) - STEP, 0.0) / tau)).max() < 1e-13
 
 
-@pytest.mark.slow
 def test_a_filter_breaks_a_joint_away_between_the_steps() -> None:
     """It reaches 0.5 N*m after tau ln 2 = 22.06 ms, no multiple of a step, and only then moves."""
     tau = 1.0 / (2.0 * math.pi * 5.0)
@@ -262,7 +263,6 @@ def test_the_drive_is_the_law(seed: int) -> None:
         assert np.abs(found - one.torque(command, q, qd)).max() < 1e-11 * 40.0 * 80.0
 
 
-@pytest.mark.slow
 def test_lanes_of_all_kinds_do_not_touch_each_other() -> None:
     """Together they integrate as each alone."""
     rng = np.random.default_rng(7)
@@ -284,7 +284,6 @@ def test_lanes_of_all_kinds_do_not_touch_each_other() -> None:
         assert np.abs(alone.q[:, 0] - together.q[:, i]).max() < 1e-12
 
 
-@pytest.mark.slow
 def test_half_the_substep_changes_nothing_that_is_judged() -> None:
     """Corners of a clamp and landings included: less than 1e-6 of the way, the floor of `response_rows`."""
     one = spring(

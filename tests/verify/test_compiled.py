@@ -104,6 +104,7 @@ CHANGED: dict[str, tuple[Edit, str, str, str]] = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHANGED)
 def test_change_is_found(name: str, arm: Built) -> None:
     """A number that no figure tells is reported by MuJoCo's own name, with what actspec writes."""
