@@ -80,7 +80,7 @@ class Field:
         """SI unit at a joint; one of unknown kind is taken for a hinge, as nearly all are."""
         if self.kind is None:
             return self.fixed
-        return self.kind.linear_unit if joint is JointKind.SLIDE else self.kind.rotary_unit
+        return unit_of_kind(self.kind, joint)
 
 
 _TABLE = (
@@ -194,6 +194,11 @@ DAMPING_PARTS = ("kd", "joint_damping", "actuator_damping")
 
 LIMITS = frozenset(field.name for field in _TABLE if field.role is Role.LIMIT)
 """What bounds torque or speed: 0 and a placeholder are nobody's numbers there."""
+
+
+def unit_of_kind(kind: Kind, joint: JointKind | None) -> str:
+    """SI unit of a quantity kind at a joint; one of unknown kind is taken for a hinge."""
+    return kind.linear_unit if joint is JointKind.SLIDE else kind.rotary_unit
 
 
 def unit_of(name: str, joint: JointKind | None) -> str:

@@ -9,10 +9,9 @@ from dataclasses import dataclass
 from actspec.diagnostics import Span
 from actspec.draft.sources import stated
 from actspec.draft.text import figure, quantity_text, scalar, sourced, time_text
-from actspec.fields import FRICTION
+from actspec.fields import FRICTION, unit_of_kind
 from actspec.ir import Command, Delay, JointActuator, Level, Origin, Quantity, Randomization
 from actspec.readings.artifact import FileKind
-from actspec.readings.quantities import unit_of
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind, format_number
 
@@ -239,7 +238,7 @@ def _delay(delay: Delay) -> str:
 
 def _range(item: Randomization, joint: JointActuator) -> str:
     kind = Kind.RATIO if item.operation == "scale" else RANDOMIZED_KINDS[item.field]
-    unit = "" if kind is Kind.RATIO else unit_of(kind, joint.kind)
+    unit = "" if kind is Kind.RATIO else unit_of_kind(kind, joint.kind)
     ends = [time_text(end) if unit == "s" else figure(end, unit) for end in (item.low, item.high)]
     parts = [f"{item.operation}: [{', '.join(ends)}]"]
     if item.distribution != "uniform":

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from actspec.diagnostics import Span
+from actspec.fields import unit_of
 from actspec.ir import JointKind, Quantity
 from actspec.readings.quantities import Units, assumed, stated, tidy, units_of, unknown
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
@@ -304,7 +305,7 @@ class JointReading:
 
     def servo_gain(self, name: str) -> Quantity:
         """`kp` or `kd` of the servos alone."""
-        return self._together(name, getattr(self, name).unit, self.servos)
+        return self._together(name, unit_of(name, self.joint.kind), self.servos)
 
     def _together(self, name: str, unit: str, drives: Sequence[DriveReading]) -> Quantity:
         parts: list[Quantity] = [getattr(drive, name) for drive in drives]

@@ -6,13 +6,9 @@ from dataclasses import dataclass
 from functools import cache, lru_cache
 
 from actspec.diagnostics import Span
+from actspec.fields import unit_of_kind
 from actspec.ir import JointKind, Origin, Quantity
 from actspec.units import Kind
-
-
-def unit_of(kind: Kind, joint: JointKind) -> str:
-    """SI unit of a quantity kind at a hinge or a slide."""
-    return kind.linear_unit if joint is JointKind.SLIDE else kind.rotary_unit
 
 
 def stated(
@@ -58,4 +54,4 @@ class Units:
 def units_of(joint: JointKind) -> Units:
     """The units of a hinge or a slide."""
     kinds = (Kind.TORQUE, Kind.SPEED, Kind.POSITION, Kind.STIFFNESS, Kind.VELOCITY_GAIN, Kind.INERTIA)
-    return Units(*(unit_of(kind, joint) for kind in kinds))
+    return Units(*(unit_of_kind(kind, joint) for kind in kinds))

@@ -7,8 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
+from actspec.fields import unit_of_kind
 from actspec.ir import JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy, unit_of
+from actspec.readings.quantities import tidy
 from actspec.resolution.quantities import Factor, in_words, scaled, written
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Stage
@@ -292,6 +293,8 @@ def carried(train: Train, behind: Sequence[Factor], spec: Spec) -> list[Quantity
     found = []
     for index, step in enumerate(train.steps):
         if step.inertia is not None:
-            own = written(step.inertia, unit_of(Kind.INERTIA, step.output), spec.span(*step.path, "inertia"))
+            own = written(
+                step.inertia, unit_of_kind(Kind.INERTIA, step.output), spec.span(*step.path, "inertia")
+            )
             found.append(scaled(own, (*train.behind(index + 1, power=2), *behind)))
     return found

@@ -11,8 +11,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path, listed
+from actspec.fields import unit_of_kind
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy, unit_of, unknown
+from actspec.readings.quantities import tidy, unknown
 from actspec.resolution.gearbox import Train, gear_train, unfit
 from actspec.resolution.motor import Drivetrain, JointMotor, check_motor, joint_motor
 from actspec.resolution.stated import Bindings, Stated
@@ -70,7 +71,9 @@ class LinkedMotors:
     def at_joint(self, index: int, kind: JointKind, geometry: Geometry | None = None) -> JointMotor:
         """What the motors are to one joint, at a pose of the table or else at that which is used."""
         geometry = geometry or self.used
-        unit = {quantity: unit_of(quantity, kind) for quantity in (Kind.TORQUE, Kind.SPEED, Kind.INERTIA)}
+        unit = {
+            quantity: unit_of_kind(quantity, kind) for quantity in (Kind.TORQUE, Kind.SPEED, Kind.INERTIA)
+        }
 
         def bound(quantity: Kind, figures: Sequence[Quantity | None]) -> Quantity | None:
             known = [figure for figure in figures if figure is not None]
@@ -424,7 +427,7 @@ def _default_pose(linkage: Linkage, spec: Spec, bindings: Bindings) -> tuple[flo
 
 def _text(name: str, linkage: Linkage, used: Geometry | None, pose: Sequence[float], kind: JointKind) -> str:
     """The linkage in formulas: name, pose of its Jacobian, source."""
-    unit = unit_of(Kind.POSITION, kind)
+    unit = unit_of_kind(Kind.POSITION, kind)
     text = f"linkage {name}"
     if used is not None and used.at is not None:
         at, wanted = (

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
+from actspec.fields import unit_of_kind
 from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy, unit_of, unknown
+from actspec.readings.quantities import tidy, unknown
 from actspec.resolution.gearbox import (
     Train,
     carried,
@@ -142,7 +143,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
     def figure(value: SpecValue | None, quantity: Kind, *path: str) -> Quantity | None:
         if value is None:
             return None
-        return written(value, unit_of(quantity, quoted), spec.span("motors", name, *path))
+        return written(value, unit_of_kind(quantity, quoted), spec.span("motors", name, *path))
 
     def torque(value: SpecValue | None, *path: str) -> Quantity | None:
         found = figure(value, Kind.TORQUE, *path)
@@ -162,7 +163,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
                     own = " of the transmission" if train is drivetrain.transmission else ""
                     formula += f" x 1 (efficiency{own}, default)"
             formula += "".join(train.legend + train.efficiencies * torque for train in passed)
-        return replace(found, unit=unit_of(quantity, kind), formula=formula)
+        return replace(found, unit=unit_of_kind(quantity, kind), formula=formula)
 
     def by_current(current: SpecValue | None, field: str) -> Quantity | None:
         """Torque constant times current, where the torque itself is not stated."""
@@ -171,7 +172,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
             return None
         product = Quantity(
             tidy(constant.value * current.value),
-            unit_of(Kind.TORQUE, quoted),
+            unit_of_kind(Kind.TORQUE, quoted),
             Origin.DERIVED,
             source=constant.source or current.source,
             span=spec.span("motors", name, field),
@@ -184,15 +185,15 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
             found = replace(found, formula=f"{product.formula}{factors}")
         return at_joint(found, Kind.TORQUE)
 
-    torque_unit = unit_of(Kind.TORQUE, kind)
+    torque_unit = unit_of_kind(Kind.TORQUE, kind)
     curve = None
     if motor.curve is not None:
         parts = motor.curve
         curve = AsymmetricCurve(
             torque(parts.drive_torque, "curve", "drive_torque") or unknown(torque_unit),
             torque(parts.brake_torque, "curve", "brake_torque") or unknown(torque_unit),
-            speed(parts.knee_speed, "curve", "knee_speed") or unknown(unit_of(Kind.SPEED, kind)),
-            speed(parts.no_load_speed, "curve", "no_load_speed") or unknown(unit_of(Kind.SPEED, kind)),
+            speed(parts.knee_speed, "curve", "knee_speed") or unknown(unit_of_kind(Kind.SPEED, kind)),
+            speed(parts.no_load_speed, "curve", "no_load_speed") or unknown(unit_of_kind(Kind.SPEED, kind)),
         )
     return JointMotor(
         name=name,
@@ -223,7 +224,7 @@ def _reflected(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> Q
         *transmission.behind(0, power=2),
         (float(drivetrain.motors), "motors_per_joint"),
     ]
-    unit = unit_of(Kind.INERTIA, drivetrain.kind)
+    unit = unit_of_kind(Kind.INERTIA, drivetrain.kind)
     if motor.rotor_inertia is not None:
         own, kind, field = motor.rotor_inertia, gearbox.input, "rotor_inertia"
         factors, passed = [*gearbox.behind(0, power=2), *outside], [gearbox, transmission]
@@ -232,7 +233,7 @@ def _reflected(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> Q
         factors, passed = outside, [transmission]
     else:
         return unknown(unit)
-    first = written(own, unit_of(Kind.INERTIA, kind), spec.span("motors", name, field))
+    first = written(own, unit_of_kind(Kind.INERTIA, kind), spec.span("motors", name, field))
     own_terms = [scaled(first, factors)]
     if gearbox in passed:
         own_terms += carried(gearbox, outside, spec)

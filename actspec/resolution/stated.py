@@ -10,10 +10,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
-from actspec.fields import BY_SPEC, FRICTION
+from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
 from actspec.patterns import PatternError, match_names, suggest_pattern
-from actspec.readings.quantities import unit_of
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
@@ -74,7 +73,7 @@ class Stated:
         value = self.get(field)
         if not isinstance(value, SpecValue) or value.identified:
             return None
-        return written(value, unit_of(kind, self.kind), self.spec.span(*self.path(field)))
+        return written(value, unit_of_kind(kind, self.kind), self.spec.span(*self.path(field)))
 
 
 def stated_of(spec: Spec, binding: Binding, breaches: Breaches) -> Stated:
@@ -374,7 +373,7 @@ class JointInputs:
 
     def unit(self, kind: Kind) -> str:
         """SI unit of a quantity kind at this joint."""
-        return unit_of(kind, self.kind)
+        return unit_of_kind(kind, self.kind)
 
     def error(self, code: str, message: str, field: str, help: str | None = None) -> None:
         """Report a fault of a field."""

@@ -8,6 +8,7 @@ from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
 
@@ -79,9 +80,9 @@ def _geared(artifact: Artifact, row: LedgerRow, joint: str) -> ActuatorView | No
 def _before_gear(actuator: ActuatorView) -> float | None:
     """The torque that the actuator is limited to, gear left out."""
     if actuator.force_range is not None and "force_range" not in actuator.unknown:
-        return _largest(actuator.force_range)
+        return largest(actuator.force_range)
     if actuator.control == "motor" and actuator.control_range is not None:
-        return None if actuator.unknown else abs(actuator.gain) * _largest(actuator.control_range)
+        return None if actuator.unknown else abs(actuator.gain) * largest(actuator.control_range)
     return None
 
 
@@ -94,7 +95,7 @@ def _stated_limit(case: Case, artifact: Artifact, row: LedgerRow, limit: float |
         if other.effort_limit is not None and _equal(other.effort_limit, limit):
             return other.place("effort_limit")
     joint = None if artifact.robot is None else artifact.robot.joint(row.joint)
-    if joint is not None and joint.effort_range is not None and _equal(_largest(joint.effort_range), limit):
+    if joint is not None and joint.effort_range is not None and _equal(largest(joint.effort_range), limit):
         return joint.places.get("effort", joint.span)
     return None
 
@@ -114,7 +115,3 @@ def _place(actuator: ActuatorView, attribute: str) -> Span:
 
 def _equal(one: float, other: float) -> bool:
     return math.isclose(one, other, rel_tol=0.01)
-
-
-def _largest(ends: tuple[float, float]) -> float:
-    return max(abs(end) for end in ends)

@@ -7,6 +7,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown, unit
 from actspec.readings.artifact import FileKind
+from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView, JointView
 
@@ -29,10 +30,10 @@ class TwoClamps(RuleOver[_Subject]):
         row, joint, actuator = subject
         assert joint.effort_range is not None
         relative = self.option(case, "relative")
-        clamp, gear = _largest(joint.effort_range), abs(actuator.gear)
+        clamp, gear = largest(joint.effort_range), abs(actuator.gear)
         place = joint.places.get("effort", joint.span)
         if actuator.force_range is not None:
-            force = gear * _largest(actuator.force_range)
+            force = gear * largest(actuator.force_range)
             if math.isclose(force, clamp, rel_tol=relative):
                 return
             lower, upper = sorted((force, clamp))
@@ -52,7 +53,7 @@ class TwoClamps(RuleOver[_Subject]):
                 (place,),
             )
         elif actuator.control == "motor" and row.command_range is not None:
-            asked = _largest(row.command_range)
+            asked = largest(row.command_range)
             if asked > clamp * (1.0 + relative):
                 yield Finding(
                     self.code,
@@ -85,7 +86,3 @@ def _single_drives(case: Case) -> Iterator[tuple[LedgerRow, JointView, ActuatorV
             )
             if actuator is not None and not actuator.unknown & {"force_range", "gear", "control_range"}:
                 yield rows[0], joint, actuator
-
-
-def _largest(ends: tuple[float, float]) -> float:
-    return max(abs(end) for end in ends)

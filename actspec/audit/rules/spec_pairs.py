@@ -13,14 +13,12 @@ from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure, times, torque_slip
 from actspec.readings.dynamics import figure, friction_setting
+from actspec.readings.joint import SERVOS
 from actspec.readings.ledger import LedgerRow
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1
 """Least part of the spec's kd that is a second one and no friction. Chosen: as DMP101's `share`."""
-
-DRIVEN = frozenset({"position", "velocity", "dcmotor", "pid"})
-"""Controls of an MJCF whose actuator is all that drives the joint: what such a file leaves out is the engine's 0."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +40,8 @@ class SpecJoint:
     def mine(self, field: str) -> Figure | None:
         """What the file says; None where it leaves that to others."""
         found = figure(self.rows, field)
-        runs = self.kind is FileKind.MJCF and self.rows[0].control in DRIVEN
+        # Such an actuator is all that drives the joint: what the file leaves out is the engine's 0.
+        runs = self.kind is FileKind.MJCF and self.rows[0].control in SERVOS
         return found if found.value is not None and (found.stated or runs) else None
 
     def wanted(self, field: str) -> Figure | None:

@@ -12,6 +12,7 @@ from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import DEGREES
+from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
@@ -46,7 +47,7 @@ class RangeInDegrees(RuleInParts):
         for _, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             robot = artifact.robot
             hinges = [] if robot is None else [joint for joint in robot.joints if _is_limited_hinge(joint)]
-            locked = [joint for joint in hinges if _largest(joint.range or (0.0, 0.0)) <= _LOCKED]
+            locked = [joint for joint in hinges if largest(joint.range or (0.0, 0.0)) <= _LOCKED]
             degrees = robot is not None and not any(b"radian" in file.data for file in robot.files)
             if artifact.kind is FileKind.MJCF and degrees and len(locked) == len(hinges) >= _SEVERAL:
                 yield (self._of_file(locked),)
@@ -64,16 +65,16 @@ class RangeInDegrees(RuleInParts):
             "radians here whatever the file's angle is",
             row.place("command_range"),
             row.joint,
-            _largest(command),
+            largest(command),
             "rad",
-            _largest(joint),
+            largest(joint),
             f"write {joint[0]:.4g} {joint[1]:.4g}",
             fix=fix,
         )
 
     def _of_joint(self, case: Case, joint: JointView) -> Iterator[Finding]:
         ends = joint.range or (0.0, 0.0)
-        most = _largest(ends)
+        most = largest(ends)
         if not self.option(case, "least") <= most <= self.option(case, "most"):
             return
         if not all(math.isclose(end, round(end), abs_tol=1e-9) for end in ends):
@@ -100,9 +101,9 @@ class RangeInDegrees(RuleInParts):
             f"{ends[0]:.3g} ... {ends[1]:.3g} rad): radians, read as degrees",
             first.places.get("range", first.span),
             "",
-            _largest(ends),
+            largest(ends),
             "rad",
-            _largest(ends) * DEGREES,
+            largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
         )
 
@@ -140,7 +141,3 @@ def _range_fixes(case: Case) -> dict[Span, Fix]:
             f"Set ctrlrange to {ends}", Safety.UNSAFE, (edit,), ("actuator_ctrlrange",)
         )
     return found
-
-
-def _largest(ends: tuple[float, float]) -> float:
-    return max(abs(end) for end in ends)
