@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
+import math
 import os
-import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,36 +20,50 @@ FORMAT = "actspec-baseline/1"
 MOST_BYTES = 64 << 20
 """Chosen: about 300 000 entries."""
 
-_PLACE = re.compile(r"(\.(?:xml|mjcf|urdf|xacro|py|ya?ml|json)):\d+(?::\d+)?\b|\blines? \d+")
-"""A line and column behind a file's name, or in words."""
+SAME = 0.01
+"""Chosen: figures that depend on inertia differ by less from one release of MuJoCo to the next."""
 
 
-@dataclass(frozen=True, slots=True, order=True)
+@dataclass(frozen=True, slots=True)
 class Entry:
-    """Findings that are the same one, wherever in the file they stand now.
+    """Findings that are the same one, wherever in the file they stand and however they are worded.
 
     Attributes:
         code: Of the rule.
         file: Relative to the baseline's folder, with `/`.
         joint: Joint; "" when a file is concerned.
-        hash: Of the message without places.
+        value: The figure that is wrong [unit], to four digits; None where there is none, or the baseline has none.
+        unit: Of the figure; None without one.
     """
 
     code: str
     file: str
     joint: str
-    hash: str
+    value: float | None = None
+    unit: str | None = None
 
-
-def stable_hash(message: str) -> str:
-    """Hash of a message without its line numbers: 16 hexadecimal digits."""
-    return hashlib.sha256(_PLACE.sub(r"\1", message).encode("utf-8", "replace")).hexdigest()[:16]
+    def covers(self, other: Entry) -> bool:
+        """Whether a finding is this one: a figure that has changed makes another one of it."""
+        if (self.code, self.file, self.joint) != (other.code, other.file, other.joint):
+            return False
+        if self.value is None:
+            return True
+        return (
+            other.value is not None
+            and self.unit == other.unit
+            and math.isclose(self.value, other.value, rel_tol=SAME)
+        )
 
 
 def entry_of(finding: Finding, folder: str) -> Entry:
     """The entry that a finding belongs to; its file relative to a folder."""
+    value = finding.value if finding.value is not None and math.isfinite(finding.value) else None
     return Entry(
-        finding.code, relative_path(finding.span.path, folder), finding.joint, stable_hash(finding.message)
+        finding.code,
+        relative_path(finding.span.path, folder),
+        finding.joint,
+        None if value is None else float(f"{value:.4g}"),
+        None if value is None else finding.unit or None,
     )
 
 
@@ -72,13 +85,19 @@ def baseline_text(findings: Iterable[Reported], path: str) -> str:
     """
     folder = os.path.dirname(path)
     counts = Counter(entry_of(reported.finding, folder) for reported in findings)
-    records = [
-        {"code": e.code, "file": e.file, "joint": e.joint, "hash": e.hash, "count": counts[e]}
-        for e in sorted(counts)
-    ]
+    records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
     lines = ",\n".join("    " + json.dumps(record, ensure_ascii=False) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
     return f'{{\n  "format": "{FORMAT}",\n  "findings": {body}\n}}\n'
+
+
+def _record(entry: Entry, count: int) -> dict[str, Any]:
+    figure = {} if entry.value is None else {"value": entry.value, "unit": entry.unit or ""}
+    return {"code": entry.code, "file": entry.file, "joint": entry.joint, **figure, "count": count}
+
+
+def _place(entry: Entry) -> tuple[object, ...]:
+    return entry.code, entry.file, entry.joint, entry.unit or "", entry.value or 0.0, entry.value is None
 
 
 def write_baseline(findings: Iterable[Reported], path: str) -> None:
@@ -122,13 +141,20 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     entries: Counter[Entry] = Counter()
     records = data.get("findings")
     for record in records if isinstance(records, list) else [None]:
-        known = record if isinstance(record, dict) else {}
-        texts: list[Any] = [known.get(key) for key in ("code", "file", "joint", "hash")]
-        count = known.get("count")
-        if not isinstance(count, int) or count < 1 or not all(isinstance(text, str) for text in texts):
+        known: dict[str, Any] = record if isinstance(record, dict) else {}
+        texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint"), known.get("unit", "")]
+        count, value = known.get("count"), known.get("value")
+        if (
+            not all(isinstance(text, str) for text in texts)
+            or not isinstance(count, int)
+            or count < 1
+            or not isinstance(value, (int, float, type(None)))
+        ):
             message = "an entry of the baseline is not as actspec writes it"
             raise _error("AUD005", message, path, f"write it again with --write-baseline {path}")
-        entries[Entry(former.get(texts[0], texts[0]), *texts[1:])] += count
+        # Entries of earlier releases have the hash of a message in place of a figure.
+        code, file, joint, unit = texts
+        entries[Entry(former.get(code, code), file, joint, value, unit or None)] += count
     return entries
 
 
@@ -145,14 +171,20 @@ def apply_baseline(
     Returns: findings that stay, those set aside, and entries that no finding belongs to any more.
     """
     left = Counter(entries)
+    by_place: dict[tuple[str, str, str], list[Entry]] = {}
+    # Those with a figure first: one without it takes what they leave.
+    for entry in sorted(entries, key=lambda entry: entry.value is None):
+        by_place.setdefault((entry.code, entry.file, entry.joint), []).append(entry)
     kept, suppressed = [], []
     for reported in found:
-        entry = entry_of(reported.finding, folder)
-        if left[entry] > 0:
-            left[entry] -= 1
-            suppressed.append(Suppressed(reported, Means.BASELINE))
-        else:
+        own = entry_of(reported.finding, folder)
+        near = by_place.get((own.code, own.file, own.joint), ())
+        known = next((entry for entry in near if left[entry] > 0 and entry.covers(own)), None)
+        if known is None:
             kept.append(reported)
+        else:
+            left[known] -= 1
+            suppressed.append(Suppressed(reported, Means.BASELINE))
     return tuple(kept), tuple(suppressed), +left
 
 

@@ -6,6 +6,7 @@ Findings that were set aside are left out: services show suppressed results as o
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections import Counter
@@ -13,7 +14,7 @@ from typing import Any
 from urllib.parse import quote
 
 import actspec
-from actspec.audit.baseline import relative_path, stable_hash
+from actspec.audit.baseline import entry_of, relative_path
 from actspec.audit.finding import Fix
 from actspec.audit.outcome import Report
 from actspec.audit.pages import family, page
@@ -102,9 +103,8 @@ def _results(
     found = []
     for group in groups:
         finding = group.first.finding
-        # By joint and not by line, so that a finding is the same one after the lines above it have changed.
-        key = "\0".join((finding.code, relative_path(finding.span.path, "."), ",".join(group.joints)))
-        fingerprint = stable_hash(f"{key}\0{finding.message}")
+        # Neither lines nor words: a finding is the same one after both have changed.
+        fingerprint = _hash(repr(entry_of(finding, ".")) + ",".join(group.joints))
         seen[fingerprint] += 1
         result: dict[str, Any] = {
             "ruleId": finding.code,
@@ -112,7 +112,7 @@ def _results(
             "level": LEVELS[group.first.severity],
             "message": {"text": _message(group)},
             "locations": [_location(finding.span, group.joints, sources)],
-            "partialFingerprints": {"actspecFinding/v1": f"{fingerprint}:{seen[fingerprint]}"},
+            "partialFingerprints": {"actspecFinding/v2": f"{fingerprint}:{seen[fingerprint]}"},
             "properties": {"confidence": group.first.confidence.value},
         }
         related = group.related()
@@ -125,6 +125,11 @@ def _results(
             result["fixes"] = fixes
         found.append(result)
     return found
+
+
+def _hash(text: str) -> str:
+    """16 hexadecimal digits."""
+    return hashlib.sha256(text.encode("utf-8", "replace")).hexdigest()[:16]
 
 
 def _message(group: FindingGroup) -> str:

@@ -308,7 +308,7 @@ def test_sarif_fingerprints_do_not_know_lines(made: Report, monkeypatch: pytest.
             "LIM901", "first-rule", *[finding("LIM901", line=line, joint="knee") for line in lines]
         )
         data = json.loads(render(judge(case_of(), Settings(), (rule,)), "sarif", ReportOptions()))
-        return [item["partialFingerprints"]["actspecFinding/v1"] for item in data["runs"][0]["results"]]
+        return [item["partialFingerprints"]["actspecFinding/v2"] for item in data["runs"][0]["results"]]
 
     assert prints(3) == prints(30)
     assert len(set(prints(3, 4))) == 2
