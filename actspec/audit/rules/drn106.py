@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, written
 from actspec.readings.artifact import Framework, RandomizedRange, RobotConfig
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 _POSITIVE = ("kp", "kd", "armature", "friction", "joint_damping", "effort_limit", "strength")
 """Fields that are never negative."""
@@ -31,24 +31,25 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
             if one.high < 0.0:
                 yield Finding(
                     self.code,
-                    f"{one.field} has a deviation of {one.high:g}: for `gaussian` the range is mean and deviation",
+                    f"{one.field} has a deviation of {format_number(one.high)}: for `gaussian` the range is mean and "
+                    "deviation",
                     one.span,
                 )
             return
         if one.low > one.high:
             yield Finding(
                 self.code,
-                f"{one.field} is randomised from {one.low:g} to {one.high:g}: the lower end is above the upper one",
+                f"{one.field} is randomised from {written(one.low, one.high)}: the lower end is above the upper one",
                 one.span,
-                help=f"({one.high:g}, {one.low:g})",
+                help=f"({format_number(one.high)}, {format_number(one.low)})",
                 severity=Severity.WARNING,
             )
         low, high = ends(one)
         if one.distribution == "log_uniform" and low <= 0.0:
             yield Finding(
                 self.code,
-                f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of {low:g} is not a "
-                "number",
+                f"{one.field} is drawn log-uniformly from {written(low, high)}: the logarithm of "
+                f"{format_number(low)} is not a number",
                 one.span,
             )
         elif one.field in _POSITIVE and not _clamped(config, one):

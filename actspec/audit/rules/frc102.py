@@ -13,6 +13,7 @@ from actspec.readings.artifact import FileKind, Framework, Setting
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, is_native
 from actspec.simulators.isaaclab import FrictionUnit
+from actspec.units import format_number
 
 SAME = 0.01
 """Relative difference up to which two frictions are one figure. Chosen: rounding of published figures."""
@@ -91,7 +92,7 @@ class FrictionUnitByBackend(RuleOver[_Subject]):
                 yield Finding(
                     self.code,
                     f"on {place} friction is a dimensionless coefficient, and {file} has the same figure as a torque, "
-                    f"{text}: the joint gets {friction:.3g} times its load instead",
+                    f"{text}: the joint gets {format_number(friction, 3)} times its load instead",
                     span,
                     row.joint,
                     friction,
@@ -111,7 +112,7 @@ class FrictionUnitByBackend(RuleOver[_Subject]):
                     friction,
                     unit(row, "frictionloss"),
                     torque,
-                    f"friction={torque:.3g}, dynamic_friction={torque:.3g}",
+                    f"friction={format_number(torque)}, dynamic_friction={format_number(torque)}",
                     (other.place("frictionloss"),),
                     severity=Severity.INFO,
                 )

@@ -8,6 +8,7 @@ from actspec.audit.rules.joints import friction_unit
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic
+from actspec.units import format_number
 
 _Subject = tuple[Versions, LedgerRow, Setting, Setting, float, float]
 
@@ -38,14 +39,14 @@ class DynamicAboveStatic(RuleOver[_Subject]):
         if moving > still:
             yield Finding(
                 self.code,
-                f"dynamic_friction {moving:.3g} is above friction {still:.3g}, the static part: PhysX asks "
-                "for the opposite",
+                f"dynamic_friction {format_number(moving, 3)} is above friction {format_number(still, 3)}, the "
+                "static part: PhysX asks for the opposite",
                 dynamic.span,
                 row.joint,
                 moving,
                 friction_unit(row, versions),
                 still,
-                help=f"friction={moving:.3g} and dynamic_friction={still:.3g}, or both alike for plain "
-                "Coulomb friction",
+                help=f"friction={format_number(moving, 3)} and dynamic_friction={format_number(still, 3)}, or "
+                "both alike for plain Coulomb friction",
                 related=(static.span,),
             )

@@ -7,6 +7,7 @@ from actspec.audit.rules.configs import Group, groups_of
 from actspec.audit.rules.joints import friction_unit
 from actspec.readings.artifact import Framework
 from actspec.readings.versions import has_dynamic
+from actspec.units import format_number, format_quantity
 
 
 class StaticFrictionAlone(RuleOver[Group]):
@@ -37,11 +38,11 @@ class StaticFrictionAlone(RuleOver[Group]):
             dimension = friction_unit(row, case.versions_of(row.artifact))
             yield Finding(
                 self.code,
-                f"the friction of {value:.3g}{'' if dimension == '1' else ' ' + dimension} is static alone: without "
-                "dynamic_friction it is gone as soon as the joint moves",
+                f"the friction of {format_quantity(value, dimension, 3)} is static alone: without dynamic_friction it "
+                "is gone as soon as the joint moves",
                 static.span,
                 row.joint,
                 value,
                 dimension,
-                help=f"add dynamic_friction={value:.3g}",
+                help=f"add dynamic_friction={format_number(value)}",
             )

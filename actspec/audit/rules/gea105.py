@@ -11,6 +11,7 @@ from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import ActuatorView
+from actspec.units import format_number
 
 _Subject = tuple[Artifact, LedgerRow]
 
@@ -44,7 +45,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's own limit, and the gear "
-                f"of {gear:.4g} makes them {shown(row, 'effort_limit', gear * limit)}",
+                f"of {format_number(gear, 4)} makes them {shown(row, 'effort_limit', gear * limit)}",
                 _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
                 name,
                 gear * limit,
@@ -57,8 +58,8 @@ class JointSideBehindGear(RuleOver[_Subject]):
             low, high = (shown(row, "default_position", end) for end in row.command_range or ())
             yield Finding(
                 self.code,
-                f"the control range is the joint's range, and the gear of {gear:.4g} divides the targets: "
-                f"the joint is asked for {low} ... {high} only",
+                f"the control range is the joint's range, and the gear of {format_number(gear, 4)} divides the "
+                f"targets: the joint is asked for {low} ... {high} only",
                 _place(actuator, "ctrlrange"),
                 name,
                 help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "

@@ -13,6 +13,7 @@ from actspec.audit.rules.configs import (
 )
 from actspec.audit.rules.joints import shown, unit
 from actspec.readings.artifact import Framework, Setting
+from actspec.units import format_number
 
 
 class TwoLimits(RuleInParts):
@@ -79,7 +80,7 @@ def _text(setting: Setting) -> str:
     value = setting.value
     if isinstance(value, Mapping):
         numbers = sorted(
-            {f"{number:g}" for number in value.values() if isinstance(number, int | float)}, key=float
+            {format_number(number) for number in value.values() if isinstance(number, int | float)}, key=float
         )
         return f"by pattern: {', '.join(numbers)}"
-    return f"{value:g}" if isinstance(value, int | float) else str(value)
+    return format_number(value) if isinstance(value, int | float) else str(value)

@@ -9,6 +9,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.networks_found import SAME, conventions, networks
 from actspec.diagnostics import Span
 from actspec.readings.artifact import NetworkConventions, Setting
+from actspec.units import format_number
 
 SCALES = {"pos_scale": "position_scale", "vel_scale": "velocity_scale", "torque_scale": "torque_scale"}
 """Field of the class to the manifest's."""
@@ -54,7 +55,7 @@ class NetworkScale(RuleOver[_Subject]):
         fed = "measured - target" if name == "pos_scale" else "minus the measured velocity"
         return Finding(
             self.code,
-            f"{name} {value:g} feeds the network {fed}: right only for a network that was trained so",
+            f"{name} {format_number(value)} feeds the network {fed}: right only for a network that was trained so",
             span,
             help="write it down in a manifest beside the network; `actspec schema network` has its keys",
             severity=Severity.INFO,
@@ -76,13 +77,13 @@ class NetworkScale(RuleOver[_Subject]):
             )
         yield Finding(
             self.code,
-            f"{name} is {value:g}, and {basename(manifest.path)} says {trained:g}{effect}",
+            f"{name} is {format_number(value)}, and {basename(manifest.path)} says {format_number(trained)}{effect}",
             span,
             "",
             value,
             "1",
             trained,
-            f"{name}={trained:g}",
+            f"{name}={format_number(trained)}",
             (Span(manifest.path),),
             severity=Severity.ERROR if turned else self.severity,
         )

@@ -11,7 +11,7 @@ from actspec.audit.rules.joints import unit
 from actspec.readings.artifact import FileKind, Framework, RandomizedRange, RobotConfig
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 DEVIATIONS = 3.0
 """Half width of a normal distribution's range, in deviations. Chosen: 99.7 % of the draws."""
@@ -101,4 +101,4 @@ def ends(one: RandomizedRange) -> tuple[float, float]:
 
 def written(low: float, high: float, unit: str = "1") -> str:
     """`0.8 to 1.2`."""
-    return f"{low:.3g} to {format_quantity(high, unit, 3)}"
+    return f"{format_number(low, 3)} to {format_quantity(high, unit, 3)}"

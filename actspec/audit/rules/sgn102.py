@@ -52,19 +52,20 @@ class NotTheServoMeant(RuleInParts):
             if not (servo and ratio > 0.0 and text.gain[0] > 0.0):
                 continue
             compiled = found.view.gear != 0.0 and _has_inertia(found)
-            kd = f" of {found.view.kd / found.view.gear**2:.3g}" if compiled else ""
+            kd = f" of {format_quantity(found.view.kd / found.view.gear**2, '', 3)}" if compiled else ""
             absurd = ratio >= self.option(case, "plausible")
             yield Finding(
                 self.code,
-                f"the third number of biasprm is {ratio:.3g}, above 0: MuJoCo takes it for a damping ratio and works "
-                f"out a kv{kd} from the inertia, instead of a kv of {ratio:.3g}",
+                f"the third number of biasprm is {format_quantity(ratio, '', 3)}, above 0: MuJoCo takes it for a "
+                f"damping ratio and works out a kv{kd} from the inertia, instead of a kv of "
+                f"{format_quantity(ratio, '', 3)}",
                 place_of(found, "biasprm"),
                 joint_of(found),
                 ratio,
                 "1",
                 -ratio,
-                f"write -{ratio:.3g} for a velocity gain; for a damping ratio write the kv that it gives, because its "
-                "meaning depends on MuJoCo's version",
+                f"write -{format_quantity(ratio, '', 3)} for a velocity gain; for a damping ratio write the kv that it "
+                "gives, because its meaning depends on MuJoCo's version",
                 fix=_bias_fix(found, ratio),
                 severity=Severity.ERROR if absurd else None,
                 confidence=Confidence.HIGH if absurd else self.confidence,
@@ -83,8 +84,8 @@ class NotTheServoMeant(RuleInParts):
             plain = joint is not None and _is_range(joint, view.control_range, 1.0 / view.gear)
             yield Finding(
                 self.code,
-                f"gainprm is {view.gain:.3g} and the stiffness in biasprm {kp:.3g}: the servo settles at {scale:.3g} "
-                "times its target position",
+                f"gainprm is {format_quantity(view.gain, '', 3)} and the stiffness in biasprm "
+                f"{format_quantity(kp, '', 3)}: the servo settles at {scale:.3g} times its target position",
                 place_of(found, "gainprm", "biasprm"),
                 joint_of(found),
                 view.gain,
@@ -102,7 +103,7 @@ class NotTheServoMeant(RuleInParts):
             if text.bias_type != "none" or not any(text.bias[:3]):
                 continue
             servo = text.bias[1] < 0.0 and text.gain[0] == -text.bias[1]
-            numbers = " ".join(f"{number:.3g}" for number in text.bias[:3])
+            numbers = " ".join(format_quantity(number, "", 3) for number in text.bias[:3])
             yield Finding(
                 self.code,
                 f"biasprm {numbers} has no effect without biastype: this actuator is a motor that gives "

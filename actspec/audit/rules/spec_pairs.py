@@ -15,6 +15,7 @@ from actspec.readings.compare import Figure, times, torque_slip
 from actspec.readings.dynamics import figure, friction_setting
 from actspec.readings.joint import SERVOS
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 NO_SPEC = "no spec among the files that describes a robot of the others"
 SHARE = 0.1
@@ -117,8 +118,8 @@ def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figur
         coefficient = _coefficient(case)
         if coefficient is not None and math.isclose(written[0], wanted.value, rel_tol=tolerance):
             return Figure(written[0], "", written[1], True), (
-                f"is {written[0]:.3g}, the spec's {shown(wanted.value, wanted.unit)}: in {coefficient} the field is a "
-                "coefficient without unit, and the joint's load decides on the torque"
+                f"is {format_number(written[0], 3)}, the spec's {shown(wanted.value, wanted.unit)}: in {coefficient} "
+                "the field is a coefficient without unit, and the joint's load decides on the torque"
             )
     if found is None or not found.value:
         return None
@@ -127,7 +128,7 @@ def unit_confused(case: Case, joint: SpecJoint, tolerance: float) -> tuple[Figur
     if other is None:
         return None
     return found, (
-        f"is {found.value:.3g}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
+        f"is {format_number(found.value, 3)}, and the spec says {shown(wanted.value, wanted.unit)}: that is the spec's "
         f"figure in {other}, where the file means {wanted.unit}{times(found.value, wanted.value)}"
     )
 

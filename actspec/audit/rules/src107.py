@@ -8,6 +8,7 @@ from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import times
 from actspec.readings.dynamics import settings_of
+from actspec.units import format_quantity
 
 
 class Timing(RuleInParts):
@@ -50,12 +51,14 @@ class Timing(RuleInParts):
         file = case.artifacts[other].path
         if name == "control_dt":
             what = (
-                f"the policy runs every {mine * 1e3:.3g} ms here and every {theirs * 1e3:.3g} ms in {file}"
+                f"the policy runs every {format_quantity(mine * 1e3, 'ms', 3)} here and every "
+                f"{format_quantity(theirs * 1e3, 'ms', 3)} in {file}"
                 f"{times(mine, theirs)}: one step is not the time that it was trained with"
             )
         else:
             what = (
-                f"the physics step is {mine * 1e3:.3g} ms here and {theirs * 1e3:.3g} ms in {file}"
+                f"the physics step is {format_quantity(mine * 1e3, 'ms', 3)} here and "
+                f"{format_quantity(theirs * 1e3, 'ms', 3)} in {file}"
                 f"{times(mine, theirs)}, at the same control period: explicit drives and contacts act otherwise"
             )
         rare = name == "physics_dt"

@@ -16,6 +16,7 @@ from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
 from actspec.robot.xml_edit import format_number
+from actspec.units import format_quantity
 
 
 class RangeInDegrees(RuleInParts):
@@ -68,7 +69,7 @@ class RangeInDegrees(RuleInParts):
             largest(command),
             "rad",
             largest(joint),
-            f"write {joint[0]:.4g} {joint[1]:.4g}",
+            f"write {format_quantity(joint[0], '', 4)} {format_quantity(joint[1], '', 4)}",
             fix=fix,
         )
 
@@ -81,14 +82,14 @@ class RangeInDegrees(RuleInParts):
             return
         yield Finding(
             self.code,
-            f"this hinge may turn from {ends[0]:.4g} to {ends[1]:.4g} rad, {most / (2.0 * math.pi):.2g} full turns: it "
-            "looks like degrees where the file is read in radians",
+            f"this hinge may turn from {format_quantity(ends[0], '', 4)} to {format_quantity(ends[1], '', 4)} rad, "
+            f"{most / (2.0 * math.pi):.2g} full turns: it looks like degrees where the file is read in radians",
             joint.places.get("range", joint.span),
             joint.name,
             most,
             "rad",
             most / DEGREES,
-            f"write {ends[0] / DEGREES:.4g} {ends[1] / DEGREES:.4g}",
+            f"write {format_quantity(ends[0] / DEGREES, '', 4)} {format_quantity(ends[1] / DEGREES, '', 4)}",
             confidence=Confidence.MEDIUM,
         )
 
@@ -98,7 +99,7 @@ class RangeInDegrees(RuleInParts):
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0 ({first.name}: "
-            f"{ends[0]:.3g} ... {ends[1]:.3g} rad): radians, read as degrees",
+            f"{format_quantity(ends[0], '', 3)} ... {format_quantity(ends[1], '', 3)} rad): radians, read as degrees",
             first.places.get("range", first.span),
             "",
             largest(ends),

@@ -10,6 +10,7 @@ from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 
 class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):
@@ -41,7 +42,7 @@ class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):
         if limit is not None:
             yield Finding(
                 self.code,
-                f"the control range of this position servo, +-{high:.4g} rad, is its torque limit of "
+                f"the control range of this position servo, +-{format_number(high, 4)} rad, is its torque limit of "
                 f"{shown(row, 'effort_limit', high)}: a position was meant",
                 row.place("command_range"),
                 row.joint,

@@ -11,6 +11,7 @@ from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.compare import RPM
 from actspec.readings.ledger import LedgerRow
+from actspec.units import format_number
 
 
 class SpeedInRpm(RuleInParts):
@@ -49,7 +50,7 @@ class SpeedInRpm(RuleInParts):
                     limit,
                     unit(mine, field),
                     right,
-                    f"{limit:.4g} rpm is {limit / RPM:.3g} rad/s",
+                    f"{format_number(limit, 4)} rpm is {format_number(limit / RPM, 3)} rad/s",
                     (place,),
                 )
                 yield (found,)
@@ -65,8 +66,8 @@ class SpeedInRpm(RuleInParts):
         if self.option(case, "least") <= speed < PLACEHOLDER:
             yield Finding(
                 self.code,
-                f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; {speed:.4g} rpm "
-                f"would be {speed / RPM:.3g} rad/s",
+                f"{shown(row, field, speed, 4)} is more than a joint behind a gear turns; "
+                f"{format_number(speed, 4)} rpm would be {format_number(speed / RPM, 3)} rad/s",
                 row.place(field),
                 row.joint,
                 speed,

@@ -54,14 +54,15 @@ class RatioChangedMeaning(RuleInParts):
             chosen = new if newer else old
             yield Finding(
                 self.code,
-                f"dampratio {found.text.bias[2]:.3g} is kv {format_quantity(old, unit, 3)} up to MuJoCo 3.14 and "
-                f"{format_quantity(new, unit, 3)} from 3.15 on: {100 * change:.0f} % less damping from the same file",
+                f"dampratio {format_quantity(found.text.bias[2], '', 3)} is kv {format_quantity(old, unit, 3)} up to "
+                f"MuJoCo 3.14 and {format_quantity(new, unit, 3)} from 3.15 on: "
+                f"{100 * change:.0f} % less damping from the same file",
                 found.document.span(owner),
                 found.joint,
                 old if newer else new,
                 unit,
                 chosen,
-                help=f'write kv="{chosen:.3g}" and no dampratio, which is what '
+                help=f'write kv="{format_quantity(chosen, "")}" and no dampratio, which is what '
                 f"{meant.text if meant is not None else 'MuJoCo 3.15 and later'} makes of it"
                 + ("" if meant is not None else "; tell the audit which version it is meant for"),
                 fix=_kv_fix(found, owner, chosen, safe=meant is not None and newer),
@@ -72,7 +73,8 @@ class RatioChangedMeaning(RuleInParts):
         owner = found.owner("dampratio") or found.element
         return Finding(
             self.code,
-            f"what kv dampratio {found.text.bias[2]:.3g} becomes changed in MuJoCo 3.15, and cannot be computed here",
+            f"what kv dampratio {format_quantity(found.text.bias[2], '', 3)} becomes changed in MuJoCo 3.15, and "
+            "cannot be computed here",
             found.document.span(owner),
             found.joint,
             help="write kv and no dampratio",
@@ -109,4 +111,6 @@ def _kv_fix(found: WrittenActuator, owner: Element, kv: float, *, safe: bool) ->
         after_tag = element.start + 1 + len(element.tag)
         edit = TextEdit(path, after_tag, after_tag, b" " + text)
     safety = Safety.SAFE if safe else Safety.UNSAFE
-    return Fix(f'Write kv="{kv:.3g}" for the dampratio', safety, (edit,), ("actuator_biasprm",))
+    return Fix(
+        f'Write kv="{format_quantity(kv, "")}" for the dampratio', safety, (edit,), ("actuator_biasprm",)
+    )

@@ -7,6 +7,7 @@ from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuator
 from actspec.diagnostics import Span
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.simulators.mujoco import TORQUE_SPACE
+from actspec.units import format_number
 
 _VOLTAGE_INPUTS = frozenset({"position", "velocity"})
 
@@ -121,12 +122,12 @@ def _translation(found: WrittenActuator) -> str:
     ratio = resistance / constant
     if _dialect(found) == "voltage":
         if "velocity" in _input(found):
-            return f'from 3.12 on: input="vel" with the gains times {1.0 / ratio:.3g}'
+            return f'from 3.12 on: input="vel" with the gains times {format_number(1.0 / ratio)}'
         return (
-            f'from 3.12 on: input="pos" with kp {kp / ratio:.3g} N*m/rad and kd {kd / ratio + constant / ratio:.3g} '
-            "N*m*s/rad as first and third number of the controller"
+            f'from 3.12 on: input="pos" with kp {format_number(kp / ratio)} N*m/rad and kd '
+            f"{format_number(kd / ratio + constant / ratio)} N*m*s/rad as first and third number of the controller"
         )
     return (
-        f'up to 3.11: input="position" with {kp * ratio:.3g} V/rad and {kd * ratio - constant:.3g} V*s/rad as first '
-        "and third number of the controller"
+        f'up to 3.11: input="position" with {format_number(kp * ratio)} V/rad and '
+        f"{format_number(kd * ratio - constant)} V*s/rad as first and third number of the controller"
     )

@@ -8,6 +8,7 @@ from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joints import shown
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native
+from actspec.units import format_number
 
 
 class ImplicitVelocityLimit(RuleOver[Group]):
@@ -51,7 +52,7 @@ class ImplicitVelocityLimit(RuleOver[Group]):
                 else "velocity_limit"
             )
         row = next((row for row in group.rows if row.joint == joint), None)
-        return f"velocity_limit {shown(row, 'velocity_limit', number) if row else f'{number:.3g}'}"
+        return f"velocity_limit {shown(row, 'velocity_limit', number) if row else format_number(number, 3)}"
 
 
 def _renamed(case: Case) -> bool:

@@ -15,7 +15,7 @@ from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
 from actspec.robot.mjcf_actuator_text import numbers
 from actspec.robot.xml_tree import Element
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 
 class GainsOfAnotherTag(RuleInParts):
@@ -119,7 +119,7 @@ def _lost(found: WrittenActuator) -> tuple[Element, str] | None:
         owner = next((one for one in reversed(chain) if name in one.attributes), None)
         stated = numbers(owner.get(name), 1) if owner is not None else ()
         if owner is not None and stated and math.isfinite(stated[0]) and stated[0] != actual[name]:
-            return owner, f"{name} {stated[0]:.3g}"
+            return owner, f"{name} {format_number(stated[0], 3)}"
     return None
 
 
