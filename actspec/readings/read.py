@@ -125,31 +125,30 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
         reason = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
         return FileReading(path, None, reason, files=document.files)
     try:
-        view = _view(document, kind, keep_matrices, refusal)
+        view = _view(document, kind, refusal)
     except RobotError as err:
         return replace(_unreadable(path, kind, err.diagnostics), files=document.files)
     if view.inertia is not None:
         from actspec.readings.joint import joint_inertias
 
-        view = replace(view, joint_inertia=joint_inertias(view))
+        inertia = view.inertia if keep_matrices else None
+        view = replace(view, joint_inertia=joint_inertias(view), inertia=inertia)
     artifact = Artifact(path, kind, view.name, robot=view, text_only=view.refusal)
     said = tuple(item for item in view.diagnostics if item.code not in _REPORTED_BY_RULES)
     return FileReading(path, kind, None, (artifact,), document.files, said)
 
 
-def _view(document: XmlDocument, kind: FileKind, matrices: bool, refusal: str | None) -> RobotView:
+def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotView:
     """The view; of a file that MuJoCo refuses, from its text alone."""
     if kind is FileKind.URDF:
         from actspec.robot.read_urdf import read_urdf
 
-        return read_urdf(
-            document.files, document, refusal=refusal, matrices=matrices, poses=POSES, shapes=False
-        )
+        return read_urdf(document.files, document, refusal=refusal, poses=POSES, shapes=False)
     if refusal is None:
         from actspec.robot.read_mjcf import read_mjcf
 
         try:
-            return read_mjcf(document.files, document, matrices=matrices, poses=POSES, shapes=False)
+            return read_mjcf(document.files, document, poses=POSES, shapes=False)
         except RobotError as err:
             refusal = reason_of(err.diagnostics, document.files[0].path)
     from actspec.robot.read_mjcf_text import read_mjcf_text

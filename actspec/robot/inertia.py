@@ -9,13 +9,12 @@ Joint coupling by equality constraints is ignored: a sampled pose need not satis
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
-from actspec.robot.view import JointInertia, JointView, PoseInertia, pose_ranges
+from actspec.robot.view import PoseInertia
 
 if TYPE_CHECKING:
     import mujoco
@@ -38,47 +37,25 @@ class InertiaUnknown(ValueError):
     """The mass matrices cannot be had; the text says why."""
 
 
-@dataclass(frozen=True, slots=True)
-class Masses:
+def known_inertia(
+    model: mujoco.MjModel, meshes: MeshDependence | None, poses: int
+) -> tuple[PoseInertia | None, str]:
     """The inertia of a model, or why there is none.
-
-    Attributes:
-        matrices: Whole, if they were asked for.
-        of_dofs: Degree of freedom to the inertia of its hinge or slide, if they were not.
-        reason: Why neither is there; "" otherwise.
-    """
-
-    matrices: PoseInertia | None
-    of_dofs: Mapping[int, JointInertia]
-    reason: str = ""
-
-    def by_name(self, joints: Sequence[JointView]) -> Mapping[str, JointInertia] | None:
-        """`RobotView.joint_inertia`."""
-        if self.matrices is not None or self.reason:
-            return None
-        return {joint.name: self.of_dofs[joint.dof] for joint in joints if joint.dof in self.of_dofs}
-
-
-def masses_of(model: mujoco.MjModel, meshes: MeshDependence | None, poses: int, matrices: bool) -> Masses:
-    """The inertia of a model.
 
     Args:
         model: Compiled.
         meshes: Bodies whose mass comes from mesh files; None: no such body.
         poses: Sampled poses beside the reference pose.
-        matrices: Whole matrices.
     """
     from actspec.robot.mjspec import quiet
 
     if meshes is not None and meshes.missing:
-        return Masses(None, {}, meshes.reason)
+        return None, meshes.reason
     try:
         with quiet():
-            if matrices:
-                return Masses(pose_inertia(model, poses), {})
-            return Masses(None, dof_inertia(model, poses))
+            return pose_inertia(model, poses), ""
     except InertiaUnknown as err:
-        return Masses(None, {}, str(err))
+        return None, str(err)
 
 
 def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
@@ -99,7 +76,7 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
 
     qpos = _poses(model, poses)
     total = model.dof_armature + _actuator_armature(model)
-    with _armature(model, np.zeros(model.nv)):
+    with _without_armature(model, total):
         data = _state(model)
         flat = np.empty((len(qpos), len(data.M)))
         for row, _ in zip(flat, _massed(model, data, qpos), strict=True):
@@ -107,48 +84,6 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
     if not np.isfinite(flat).all():
         raise InertiaUnknown("the mass matrix is not finite")
     return PoseInertia(_dense(model, flat), total)
-
-
-def dof_inertia(model: mujoco.MjModel, poses: int = POSES) -> dict[int, JointInertia]:
-    """Inertia of hinges and slides with the model's own armature, as `PoseInertia` would give it.
-
-    Without whole matrices it takes half the time: MuJoCo factors each along the tree, M = L^T D L.
-
-    Args:
-        model: As in `pose_inertia`.
-        poses: Likewise.
-
-    Returns: Degree of freedom to its inertia.
-
-    Raises: InertiaUnknown: likewise.
-    """
-    import mujoco
-    import numpy as np
-
-    qpos = _poses(model, poses)
-    kinds = model.jnt_type
-    scalar = (kinds == int(mujoco.mjtJoint.mjJNT_HINGE)) | (kinds == int(mujoco.mjtJoint.mjJNT_SLIDE))
-    dofs = model.jnt_dofadr[scalar]
-    units, ones = np.eye(model.nv)[dofs], np.ones(model.nv)
-    # Columns of L^-T, then 1/(M^-1)_jj = 1 / sum_k (L^-T)_kj^2 / D_k.
-    columns = np.empty((len(qpos), len(dofs), model.nv))
-    inverse = np.empty((len(qpos), model.nv))
-    with _armature(model, model.dof_armature + _actuator_armature(model)):
-        data = _state(model)
-        matrix, diagonal, factor, solve = data.M, data.qLDiagInv, mujoco.mj_factorM, mujoco.mj_solveM2
-        flat = np.empty((len(qpos), len(matrix)))
-        massed = _massed(model, data, qpos)
-        for row, column, reciprocal, _ in zip(flat, columns, inverse, massed, strict=True):
-            row[:] = matrix
-            factor(model, data)
-            solve(model, data, column, units, ones)
-            reciprocal[:] = diagonal
-    if not np.isfinite(flat).all():
-        raise InertiaUnknown("the mass matrix is not finite")
-    held = flat[:, (model.M_rowadr + model.M_rownnz - 1)[dofs]]
-    free = np.reciprocal(np.einsum("pjk,pjk,pk->pj", columns, columns, inverse))
-    ranges = zip(dofs.tolist(), pose_ranges(held), pose_ranges(free), strict=True)
-    return {dof: JointInertia(*both) for dof, *both in ranges}
 
 
 def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
@@ -166,15 +101,13 @@ def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
 
 
 @contextmanager
-def _armature(model: mujoco.MjModel, armature: NDArray[np.float64]) -> Iterator[None]:
-    """Give the joints of a model this armature, actuators none; restored at the end."""
+def _without_armature(model: mujoco.MjModel, total: NDArray[np.float64]) -> Iterator[None]:
+    """Take the armature of joints and actuators, together `total`, off a model; restored at the end."""
     own, actuators, diagonal = model.dof_armature.copy(), model.actuator_armature.copy(), model.dof_M0.copy()
-    total = own + _actuator_armature(model)
     try:
-        model.dof_armature[:] = armature
-        model.actuator_armature[:] = 0.0
+        model.dof_armature[:] = model.actuator_armature[:] = 0.0
         # For a body that moves on its own principal axes MuJoCo copies the diagonal from here.
-        model.dof_M0[:] = diagonal - total + armature
+        model.dof_M0[:] = diagonal - total
         yield
     finally:
         model.dof_armature[:] = own

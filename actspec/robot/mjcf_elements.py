@@ -33,11 +33,22 @@ class JointElement:
         element: The `joint` or `freejoint`.
         owners: Each of its attributes and of those of its default classes, with the element that states it.
         span: Its line; for a copy by `replicate` the line of the outermost `replicate`.
+        body: Name of its body.
+        parent: The named joint that it hangs on; "" for a joint of the base.
+        copied: Whether it is inside a `replicate`, whose copies have names that begin with its own.
     """
 
     element: Element
     owners: Mapping[str, Element]
     span: Span
+    body: str
+    parent: str
+    copied: bool
+
+    @property
+    def name(self) -> str:
+        """Its name; "" without one."""
+        return self.element.get("name") or ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,9 +67,6 @@ class DefaultClass:
     attributes: Mapping[str, Element]
 
 
-_WALKED = frozenset({"joint", "freejoint", "attach", "body", "frame", "replicate"})
-"""What is looked at inside the world; a `worldbody` is its root only."""
-
 NO_CLASS = DefaultClass({}, (), {})
 
 
@@ -67,26 +75,25 @@ class Written:
     """Joints, actuators and attachments of an MJCF as they are written.
 
     Attributes:
-        joints: By name.
-        replicated: Joints inside a `replicate`, whose copies have names that begin with theirs.
+        joints: In MuJoCo's order: those of a body, then those of the bodies in it.
+        named: Those that have a name and are no copies, by it.
         attached: Prefix, suffix and place of each `attach`.
         actuators: Elements of all `actuator` sections, in order.
         defaults: Default classes by name.
     """
 
-    joints: Mapping[str, JointElement]
-    replicated: tuple[tuple[str, JointElement], ...]
+    joints: tuple[JointElement, ...]
+    named: Mapping[str, JointElement]
     attached: tuple[tuple[str, str, Span], ...]
     actuators: tuple[Element, ...]
     defaults: Mapping[str, DefaultClass]
 
     def joint(self, name: str) -> JointElement | None:
         """The joint of a compiled name: itself, or the one that it is a copy of."""
-        found = self.joints.get(name)
-        if found is not None:
-            return found
-        copies = [item for item in self.replicated if name.startswith(item[0])]
-        return max(copies, key=lambda item: len(item[0]))[1] if copies else None
+        if name in self.named:
+            return self.named[name]
+        copies = [one for one in self.joints if one.copied and one.name and name.startswith(one.name)]
+        return max(copies, key=lambda one: len(one.name)) if copies else None
 
     def defaults_of(self, actuator: Element) -> DefaultClass:
         """The default class of an actuator."""
@@ -107,41 +114,40 @@ def read_elements(document: XmlDocument) -> Written:
         document: Parsed, with its includes in place.
     """
     defaults = _defaults(document)
-    joints: dict[str, JointElement] = {}
-    replicated: list[tuple[str, JointElement]] = []
+    joints: list[JointElement] = []
     attached: list[tuple[str, str, Span]] = []
-    # Many models have none, and hundreds of bodies need not be looked into.
-    handed_on = any(b"childclass" in file.data for file in document.files)
-    # An explicit stack, in document order: (element, inherited class, outermost replicate).
-    stack: list[tuple[Element, str, Element | None]] = [
-        (section, _MAIN, None) for section in reversed(document.sections("worldbody"))
+    # An explicit stack: (body, inherited class, outermost replicate, joint that it hangs on).
+    stack: list[tuple[Element, str, Element | None, str]] = [
+        (section, _MAIN, None, "") for section in reversed(document.sections("worldbody"))
     ]
     while stack:
-        element, inherited, copied = stack.pop()
-        if element.tag in ("joint", "freejoint"):
-            name = element.get("name")
-            if name is not None:
-                own = element.get("class") or inherited
-                base = {} if element.tag == "freejoint" else defaults.get(own, NO_CLASS).joint
-                span = document.span(element if copied is None else copied)
+        body, inherited, outer, parent = stack.pop()
+        below: list[tuple[Element, str, Element | None]] = []
+        # Frames and replicas are no bodies, and keep the document's order.
+        parts = [(body, inherited, outer)]
+        while parts:
+            element, inherited, copied = parts.pop()
+            if element.tag in ("joint", "freejoint"):
+                own = defaults.get(element.get("class") or inherited, NO_CLASS)
+                base = {} if element.tag == "freejoint" else own.joint
                 owners = {**base, **dict.fromkeys(element.values, element)}
-                written = JointElement(element, owners, span)
-                if copied is None:
-                    joints.setdefault(name, written)
-                else:
-                    replicated.append((name, written))
-            continue
-        if element.tag == "attach":
-            prefix, suffix = element.get("prefix") or "", element.get("suffix") or ""
-            attached.append((prefix, suffix, document.span(element)))
-            continue
-        if handed_on:
-            inherited = element.get("childclass") or inherited
-        if element.tag == "replicate" and copied is None:
-            copied = element
-        stack += [(child, inherited, copied) for child in reversed(element.children) if child.tag in _WALKED]
+                span = document.span(element if copied is None else copied)
+                name = body.get("name") or ""
+                joints.append(JointElement(element, owners, span, name, parent, copied is not None))
+                parent = element.get("name") or parent
+            elif element.tag == "attach":
+                prefix, suffix = element.get("prefix") or "", element.get("suffix") or ""
+                attached.append((prefix, suffix, document.span(element)))
+            elif element.tag == "body" and element is not body:
+                below.append((element, inherited, copied))
+            elif element is body or element.tag in ("frame", "replicate"):
+                inherited = element.get("childclass") or inherited
+                copied = element if element.tag == "replicate" and copied is None else copied
+                parts += [(child, inherited, copied) for child in reversed(element.children)]
+        stack += [(*child, parent) for child in reversed(below)]
     actuators = [child for section in document.sections("actuator") for child in section.children]
-    return Written(joints, tuple(replicated), tuple(attached), tuple(actuators), defaults)
+    named = {one.name: one for one in reversed(joints) if one.name and not one.copied}
+    return Written(tuple(joints), named, tuple(attached), tuple(actuators), defaults)
 
 
 def _defaults(document: XmlDocument) -> dict[str, DefaultClass]:

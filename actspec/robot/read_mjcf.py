@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from math import isnan
 from typing import TYPE_CHECKING
@@ -18,7 +18,7 @@ from actspec.robot.compiled import (
     reached_joints,
     transmission,
 )
-from actspec.robot.inertia import POSES, Masses, masses_of, reference_pose
+from actspec.robot.inertia import POSES, known_inertia, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
 
@@ -53,7 +53,6 @@ def read_mjcf(
     document: XmlDocument | None = None,
     *,
     inertia: bool = True,
-    matrices: bool = True,
     poses: int = POSES,
     shapes: bool = True,
 ) -> RobotView:
@@ -66,8 +65,7 @@ def read_mjcf(
     Args:
         files: The main file, then its includes in document order.
         document: The same files parsed, if the caller has it.
-        inertia: Take the joints' inertia.
-        matrices: Keep whole mass matrices, for other armatures than the file's; else `joint_inertia` alone.
+        inertia: Take the mass matrices.
         poses: Sampled poses beside the reference pose.
         shapes: Show MuJoCo geoms that nothing here depends on, too. Without them it takes a third of the
             time, and what it would refuse in them goes unnoticed.
@@ -87,13 +85,11 @@ def read_mjcf(
     for text in compiled.said:
         out.warning("ROBOT112", f"MuJoCo warns: {text}", span=main)
     written = read_elements(document)
-    masses = Masses(None, {}, "not asked for")
-    if inertia:
-        masses = masses_of(model, compiled.meshes, poses, matrices)
+    masses, reason = known_inertia(model, compiled.meshes, poses) if inertia else (None, "not asked for")
     lists = ModelLists(model)
     weightless = unknown_inertia(model, compiled.meshes)
     ratios = _unknown_ratios(lists, compiled.ratios, weightless)
-    joints = _joints(lists, spec, written, document, main, not masses.reason, weightless)
+    joints = _joints(lists, spec, written, document, main, not reason, weightless)
     unnamed = _unnamed(lists)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
@@ -125,14 +121,13 @@ def read_mjcf(
         timestep=float(model.opt.timestep),
         integrator=_integrator(model),
         keyframes=tuple(lists.name("mjOBJ_KEY", i) for i in range(model.nkey)),
-        inertia=masses.matrices,
-        inertia_reason=masses.reason,
+        inertia=masses,
+        inertia_reason=reason,
         files=tuple(files),
         diagnostics=tuple(out),
         eulerdamp="EULERDAMP" not in switched_off,
         actuation="ACTUATION" not in switched_off,
         off_groups=_off_groups(model),
-        joint_inertia=masses.by_name(joints),
     )
 
 
@@ -364,13 +359,19 @@ def _is_finite(model: mujoco.MjModel) -> bool:
 def _refuse_nan(views: tuple[JointView | ActuatorView, ...], out: Collector) -> None:
     """MuJoCo takes `nan` for a number; nothing after this does."""
     for view in views:
-        for field in fields(view):
-            value = getattr(view, field.name)
-            numbers = value if isinstance(value, tuple) else (value,)
-            if any(isinstance(number, float) and isnan(number) for number in numbers):
-                message = f"{field.name.replace('_', ' ')} must be a number, got nan"
-                out.error("ROBOT115", message, where=view.name, span=view.span)
+        for name in nan_fields(view):
+            message = f"{name.replace('_', ' ')} must be a number, got nan"
+            out.error("ROBOT115", message, where=view.name, span=view.span)
     out.raise_if_failed(RobotError)
+
+
+def nan_fields(view: JointView | ActuatorView) -> Iterator[str]:
+    """Names of the fields that are, or have in them, no number."""
+    for field in fields(view):
+        value = getattr(view, field.name)
+        numbers = value if isinstance(value, tuple) else (value,)
+        if any(isinstance(number, float) and isnan(number) for number in numbers):
+            yield field.name
 
 
 def _integrator(model: mujoco.MjModel) -> str:

@@ -9,16 +9,16 @@ damping from `springdamper`. Joints of `replicate`, `attach`, `composite` and `f
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from actspec.diagnostics import Collector, Span
 from actspec.joints import JointKind
 from actspec.robot.compiled import reached_by_text
 from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
-from actspec.robot.mjcf_elements import Written, read_elements
-from actspec.robot.read_mjcf import stated_attributes, stated_fields
+from actspec.robot.mjcf_elements import JointElement, Written, read_elements
+from actspec.robot.read_mjcf import nan_fields, stated_attributes, stated_fields
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
 from actspec.robot.xml_tree import Element, XmlDocument
 
@@ -51,7 +51,12 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     main = Span(document.files[0].path)
     out = Collector()
     compiler, option = _settings(document, "compiler"), _settings(document, "option")
-    joints = _joints(document, written, compiler)
+    joints: list[JointView] = []
+    dof = 0
+    for place in written.joints:
+        if not place.copied:
+            joints.append(_joint(place, document, compiler, dof))
+            dof += _DEGREES_OF_FREEDOM.get(joints[-1].kind, 1)
     unnamed = sum(not joint.name and joint.kind is not JointKind.FREE for joint in joints)
     if unnamed:
         out.info("ROBOT113", f"{unnamed} joint{'s' * (unnamed > 1)} without a name left out", span=main)
@@ -116,59 +121,8 @@ def _is_automatic(compiler: Mapping[str, str]) -> bool:
     return compiler.get("autolimits", "true") != "false"
 
 
-@dataclass(frozen=True, slots=True)
-class _Place:
-    """A joint's element in the tree: its class, its body, and the named joint that it hangs on."""
-
-    element: Element
-    inherited: str
-    body: str
-    parent: str
-
-
-def _places(document: XmlDocument) -> Iterator[_Place]:
-    """Joints in MuJoCo's order: those of a body, then those of the bodies in it."""
-    stack: list[tuple[Element, str, str]] = [
-        (section, "main", "") for section in reversed(document.sections("worldbody"))
-    ]
-    while stack:
-        body, inherited, parent = stack.pop()
-        name = body.get("name") or ""
-        below: list[tuple[Element, str]] = []
-        # Frames are transparent, in document order.
-        parts = [(child, body.get("childclass") or inherited) for child in reversed(body.children)]
-        while parts:
-            element, own = parts.pop()
-            if element.tag in ("joint", "freejoint"):
-                yield _Place(element, own, name, parent)
-                parent = element.get("name") or parent
-            elif element.tag == "frame":
-                inner = element.get("childclass") or own
-                parts.extend((child, inner) for child in reversed(element.children))
-            elif element.tag == "body":
-                below.append((element, own))
-        stack.extend((child, own, parent) for child, own in reversed(below))
-
-
-def _joints(document: XmlDocument, written: Written, compiler: Mapping[str, str]) -> list[JointView]:
-    found: list[JointView] = []
-    dof = 0
-    for place in _places(document):
-        joint = _joint(place, document, written, compiler, dof)
-        found.append(joint)
-        dof += _DEGREES_OF_FREEDOM.get(joint.kind, 1)
-    return found
-
-
-def _joint(
-    place: _Place, document: XmlDocument, written: Written, compiler: Mapping[str, str], dof: int
-) -> JointView:
-    element = place.element
-    own = element.get("class") or place.inherited
-    default = written.defaults.get(own)
-    free = element.tag == "freejoint"
-    owners = {} if free or default is None else dict(default.joint)
-    owners.update(dict.fromkeys(element.values, element))
+def _joint(place: JointElement, document: XmlDocument, compiler: Mapping[str, str], dof: int) -> JointView:
+    element, owners = place.element, place.owners
 
     def get(*names: str) -> str | None:
         return next((owners[name].get(name) for name in names if name in owners), None)
@@ -176,6 +130,7 @@ def _joint(
     def number(name: str) -> float:
         return (*numbers(get(name), 1), 0.0)[0]
 
+    free = element.tag == "freejoint"
     kind = JointKind.FREE if free else _KINDS.get(get("type") or "hinge", JointKind.HINGE)
     angular = kind in (JointKind.HINGE, JointKind.BALL) and compiler.get("angle", "degree") != "radian"
     automatic = _is_automatic(compiler)
@@ -187,18 +142,15 @@ def _joint(
         get("actuatorfrclimited", "actuatorforcelimited"),
         automatic,
     )
-    if kind in _POSITIONS:
-        effort = None
     damping = (*numbers(get("damping"), 3), 0.0, 0.0, 0.0)
     reference = number("ref")
     spring = (*numbers(get("springdamper"), 2), 0.0, 0.0)
     sprung = spring[0] > 0.0 and spring[1] > 0.0
-    span = document.span(element)
     stated, places = stated_fields(element, owners, document)
     view = JointView(
-        name=element.get("name") or "",
+        name=place.name,
         kind=kind,
-        span=span,
+        span=place.span,
         body=place.body,
         dof=dof,
         range=limits,
@@ -207,7 +159,7 @@ def _joint(
         stiffness=number("stiffness"),
         armature=number("armature"),
         frictionloss=number("frictionloss"),
-        effort_range=effort,
+        effort_range=None if kind in _POSITIONS else effort,
         stated=frozenset({*stated, "damping"} if sprung else stated),
         springdamper=sprung,
         reference_position=0.0 if kind in _POSITIONS else math.radians(reference) if angular else reference,
@@ -298,11 +250,6 @@ _View = TypeVar("_View", JointView, ActuatorView)
 
 def _without_nan(view: _View, unknown: set[str]) -> _View:
     """The view with 0 or None for every nan, and the names of such fields in `unknown`."""
-    changed: dict[str, Any] = {}
-    for one in fields(view):
-        value = getattr(view, one.name)
-        values = value if isinstance(value, tuple) else (value,)
-        if any(isinstance(number, float) and math.isnan(number) for number in values):
-            unknown.add(one.name)
-            changed[one.name] = _BLANK.get(one.name, 0.0)
+    changed: dict[str, Any] = {name: _BLANK.get(name, 0.0) for name in nan_fields(view)}
+    unknown.update(changed)
     return replace(view, unknown=frozenset(unknown), **changed) if unknown else view

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.joints import JointKind
-from actspec.robot.inertia import POSES, Masses, masses_of
+from actspec.robot.inertia import POSES, known_inertia
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 from actspec.robot.xml_tree import NUMBER
 from actspec.units import format_number
@@ -40,7 +40,6 @@ def read_urdf(
     document: XmlDocument | None = None,
     *,
     refusal: str | None = None,
-    matrices: bool = True,
     poses: int = POSES,
     shapes: bool = True,
 ) -> RobotView:
@@ -53,8 +52,7 @@ def read_urdf(
         files: The one file.
         document: The same file parsed, if the caller has it.
         refusal: Why MuJoCo must not see it, which is wanted for order and inertia; None: it may.
-        matrices: As in `read_mjcf`.
-        poses: Likewise.
+        poses: As in `read_mjcf`.
         shapes: Likewise.
 
     Raises: RobotError: a joint is malformed; all such places at once.
@@ -67,17 +65,16 @@ def read_urdf(
     out = Collector()
     joints = _joints(document, out)
     out.raise_if_failed(RobotError)
-    model = None
-    masses = Masses(None, {}, refusal or "")
+    model = masses = None
+    reason = refusal or ""
     if refusal is None:
         try:
             compiled = compiled_model(document, ModelFormat.URDF, shapes=shapes)
             model = compiled.model
-            masses = masses_of(model, compiled.meshes, poses, matrices)
+            masses, reason = known_inertia(model, compiled.meshes, poses)
         except RobotError as err:
             # Other tools may take it.
-            refusal = err.diagnostics[0].message
-            masses = Masses(None, {}, refusal)
+            refusal = reason = err.diagnostics[0].message
     if model is not None:
         order = _order(model)
         known = {name: index for index, name in enumerate(order)}
@@ -94,11 +91,10 @@ def read_urdf(
         path=files[0].path,
         format=ModelFormat.URDF,
         joints=tuple(joints),
-        inertia=masses.matrices,
-        inertia_reason=masses.reason,
+        inertia=masses,
+        inertia_reason=reason,
         files=tuple(files),
         diagnostics=tuple(out),
-        joint_inertia=masses.by_name(joints),
         refusal=refusal,
     )
 
@@ -239,32 +235,19 @@ def _judge_limit(
     effort: float | None, velocity: float | None, kind: JointKind, name: str, span: Span, out: Collector
 ) -> None:
     torque, speed = _UNITS[kind]
-    if effort is not None and effort < 0:
-        out.warning(
-            "ROBOT123",
-            f"limit effort must be >= 0 {torque}, got {format_number(effort)}; taken as no limit",
-            where=name,
-            span=span,
-        )
-    if velocity is not None and velocity < 0:
-        out.warning(
-            "ROBOT123",
-            f"limit velocity must be >= 0 {speed}, got {format_number(velocity)}; taken as no limit",
-            where=name,
-            span=span,
-        )
-    if effort == 0:
-        out.warning(
-            "ROBOT125",
-            f"limit effort is 0 {torque}: MuJoCo reads it as no limit, other importers as a dead joint",
-            where=name, span=span, help="state the actuator's limit, or leave the attribute out",
-        )  # fmt: skip
-    if velocity == 0:
-        out.warning(
-            "ROBOT125",
-            f"limit velocity is 0 {speed}: importers disagree whether that is no limit or a locked joint",
-            where=name, span=span, help="state the joint's limit, or leave the attribute out",
-        )  # fmt: skip
+    zero_effort = "MuJoCo reads it as no limit, other importers as a dead joint"
+    zero_speed = "importers disagree whether that is no limit or a locked joint"
+    limits = (
+        ("effort", effort, torque, zero_effort, "state the actuator's limit, or leave the attribute out"),
+        ("velocity", velocity, speed, zero_speed, "state the joint's limit, or leave the attribute out"),
+    )
+    for what, value, unit, _, _ in limits:
+        if value is not None and value < 0:
+            message = f"limit {what} must be >= 0 {unit}, got {format_number(value)}; taken as no limit"
+            out.warning("ROBOT123", message, where=name, span=span)
+    for what, value, unit, why, help in limits:
+        if value == 0:
+            out.warning("ROBOT125", f"limit {what} is 0 {unit}: {why}", where=name, span=span, help=help)
 
 
 def _effort_range(effort: float | None) -> tuple[float, float] | None:

@@ -150,7 +150,7 @@ def _plan(document: XmlDocument, edits: Sequence[Edit]) -> list[_Plan]:
             raise ValueError(f"<{element.tag}> is in a file that is included more than once")
         plan = plans.setdefault(id(element), _Plan(element))
         if isinstance(edit, SetAttribute):
-            if edit.name not in element.attributes and not _NAME.fullmatch(edit.name):
+            if edit.name not in element.values and not _NAME.fullmatch(edit.name):
                 raise ValueError(f"not the name of an attribute: {edit.name!r}")
             if plan.attributes.setdefault(edit.name, edit.value) != edit.value:
                 raise ValueError(f"<{element.tag} {edit.name}> is set to two values")
@@ -312,7 +312,7 @@ class _File:
                 text = escape_attribute(value, quote)
                 self.patches.append((attribute.value_start, attribute.value_end, text.encode()))
         for name, value in wanted.items():
-            if name not in element.attributes and value is not None:
+            if name not in element.values and value is not None:
                 new.append(f" {name}={quote}{escape_attribute(value, quote)}{quote}")
         if new:
             self.patches.append((at, at, "".join(new).encode()))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
@@ -39,46 +39,6 @@ _START_TAG = re.compile(r"""<[^"'>]*(?:"[^"]*"[^"'>]*|'[^']*'[^"'>]*)*>""", re.A
 """A start tag in a well-formed text."""
 
 
-class Attributes(Mapping[str, Attribute]):
-    """Attributes of an element by name, in the author's order.
-
-    Places in the text are looked for when they are asked for.
-    """
-
-    __slots__ = ("_element",)
-
-    def __init__(self, element: Element) -> None:
-        """Keep the element.
-
-        Args:
-            element: Whose attributes these are.
-        """
-        self._element = element
-
-    def __getitem__(self, name: str) -> Attribute:
-        values = self._element.values
-        value = values[name]
-        position = self._element.name_end
-        for other in values:
-            found = _ATTRIBUTE.match(self._element.text, position)
-            # expat has checked the tag, so the pattern cannot fail here.
-            assert found is not None
-            position = found.end()
-            if other == name:
-                first, last = found.span(found.lastindex or 0)
-                return Attribute(name, value, found.start(1), position, first, last)
-        raise KeyError(name)
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._element.values)
-
-    def __len__(self) -> int:
-        return len(self._element.values)
-
-    def __contains__(self, name: object) -> bool:
-        return name in self._element.values
-
-
 @dataclass(slots=True, eq=False)
 class Element:
     """One element; compared by identity, and not changed once its document is there.
@@ -110,9 +70,17 @@ class Element:
     _span: Span | None = field(default=None, init=False, repr=False)
 
     @property
-    def attributes(self) -> Attributes:
-        """By name, in the author's order."""
-        return Attributes(self)
+    def attributes(self) -> dict[str, Attribute]:
+        """By name, in the author's order, with their places in the text; `values` is at hand without a look there."""
+        found: dict[str, Attribute] = {}
+        position = self.name_end
+        for name, value in self.values.items():
+            match = _ATTRIBUTE.match(self.text, position)
+            # expat has checked the tag, so the pattern cannot fail here.
+            assert match is not None
+            position = match.end()
+            found[name] = Attribute(name, value, match.start(1), position, *match.span(match.lastindex or 0))
+        return found
 
     @property
     def name_end(self) -> int:

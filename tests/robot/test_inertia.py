@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from actspec.robot import inertia
-from actspec.robot.inertia import InertiaUnknown, dof_inertia, latin_hypercube, pose_inertia
+from actspec.robot.inertia import InertiaUnknown, latin_hypercube, pose_inertia
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
@@ -196,37 +196,20 @@ ACTUATORS = (
         "nothing",
     ],
 )
-def test_the_short_way_gives_what_whole_matrices_give(text: str) -> None:
-    """From MuJoCo's factors as from inverses, with the file's own armature; the model is left as it was."""
+def test_the_model_is_left_as_it_was(text: str) -> None:
+    """Its armature is off during the call only."""
     model = compiled(text)
     before = (model.dof_armature.copy(), model.actuator_armature.copy(), model.dof_M0.copy())
-    found = dof_inertia(model, 16)
+    pose_inertia(model, 16)
     after = (model.dof_armature, model.actuator_armature, model.dof_M0)
     assert all(np.array_equal(one, other) for one, other in zip(before, after, strict=True))
-    whole = pose_inertia(model, 16)
-    scalar = [int(model.jnt_dofadr[j]) for j in range(model.njnt) if model.jnt_type[j] in (2, 3)]
-    armature = {dof: float(whole.armature[dof]) for dof in scalar}
-    assert sorted(found) == scalar
-    held, free = whole.held(armature), whole.free(armature)
-    for dof, one in found.items():
-        for ours, theirs in ((one.held, held[dof]), (one.free, free[dof])):
-            assert (ours.reference, ours.low, ours.high) == pytest.approx(
-                (theirs.reference, theirs.low, theirs.high), rel=1e-12
-            )
 
 
-def test_the_short_way_counts_actuator_armature() -> None:
+def test_the_files_own_armature_has_its_actuators() -> None:
     """Joint 2 of the arm with 0.05 of its actuator's armature: 0.68 + 0.05; a tendon couples, so 0.3 more."""
-    found = dof_inertia(compiled(arm(rest=ACTUATORS)))
-    assert found[1].held.reference == pytest.approx(0.68 + 0.05 + 0.3, rel=1e-12)
-
-
-def test_the_short_way_refuses_what_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As whole matrices do."""
-    model = compiled(arm())
-    monkeypatch.setattr(inertia, "MOST_BYTES", 31)
-    with pytest.raises(InertiaUnknown, match="2 degrees of freedom are too many"):
-        dof_inertia(model)
+    found = pose_inertia(compiled(arm(rest=ACTUATORS)))
+    held = found.held({1: float(found.armature[1])})
+    assert held[1].reference == pytest.approx(0.68 + 0.05 + 0.3, rel=1e-12)
 
 
 def test_memory_bounds_the_poses(monkeypatch: pytest.MonkeyPatch) -> None:

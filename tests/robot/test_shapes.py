@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from actspec.diagnostics import RobotError
-from actspec.readings.joint import joint_inertias
 from actspec.robot.assets import without_shapes
 from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.read_urdf import read_urdf
@@ -34,10 +33,10 @@ def left(text: str) -> str:
     return " ".join(without_shapes(parsed(text))[0].data.decode().split())
 
 
-def read(document: XmlDocument, shapes: bool, matrices: bool) -> RobotView:
+def read(document: XmlDocument, shapes: bool) -> RobotView:
     """A document as MJCF or URDF, with few poses."""
     reader = read_mjcf if document.root.tag == "mujoco" else read_urdf
-    return reader(document.files, document, poses=4, shapes=shapes, matrices=matrices)
+    return reader(document.files, document, poses=4, shapes=shapes)
 
 
 def test_shapes_of_a_body_that_states_its_inertia_go() -> None:
@@ -91,14 +90,14 @@ def test_what_is_refused_in_a_shape_goes_unnoticed_and_the_rest_is_refused_as_ev
         f'<mujoco><worldbody><body>{INERTIAL}\n<geom type="mesh" mesh="none"/>\n<joint name="j"/></body>'
         "</worldbody></mujoco>"
     )
-    assert [joint.name for joint in read(parsed(text), False, True).joints] == ["j"]
+    assert [joint.name for joint in read(parsed(text), False).joints] == ["j"]
     with pytest.raises(RobotError, match="none"):
-        read(parsed(text), True, True)
+        read(parsed(text), True)
     bad = parsed(text.replace("<joint", '<joint colour="red"').replace('type="mesh" mesh="none"', 'size="1"'))
     with pytest.raises(RobotError) as short:
-        read(bad, False, True)
+        read(bad, False)
     with pytest.raises(RobotError) as whole:
-        read(bad, True, True)
+        read(bad, True)
     assert str(short.value) == str(whole.value)
     assert short.value.diagnostics[0].span is not None and short.value.diagnostics[0].span.line == 3
 
@@ -110,32 +109,22 @@ def test_the_whole_file_is_read_where_the_short_one_does_not_compile() -> None:
         f'{INERTIAL}<geom size="1"/><site material="a&amp;b"/></body></worldbody></mujoco>'
     )
     assert "<material" not in left(text)
-    assert read(parsed(text), False, True).joints[0].damping == 3.0
+    assert read(parsed(text), False).joints[0].damping == 3.0
 
 
 @pytest.mark.skipif(not MODELS, reason="no corpus of real robot files")
 @pytest.mark.parametrize("path", MODELS, ids=lambda path: "/".join(path.parts[-2:]))
 def test_real_files_read_the_same(path: Path) -> None:
-    """Every joint, actuator and mass matrix is that of the whole file, to the last digit; inertias agree without."""
+    """Every joint, actuator and mass matrix is that of the whole file, to the last digit."""
     try:
         document = open_document(str(path))
-        whole = read(document, True, True)
+        whole = read(document, True)
     except RobotError:
         pytest.skip("not XML, or refused")
-    short = read(document, False, True)
+    short = read(document, False)
     assert replace(short, inertia=None) == replace(whole, inertia=None)
     assert (short.inertia is None) == (whole.inertia is None)
     if short.inertia is None or whole.inertia is None:
         return
     assert np.array_equal(short.inertia.matrices, whole.inertia.matrices)
     assert np.array_equal(short.inertia.armature, whole.inertia.armature)
-    found = read(document, False, False).joint_inertia
-    assert found is not None
-    expected = joint_inertias(short)
-    assert found.keys() == expected.keys()
-    for name, one in found.items():
-        for kind in ("held", "free"):
-            ours, theirs = getattr(one, kind), getattr(expected[name], kind)
-            assert (ours.reference, ours.low, ours.high) == pytest.approx(
-                (theirs.reference, theirs.low, theirs.high), rel=1e-9
-            ), (name, kind)
