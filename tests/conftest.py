@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 MJLAB = "1.6.0"
-"""The release whose models robots/go1.yaml and g1.yaml are made for."""
+"""The release whose robots the tests read."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

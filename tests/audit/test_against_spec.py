@@ -59,9 +59,7 @@ def findings(spec: str, files: list[Path], capsys: pytest.CaptureFixture[str], *
 @pytest.mark.parametrize(
     "robot", ["a1", "a1_stiff", "go1", "g1", "go2", "h1", "anymal_c", "anymal_d", "spot", "so101"]
 )
-def test_compiled_files_are_clean(
-    robot: str, target: str | None, capsys: pytest.CaptureFixture[str], mjlab_installed: Path
-) -> None:
+def test_compiled_files_are_clean(robot: str, target: str | None, capsys: pytest.CaptureFixture[str]) -> None:
     """No rule about the spec, or about files that disagree, has a word about what was compiled, not even a remark,
     but for what the version lacks."""
     spec = str(ROOT / "robots" / f"{robot}.yaml")

@@ -307,14 +307,6 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
             assert re.fullmatch(pattern, done.stdout, re.DOTALL), f"{block.id}: $ {command}\n{done.stdout}"
 
 
-@pytest.fixture
-def model_there(block: Block, request: pytest.FixtureRequest) -> None:
-    """The model that a block's spec names; it may be one of mjlab's."""
-    spec = next((ROOT / word for word in block.words[1:] if word.endswith(".yaml")), None)
-    if spec is not None and "package://mjlab" in spec.read_text(encoding="utf-8"):
-        request.getfixturevalue("mjlab_installed")
-
-
 def _compiled(block: Block, folder: Path, targets: list[str]) -> dict[str, str]:
     """The files that a block's spec compiles to, by path: the spec that it names, else the one above it."""
     spec = next((word for word in block.words[1:] if word.endswith(".yaml")), "spec.yaml")
@@ -331,7 +323,6 @@ def _compiled(block: Block, folder: Path, targets: list[str]) -> dict[str, str]:
     return found
 
 
-@pytest.mark.usefixtures("model_there")
 @pytest.mark.parametrize("block", SHOWN, ids=lambda b: b.id)
 def test_shown_files_are_what_is_compiled(block: Block, folder: Path) -> None:
     """Lines of a compiled file stand in it as the page shows them, without a gap that is not marked."""
@@ -345,7 +336,6 @@ LAYOUT = {"isaaclab": ("line-length=120",), "mjlab": ("line-length=88", "indent-
 """How each framework formats its own code."""
 
 
-@pytest.mark.usefixtures("model_there")
 @pytest.mark.parametrize(
     "block",
     [b for b in SHOWN if b.language == "python" and b.page.stem == "generated-text"],
@@ -370,7 +360,6 @@ def _beside(block: Block, folder: Path) -> None:
         (folder / name).write_text(text)
 
 
-@pytest.mark.usefixtures("model_there")
 @pytest.mark.parametrize("block", NEEDING, ids=lambda b: b.id)
 def test_snippets_for_a_framework_fit_the_module(block: Block, folder: Path) -> None:
     """What a snippet takes from the compiled module, or from actspec, is there."""
@@ -399,7 +388,6 @@ def _top_level(text: str) -> set[str]:
 
 @pytest.mark.slow
 @pytest.mark.engine
-@pytest.mark.usefixtures("model_there")
 @pytest.mark.parametrize("block", [b for b in NEEDING if b.words[1] == "mjlab"], ids=lambda b: b.id)
 def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
     """A snippet for mjlab prints in the real package what the page says."""

@@ -179,7 +179,7 @@ def hostile() -> Job:
 
 
 JOBS: dict[str, Job] = {
-    **{name: of_robot(name) for name in ("a1", "a1_stiff", "go2", "h1")},
+    **{name: of_robot(name) for name in ("a1", "a1_stiff", "g1", "go1", "go2", "h1")},
     "rich": job(GROUPS, RICH, robot="", grid=GRID),
     "hostile": hostile(),
     "delayed": job(PLAIN_PD % "10 ms", sequence=RAMP),

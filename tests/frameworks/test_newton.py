@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,6 @@ from tests.frameworks.newton_specs import (
     SEEDED_DELAY,
     SEEDED_PUSH,
     job,
-    of_robot,
 )
 from tests.frameworks.prepare import NEWTON, Frameworks
 
@@ -41,15 +39,6 @@ def test_torque_and_joint_numbers(name: str, ran: Run) -> None:
     """Over a grid of torque asked for and speed, Newton's torque is the law's; the joints' numbers are the spec's."""
     assert ran.faults(name) == []
     assert ran.arrays(name)["force"].shape == (13 * 23, len(JOBS[name].joints))
-
-
-def test_robots_of_mjlab(frameworks: Frameworks, mjlab_installed: Path) -> None:
-    """The same for robots whose model is in the mjlab distribution, their meshes left out."""
-    jobs = {name: of_robot(name) for name in ("go1", "g1")}
-    run = probed(frameworks, jobs)
-    for name, one in jobs.items():
-        assert run.faults(name) == []
-        assert run.arrays(name)["force"].shape == (13 * 23, len(one.joints))
 
 
 @pytest.mark.parametrize(

@@ -16,16 +16,12 @@ from actspec.ir import ActuatorSet, JointActuator, Level, Origin, Quantity
 from tests.robots.published import ROBOTS, ROOT, number, plain, spec_of
 
 NAMES = ("a1", "a1_stiff", "anymal_c", "anymal_d", "g1", "go1", "go2", "h1", "so101", "spot")
-ON_MJLAB = ("go1", "g1")
-"""Robots whose model is in the mjlab distribution."""
 READABLE = (".xml", "_cfg.py", "_deploy.yaml")
 """Ends of the names of compiled files that the audit reads."""
 MOTORS = sorted((ROBOTS / "motors").glob("*.yaml"))
 
 
-def _resolved(name: str, request: pytest.FixtureRequest) -> ActuatorSet:
-    if name in ON_MJLAB:
-        request.getfixturevalue("mjlab_installed")
+def _resolved(name: str) -> ActuatorSet:
     return api.resolve(api.load(ROBOTS / f"{name}.yaml"))
 
 
@@ -88,11 +84,8 @@ def test_the_audit_has_no_warning(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-    request: pytest.FixtureRequest,
 ) -> None:
     """With every approximation accepted, a robot compiles, and no rule has more than a remark about the result."""
-    if name in ON_MJLAB:
-        request.getfixturevalue("mjlab_installed")
     monkeypatch.chdir(tmp_path)
     spec = str(ROBOTS / f"{name}.yaml")
     assert main(["compile", spec, "-o", "out", "--strict"]) == 0
@@ -182,12 +175,12 @@ def _group(name: str, group: str, joints: list[JointActuator]) -> list[str]:
     ]
 
 
-def test_figures_of_the_page(request: pytest.FixtureRequest) -> None:
+def test_figures_of_the_page() -> None:
     """The table of docs/robots.md is what the specs resolve to."""
     expected = []
     for name in NAMES:
         groups: dict[str, list[JointActuator]] = {}
-        for joint in _resolved(name, request).joints:
+        for joint in _resolved(name).joints:
             groups.setdefault(joint.group, []).append(joint)
         expected += [_group(name, group, groups[group]) for group in spec_of(name)["actuators"]]
     found = _rows(ROOT / "docs" / "robots.md", "## The figures")
@@ -278,10 +271,10 @@ def test_reflected_figures(
     ids=["go1", "go2", "h1"],
 )
 def test_reduction_is_that_of_the_limits(
-    name: str, slow: str, fast: str, speeds: tuple[float, float], request: pytest.FixtureRequest
+    name: str, slow: str, fast: str, speeds: tuple[float, float]
 ) -> None:
     """Behind a reduction the torque is higher, the speed lower by it, and the armature higher by its square."""
-    robot = _resolved(name, request)
+    robot = _resolved(name)
     strong, weak = _joint(robot, slow), _joint(robot, fast)
     ratio = speeds[1] / speeds[0]
     assert strong.effort_limit.require() / weak.effort_limit.require() == pytest.approx(ratio, rel=5e-4)

@@ -1,12 +1,12 @@
 """Actuators of unitree_g1 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 2979f28fb6cd2010f3f7129f6fdf9a06574b840903bd15d4cbb248469cadf95f
+# spec sha256 95e3c54f4fd865bcfa7030b4dea5f1d3203c3aa0d73d0465cc2bf7dd011bfa97
 # model g1.xml
 #
 # Use:
 #   EntityCfg(
-#     spec_fn=...,
+#     spec_fn=lambda: prepare_spec(mujoco.MjSpec.from_file(...)),
 #     articulation=UNITREE_G1_ARTICULATION,
 #   )
 # with SimulationCfg(mujoco=MujocoCfg(timestep=0.005)), decimation=4.
@@ -33,6 +33,8 @@
 # Sources:
 # - mjlab_g1: mjlab 1.6.0, Unitree G1 constants, https://github.com/mujocolab/mjlab,
 #   mjlab/asset_zoo/robots/unitree_g1/g1_constants.py
+
+import mujoco
 
 from mjlab.actuator import BuiltinPositionActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg
@@ -95,6 +97,63 @@ UNITREE_G1_WRISTS_ACTUATOR = BuiltinPositionActuatorCfg(
   effort_limit=5.0,  # N*m, derived, mjlab_g1
   armature=0.00425,  # kg*m^2, derived, mjlab_g1
 )
+
+##
+# Model.
+##
+
+DRIVEN_JOINTS = (
+  "left_hip_pitch_joint",
+  "left_hip_roll_joint",
+  "left_hip_yaw_joint",
+  "left_knee_joint",
+  "left_ankle_pitch_joint",
+  "left_ankle_roll_joint",
+  "right_hip_pitch_joint",
+  "right_hip_roll_joint",
+  "right_hip_yaw_joint",
+  "right_knee_joint",
+  "right_ankle_pitch_joint",
+  "right_ankle_roll_joint",
+  "waist_yaw_joint",
+  "waist_roll_joint",
+  "waist_pitch_joint",
+  "left_shoulder_pitch_joint",
+  "left_shoulder_roll_joint",
+  "left_shoulder_yaw_joint",
+  "left_elbow_joint",
+  "left_wrist_roll_joint",
+  "left_wrist_pitch_joint",
+  "left_wrist_yaw_joint",
+  "right_shoulder_pitch_joint",
+  "right_shoulder_roll_joint",
+  "right_shoulder_yaw_joint",
+  "right_elbow_joint",
+  "right_wrist_roll_joint",
+  "right_wrist_pitch_joint",
+  "right_wrist_yaw_joint",
+)
+
+
+def prepare_spec(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+  """Make room for the actuators above, in `spec_fn`.
+
+  The model's own actuators on these joints go, with their sensors: they would act
+  beside those above. Its keyframes lose their controls, whose number changes.
+  """
+  joint = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+  own = [a for a in spec.actuators if a.trntype in joint and a.target in DRIVEN_JOINTS]
+  names = {a.name for a in own}
+  for sensor in list(spec.sensors):
+    if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR and sensor.objname in names:
+      spec.delete(sensor)
+  for actuator in own:
+    spec.delete(actuator)
+  for key in spec.keys:
+    key.ctrl = []
+    key.act = []
+  return spec
+
 
 ##
 # Final config.

@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1. Do not edit: change the spec and compile again.
-# spec sha256 2979f28fb6cd2010f3f7129f6fdf9a06574b840903bd15d4cbb248469cadf95f
+# spec sha256 95e3c54f4fd865bcfa7030b4dea5f1d3203c3aa0d73d0465cc2bf7dd011bfa97
 #
 # What it cannot do:
 # - encoder_bias: add -0.015 rad to 0.015 rad -> none: stays 0 rad, at most 0.602689 N*m (Isaac Lab has no term for

@@ -1,12 +1,12 @@
 """Actuators of unitree_go1 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 f0ca96aa902d189bfdff998cdaa04f63f4b5b2e7def595835be535c2b1e4950b
+# spec sha256 6a61770f58f65ce3198ba58ebeab41c2aea58298034041700d464cdd9d7a7ee7
 # model go1.xml
 #
 # Use:
 #   EntityCfg(
-#     spec_fn=...,
+#     spec_fn=lambda: prepare_spec(mujoco.MjSpec.from_file(...)),
 #     articulation=UNITREE_GO1_ARTICULATION,
 #   )
 # with SimulationCfg(mujoco=MujocoCfg(timestep=0.005)), decimation=4.
@@ -27,6 +27,8 @@
 #   d6f13aad60320ce1d60a07b82a76b5a553f2a0a9
 # - mjlab_go1: mjlab 1.6.0, Unitree Go1 constants, https://github.com/mujocolab/mjlab,
 #   mjlab/asset_zoo/robots/unitree_go1/go1_constants.py
+
+import mujoco
 
 from mjlab.actuator import BuiltinPositionActuatorCfg
 from mjlab.entity import EntityArticulationInfoCfg
@@ -51,6 +53,46 @@ UNITREE_GO1_KNEE_ACTUATOR = BuiltinPositionActuatorCfg(
   effort_limit=35.55,  # N*m, derived, go1_urdf
   armature=0.009059202,  # kg*m^2, derived, go1_urdf
 )
+
+##
+# Model.
+##
+
+DRIVEN_JOINTS = (
+  "FR_hip_joint",
+  "FR_thigh_joint",
+  "FR_calf_joint",
+  "FL_hip_joint",
+  "FL_thigh_joint",
+  "FL_calf_joint",
+  "RR_hip_joint",
+  "RR_thigh_joint",
+  "RR_calf_joint",
+  "RL_hip_joint",
+  "RL_thigh_joint",
+  "RL_calf_joint",
+)
+
+
+def prepare_spec(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+  """Make room for the actuators above, in `spec_fn`.
+
+  The model's own actuators on these joints go, with their sensors: they would act
+  beside those above. Its keyframes lose their controls, whose number changes.
+  """
+  joint = (mujoco.mjtTrn.mjTRN_JOINT, mujoco.mjtTrn.mjTRN_JOINTINPARENT)
+  own = [a for a in spec.actuators if a.trntype in joint and a.target in DRIVEN_JOINTS]
+  names = {a.name for a in own}
+  for sensor in list(spec.sensors):
+    if sensor.objtype == mujoco.mjtObj.mjOBJ_ACTUATOR and sensor.objname in names:
+      spec.delete(sensor)
+  for actuator in own:
+    spec.delete(actuator)
+  for key in spec.keys:
+    key.ctrl = []
+    key.act = []
+  return spec
+
 
 ##
 # Final config.

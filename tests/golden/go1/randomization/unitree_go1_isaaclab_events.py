@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1. Do not edit: change the spec and compile again.
-# spec sha256 f0ca96aa902d189bfdff998cdaa04f63f4b5b2e7def595835be535c2b1e4950b
+# spec sha256 6a61770f58f65ce3198ba58ebeab41c2aea58298034041700d464cdd9d7a7ee7
 #
 # What it cannot do:
 # - strength: scale 0.9 to 1.1 -> each joint on its own (the stack draws no number for a whole robot; each joint's range
