@@ -39,6 +39,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("-o", "--output", metavar="SPEC", help="file to write (default: standard output)")
     command.add_argument("--robot", metavar="NAME", help="this robot of a file that has several")
+    command.add_argument(
+        "--joints",
+        metavar="FILE|LIST",
+        help="names of the joints, where a configuration has patterns and no robot file is at hand (they stand in a "
+        "USD): IO_descriptors.yaml, a URDF, any file with them, or a,b,c",
+    )
     command.add_argument("--force", action="store_true", help="replace a file that is there")
     add_versions(command)
 
@@ -46,11 +52,24 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Import the files."""
     versions = configured_versions(arguments.target)
-    return import_files(arguments.file, arguments.output, arguments.robot, versions, bool(arguments.force))
+    return import_files(
+        arguments.file,
+        arguments.output,
+        arguments.robot,
+        versions,
+        bool(arguments.force),
+        joints=arguments.joints,
+    )
 
 
 def import_files(
-    files: Sequence[str], output: str | None, robot: str | None, versions: Versions, force: bool
+    files: Sequence[str],
+    output: str | None,
+    robot: str | None,
+    versions: Versions,
+    force: bool,
+    *,
+    joints: str | None = None,
 ) -> int:
     """Read files of one robot, write its spec, and say what became of what.
 
@@ -60,6 +79,7 @@ def import_files(
         robot: Name of the robot where a file has several.
         versions: What the files are meant for.
         force: Replace a file that is there.
+        joints: File or list that names the joints; None: the files do.
     """
     from actspec.draft import draft
     from actspec.draft.combine import combine
@@ -73,7 +93,7 @@ def import_files(
     if output is not None:
         check_free(output, files, force)
     found = {find_model(file, "") if file.startswith(_SCHEME) else file: file for file in files}
-    readings, said = read_robot_files(list(found), robot, versions)
+    readings, said = read_robot_files(list(found), robot, versions, joints)
     print_diagnostics(said)
     if output is not None:
         check_free(output, [file for r in readings for file in (r.path, *r.includes)], force)

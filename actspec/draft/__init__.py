@@ -87,7 +87,7 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
         name=scalar(actuators.robot),
         model=model if model == "none" else scalar(model),
         remarks=[comment(text) for text in combined.notes.get("", ())],
-        joints=listed_joints(actuators) if model == "none" else [],
+        joints=listed_joints(combined) if model == "none" else [],
         unmanaged=unmanaged,
         pose=pose,
         timing=timing,

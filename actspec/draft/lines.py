@@ -167,16 +167,21 @@ def pose_lines(combined: Combined) -> list[Line]:
     ]
 
 
-def listed_joints(actuators: ActuatorSet) -> list[str]:
-    """Joints of a robot without a model file."""
+def listed_joints(combined: Combined) -> list[str]:
+    """Joints of a robot without a model file, those that are left alone among them."""
     found = []
-    for joint in actuators.joints:
+    driven = {joint.joint: joint for joint in combined.actuators.joints}
+    for name in combined.names:
+        joint = driven.get(name)
+        if joint is None:
+            found.append(scalar(name))
+            continue
         slide = joint.kind is JointKind.SLIDE
-        parts = [f"name: {scalar(joint.joint)}"] + ["kind: slide"] * slide
+        parts = [f"name: {scalar(name)}"] + ["kind: slide"] * slide
         if joint.position_range is not None:
             ends = [figure(end, "m" if slide else "rad") for end in joint.position_range]
             parts.append(f"range: [{', '.join(ends)}]")
-        found.append(scalar(joint.joint) if len(parts) == 1 else f"{{{', '.join(parts)}}}")
+        found.append(scalar(name) if len(parts) == 1 else f"{{{', '.join(parts)}}}")
     return found
 
 

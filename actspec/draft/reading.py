@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
 from actspec.draft.sources import RobotReading
@@ -12,6 +13,7 @@ from actspec.ir import JointKind
 from actspec.lift import Lifted, LiftedRobot, lift, lift_files
 from actspec.lift.config import asset_of
 from actspec.readings.artifact import FileKind, FileReading, Framework
+from actspec.readings.joint_lists import fitting, joint_lists
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
@@ -19,11 +21,13 @@ _LIVE = re.compile(r"[.^$*+?{}\[\]|()]")
 """What makes a name a pattern for more."""
 _ESCAPED = re.compile(r"\\.", re.DOTALL)
 
+_USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
+
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
 
 
 def read_robot_files(
-    paths: Sequence[str], robot: str | None, versions: Versions
+    paths: Sequence[str], robot: str | None, versions: Versions, named: str | None = None
 ) -> tuple[tuple[RobotReading, ...], tuple[Diagnostic, ...]]:
     """Read files of one robot.
 
@@ -31,6 +35,7 @@ def read_robot_files(
         paths: The files.
         robot: Name of the robot where a file has several; None: there is one only.
         versions: What the files are meant for.
+        named: A file or list that names the joints where no robot file does; None: there is none.
 
     Returns: One reading a robot description, in the order of the files, and what the readers have to say.
 
@@ -54,7 +59,10 @@ def read_robot_files(
     parts = list(_one_a_file(chosen, robot, out))
     out.raise_if_failed(AuditError)
     parts = list(_fitted(parts, versions, out))
-    _check_names(parts, out)
+    if named is not None:
+        parts = list(_on_named(parts, named, versions, out))
+    else:
+        _check_names(parts, out)
     out.raise_if_failed(AuditError)
     files = {reading.path: tuple(file.path for file in reading.files) for reading in found.readings}
     said = [item for reading in found.readings for item in reading.diagnostics]
@@ -191,6 +199,32 @@ def _fitted(parts: Sequence[Lifted], versions: Versions, out: Collector) -> Iter
         yield part
 
 
+def _on_named(parts: Sequence[Lifted], named: str, versions: Versions, out: Collector) -> Iterator[Lifted]:
+    """The parts with the joints of the file or list that names them."""
+    artifacts = [part.artifact for part in parts if part.artifact is not None]
+    robot = next((artifact for artifact in artifacts if artifact.robot is not None), None)
+    if robot is not None:
+        message = "not needed: the robot file names the joints"
+        out.error("DRF011", message, span=Span(robot.path), where="--joints", help="leave --joints out")
+    configs = [
+        a.config for a in artifacts if a.config is not None and a.config.framework is not Framework.DEPLOY
+    ]
+    joints = fitting(joint_lists(named), configs)
+    if not joints and robot is None:
+        patterns = [one_line(p) for config in configs for group in config.groups for p in group.joints or ()]
+        message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
+        out.error("DRF011", message, span=Span(one_line(named)), where="--joints")
+    for part in parts:
+        if part.artifact is None or part.artifact.config is None or not part.artifact.config.groups:
+            yield part
+            continue
+        part = lift(part.artifact, joints, versions=versions)
+        kinds = "names, kinds and ranges" if not isinstance(next(iter(joints), ""), str) else "names"
+        source = os.path.basename(named) if os.path.exists(named) else "the list"
+        said = f"the {kinds} of the {len(joints)} joints are from {one_line(source)} (--joints)"
+        yield replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
+
+
 def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
     """Where patterns select the joints, some file names these."""
     artifacts = [part.artifact for part in parts if part.artifact is not None]
@@ -208,14 +242,19 @@ def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
         ]
         if patterns:
             asset = asset_of(config) if config is not None else None
+            usd = config.settings.get("model") if config is not None else None
+            where = (
+                f": they stand in {one_line(str(usd.value))}" if usd and _USD.search(str(usd.value)) else ""
+            )
             out.error(
                 "DRF009",
                 f"{one_line(artifact.name)} selects its joints by patterns ({listed(map(one_line, patterns))}), and "
-                "no file names them",
+                f"no file names them{where}",
                 span=Span(artifact.path),
                 help=f"name {one_line(asset)} too, which it reads"
                 if asset
-                else "name the robot's MJCF or URDF too",
+                else "name the robot's MJCF or URDF too, or its joints: --joints FILE (Isaac Lab's "
+                "IO_descriptors.yaml, a URDF, any file that names them) or --joints a,b,c",
             )
 
 

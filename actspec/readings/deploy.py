@@ -119,13 +119,13 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     """
     file = ModelFile(path, "", data)
     try:
-        root = _compose(data)
-    except _Unfit as err:
+        root = compose(data)
+    except Unfit as err:
         return FileReading(path, None, str(err), files=(file,))
     name = os.path.splitext(os.path.basename(path))[0]
     try:
         configs = () if root is None else tuple(_Reader(path).configs(root, (), name, 0))
-    except _Unfit as err:
+    except Unfit as err:
         return FileReading(path, FileKind.DEPLOY, str(err), files=(file,))
     if not configs:
         return FileReading(path, None, "it has no gains (kp, kps, stiffness, ...)", files=(file,))
@@ -139,15 +139,20 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     )
 
 
-class _Unfit(Exception):
+class Unfit(Exception):
     """The file is no YAML that can be read, or too much of it."""
 
 
-def _compose(data: bytes) -> yaml.Node | None:
+def compose(data: bytes) -> yaml.Node | None:
+    """The nodes of a YAML text, nothing constructed; None for an empty one.
+
+    Raises:
+        Unfit: it is no YAML, or too much of it.
+    """
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as err:
-        raise _Unfit(f"it is not UTF-8 at byte {err.start}") from None
+        raise Unfit(f"it is not UTF-8 at byte {err.start}") from None
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
         depth = 0
@@ -155,15 +160,15 @@ def _compose(data: bytes) -> yaml.Node | None:
         for count, event in enumerate(yaml.parse(text, Loader=loader)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MOST_DEPTH:
-                raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
+                raise Unfit(f"it is nested more than {MOST_DEPTH} deep")
             if count > MOST_STEPS:
-                raise _Unfit(f"it has more than {MOST_STEPS} values")
+                raise Unfit(f"it has more than {MOST_STEPS} values")
         node: yaml.Node | None = yaml.compose(text, Loader=loader)
     except yaml.MarkedYAMLError as err:
         at = f" (line {err.problem_mark.line + 1})" if err.problem_mark else ""
-        raise _Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
+        raise Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
     except (yaml.YAMLError, ValueError) as err:
-        raise _Unfit(f"it is not YAML: {one_line(str(err))}") from None
+        raise Unfit(f"it is not YAML: {one_line(str(err))}") from None
     return node
 
 
@@ -187,7 +192,7 @@ class _Reader:
         """
         self._step()
         if depth > MOST_DEPTH:
-            raise _Unfit(f"it is nested more than {MOST_DEPTH} deep")
+            raise Unfit(f"it is nested more than {MOST_DEPTH} deep")
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
                 yield from self.configs(item, above, name, depth + 1)
@@ -376,7 +381,7 @@ class _Reader:
     def _step(self) -> None:
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise _Unfit(f"it has more than {MOST_STEPS} values")
+            raise Unfit(f"it has more than {MOST_STEPS} values")
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:

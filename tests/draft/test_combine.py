@@ -311,7 +311,8 @@ def test_configuration_alone(tmp_path: Path) -> None:
     (item,) = caught.value.diagnostics
     assert item.code == "DRF009"
     assert item.message == "LEG_CFG selects its joints by patterns (.*), and no file names them"
-    assert item.help == "name the robot's MJCF or URDF too"
+    assert item.help is not None
+    assert item.help.startswith("name the robot's MJCF or URDF too, or its joints: --joints FILE")
 
 
 SEVERAL = ISAACLAB + ISAACLAB[ISAACLAB.index("LEG_CFG") :].replace("LEG_CFG", "ARM_CFG").replace(

@@ -1,0 +1,141 @@
+"""Names of joints alone, from a list or any file that has them: for configurations whose joints stand in a USD."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import re
+from collections.abc import Iterator, Sequence
+from typing import TypeAlias
+
+import yaml
+
+from actspec.diagnostics import AuditError, Span, one_line
+from actspec.files import FAULTS, read_regular, why
+from actspec.ir import JointKind
+from actspec.readings.artifact import RobotConfig
+from actspec.readings.deploy import MOST_STEPS, NAMES, Unfit, compose
+from actspec.readings.pair import joint_names, matching
+from actspec.readings.read import MOST_YAML_BYTES, YAML, PendingFiles
+from actspec.robot.view import JointView
+
+Joints: TypeAlias = "tuple[JointView | str, ...]"
+"""Joints in the file's order; of a robot file with kind and range, else names alone."""
+
+_USD = (".usd", ".usda", ".usdc", ".usdz")
+_TEXT = (".txt", ".csv", ".list")
+_NO_NAME = re.compile(r"[,;\s]+")
+_COMMENT = re.compile(r"#.*")
+_PATTERN = re.compile(r"[\\*+?|()^$\[\]{}]")
+_HELP = (
+    "a URDF, an MJCF, IO_descriptors.yaml of Isaac Lab, a deploy file, a text with one name a line, or the names "
+    "themselves: --joints a,b,c"
+)
+
+
+def joint_lists(text: str) -> tuple[Joints, ...]:
+    """The lists of joints that an argument names, the first one first; no name twice in a list.
+
+    Args:
+        text: A file, or names with commas between them.
+
+    Raises:
+        AuditError: there is no such file, or it names no joints.
+    """
+    lower = text.lower()
+    known = (".xml", ".urdf", ".mjcf", ".py", ".json", *YAML, *_USD, *_TEXT)
+    if not os.path.exists(text) and not lower.endswith(known) and "/" not in text:
+        return (_distinct(text, text),)
+    if not os.path.exists(text):
+        raise _refusal("there is no such file", text, _HELP)
+    if lower.endswith(_USD):
+        help = f"{_HELP}. In Isaac Lab `print(robot.joint_names)` prints them"
+        raise _refusal("USD is not read for names of joints", text, help)
+    if lower.endswith((*YAML, ".json")):
+        found = tuple(_named(_data(text), text))
+    elif lower.endswith(_TEXT):
+        found = (_distinct(_COMMENT.sub("", _data(text).decode("utf-8", "replace")), text),)
+    else:
+        found = tuple(_of_files(text))
+    if not found:
+        raise _refusal("no list of joint names is in it", text, _HELP)
+    return found
+
+
+def fitting(lists: Sequence[Joints], configs: Sequence[RobotConfig]) -> Joints:
+    """The list on which most patterns of the configurations match a joint; of several, the longest; () where none does.
+
+    Args:
+        lists: Of one robot or several, whole or parts of them.
+        configs: With patterns.
+    """
+    patterns = [(c.framework, p) for c in configs for group in c.groups for p in group.joints or ()]
+
+    def worth(joints: Joints) -> tuple[int, int]:
+        names = [joint if isinstance(joint, str) else joint.name for joint in joints]
+        return sum(bool(matching(style, pattern, names)) for style, pattern in patterns), len(names)
+
+    best = max(lists, key=worth)
+    return best if worth(best)[0] else ()
+
+
+def _of_files(path: str) -> Iterator[Joints]:
+    """The joints of a robot file, with kinds and ranges."""
+    with PendingFiles([path], keep_matrices=False) as pending:
+        readings = pending.finish()
+    for reading in readings:
+        if not reading.readable:
+            raise _refusal(f"cannot be read: {reading.reason}", path, None)
+        for artifact in reading.artifacts:
+            if artifact.robot is not None:
+                views = artifact.robot.joints
+                found = tuple(view for view in views if view.kind in (JointKind.HINGE, JointKind.SLIDE))
+                if found:
+                    yield found
+            elif names := joint_names(artifact):
+                yield names
+
+
+def _named(data: bytes, path: str) -> Iterator[Joints]:
+    """Lists of texts below a key that names joints, and a list that is the whole file."""
+    try:
+        root = compose(data)
+    except Unfit as err:
+        raise _refusal(str(err), path, None) from None
+    pending = [] if root is None else [("joints", root)]
+    # Aliases may form a circle, or be many.
+    for key, node in itertools.islice(pending, MOST_STEPS):
+        if isinstance(node, yaml.MappingNode):
+            pending += [(str(one.value), value) for one, value in node.value]
+        elif isinstance(node, yaml.SequenceNode):
+            texts = [item.value for item in node.value if item.tag == "tag:yaml.org,2002:str"]
+            if key in NAMES and texts and len(texts) == len(node.value) == len(set(texts)):
+                yield tuple(texts)
+            else:
+                pending += [("", item) for item in node.value]
+
+
+def _data(path: str) -> bytes:
+    try:
+        return read_regular(path, MOST_YAML_BYTES)
+    except FAULTS as err:
+        raise _refusal(f"cannot be read: {why(err)}", path, None) from None
+
+
+def _distinct(names: str, text: str) -> Joints:
+    found = [name for name in _NO_NAME.split(names) if name]
+    twice = next((name for name in found if found.count(name) > 1), None)
+    pattern = next(filter(_PATTERN.search, found), None)
+    if pattern is not None:
+        raise _refusal(f"{one_line(pattern)} is a pattern, and names are needed", text, _HELP)
+    if twice is not None:
+        raise _refusal(f"{one_line(twice)} stands there twice", text, None)
+    if not found:
+        raise _refusal("no name of a joint is in it", text, _HELP)
+    return tuple(found)
+
+
+def _refusal(message: str, text: str, help: str | None) -> AuditError:
+    span = Span(one_line(text)) if os.path.exists(text) else None
+    shown = "" if span is not None else f"{one_line(text)!r}: "
+    return AuditError.of("DRF011", f"{shown}{message}", span, where="--joints", help=help)

@@ -1,0 +1,147 @@
+"""`actspec import --joints`: a configuration whose joints stand in a USD becomes a spec that compiles."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from actspec.cli.main import main
+from actspec.spec.validate import load_spec
+
+CFG = """from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+import isaaclab.sim as sim_utils
+
+LEG_CFG = ArticulationCfg(
+    spawn=sim_utils.UsdFileCfg(usd_path="/far/away/leg.usd"),
+    actuators={
+        "legs": ImplicitActuatorCfg(
+            joint_names_expr=[".*_hip", ".*_knee"], effort_limit=24.0, stiffness={".*_hip": 40.0, ".*_knee": 50.0},
+            damping=1.5,
+        )
+    },
+)
+"""
+NAMES = ["left_hip", "right_hip", "left_knee", "right_knee"]
+
+IO_DESCRIPTORS = f"""actions:
+  joint_pos: {{joint_names: [left_hip, left_knee], scale: 0.5, mdp_type: Action}}
+articulations:
+  box:
+    joint_names: [lid]
+  robot:
+    default_joint_pos: [0.0, 0.0, 0.0, 0.0, 0.0]
+    joint_names: {json.dumps([*NAMES, "head"])}
+scene: {{decimation: 4, dt: 0.02, physics_dt: 0.005}}
+"""
+URDF = (
+    "<robot name='leg'><link name='base'/>"
+    + "".join(
+        f"<link name='{name}_link'/><joint name='{name}' type='{kind}'><parent link='base'/>"
+        f"<child link='{name}_link'/><axis xyz='0 1 0'/><limit lower='-0.5' upper='1' effort='9' velocity='9'/></joint>"
+        for name, kind in zip(NAMES, ["revolute", "revolute", "prismatic", "prismatic"], strict=True)
+    )
+    + "</robot>"
+)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the configuration."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "leg_cfg.py").write_text(CFG, encoding="utf-8")
+    return tmp_path
+
+
+def test_without_it_the_message_names_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Where the joints are, and how to name them."""
+    assert main(["import", "leg_cfg.py"]) == 2
+    said = capsys.readouterr().err
+    assert "DRF009: LEG_CFG selects its joints by patterns (.*_hip, .*_knee)" in said
+    assert "they stand in /far/away/leg.usd\n" in said and "--joints a,b,c" in said
+
+
+@pytest.mark.parametrize(
+    "name, text, said, joints",
+    [
+        ("", ",".join(NAMES), "the names of the 4 joints are from the list (--joints)", NAMES),
+        ("j.txt", "# of the robot\nleft_hip, right_hip\nleft_knee\nright_knee\n", "from j.txt", NAMES),
+        ("io.yaml", IO_DESCRIPTORS, "the names of the 5 joints are from io.yaml", [*NAMES, "head"]),
+        ("io.json", json.dumps({"joint_names": NAMES}), "from io.json", NAMES),
+        ("j.yaml", json.dumps(NAMES), "from j.yaml", NAMES),
+        ("d.yaml", f"joint_names: {json.dumps(NAMES)}\nkp: [1, 1, 1, 1]\nkd: [1, 1, 1, 1]\n", "d.yaml", NAMES),
+        (
+            "leg.urdf",
+            URDF,
+            "the names, kinds and ranges of the 4 joints are from leg.urdf",
+            NAMES,
+        ),
+    ],
+    ids=["list", "text", "IO_descriptors", "JSON", "bare list", "deploy file", "URDF"],
+)  # fmt: skip
+def test_a_spec_that_compiles(
+    folder: Path,
+    name: str,
+    text: str,
+    said: str,
+    joints: list[str],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """Any file with the names will do; of several lists in it that on which the patterns match most."""
+    if name:
+        (folder / name).write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", name or text, "-o", "leg.yaml"]) == 0
+    assert said in capsys.readouterr().out
+    model = load_spec("leg.yaml").model
+    assert said in (folder / "leg.yaml").read_text(encoding="utf-8")
+    assert model.robot.model == "none"
+    found = []
+    for joint in model.robot.joints or ():
+        found.append(joint if isinstance(joint, str) else joint.name)
+        if name == "leg.urdf":
+            assert not isinstance(joint, str) and joint.range is not None
+            assert joint.kind == ("slide" if "knee" in joint.name else "hinge")
+    assert found == joints
+    assert main(["compile", "leg.yaml", "-o", "out"]) == 0
+    # Of the knees the URDF says that they slide; its limit of 9 does not count: it is asked for joints alone.
+    written = (folder / "out" / "isaaclab" / "leg_cfg.py").read_text(encoding="utf-8")
+    assert "40.0" in written and "50.0" in written and "24.0" in written and "9.0" not in written
+
+
+@pytest.mark.parametrize(
+    "argument, text, message",
+    [
+        ("a,b", "", "none of its joints is selected by .*_hip, .*_knee"),
+        (".*_hip,.*_knee", "", ".*_hip is a pattern, and names are needed"),
+        ("left_hip,left_hip", "", "left_hip stands there twice"),
+        (" ,", "", "no name of a joint is in it"),
+        ("missing.urdf", "", "there is no such file"),
+        ("missing.yaml", "", "there is no such file"),
+        ("leg.usd", "PXR", "USD is not read for names of joints"),
+        ("other.yaml", "a: 1\nb: [1, 2]\n", "no list of joint names is in it"),
+        ("loop.yaml", "a: &a [*a]\n", "no list of joint names is in it"),
+        ("broken.yaml", "a: [", "it is not YAML"),
+        ("leg_cfg.py", "", "no list of joint names is in it"),
+        ("folder", "", "cannot be read"),
+    ],
+)
+def test_what_names_none(
+    folder: Path, argument: str, text: str, message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What is wrong is said of the option, and nothing is written."""
+    (folder / "folder").mkdir()
+    if text:
+        (folder / argument).write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", argument, "-o", "leg.yaml"]) == 2
+    said = capsys.readouterr()
+    assert "DRF011" in said.err and "--joints" in said.err and message in said.err
+    assert said.out == "" and not (folder / "leg.yaml").exists()
+
+
+def test_beside_a_robot_file(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A robot file names the joints itself: the option is refused, so that nobody thinks that it counts."""
+    (folder / "leg.urdf").write_text(URDF, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "leg.urdf", "--joints", "left_hip"]) == 2
+    assert "leg.urdf: DRF011 --joints: not needed: the robot file names the joints" in capsys.readouterr().err
