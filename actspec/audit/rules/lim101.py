@@ -5,14 +5,16 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.actuator_texts import written_actuators
-from actspec.audit.rules.joints import shown, unit
+from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
+from actspec.audit.rules.joints import partner_rows, shown, unit
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
+from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.mjcf_actuator_text import numbers
+from actspec.robot.view import ActuatorView
 
 _LIMITS = ("effort_limit", "velocity_limit")
 _URDF = {
@@ -21,6 +23,8 @@ _URDF = {
     "velocity_limit": "the URDF's velocity is 0: MuJoCo leaves it out, and a solver that enforces it holds the joint",
 }
 
+_EMPTY = (0.0, 0.0)
+_MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
 
 
@@ -38,16 +42,19 @@ class NoEffectiveLimit(RuleInParts):
     options: ClassVar[dict[str, float]] = {"least": PLACEHOLDER}
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
-        empty = _empty_ranges(case)
-        for index, _ in case.of_kind(FileKind.MJCF):
+        written = _ranges_not_in_force(case)
+        for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
+            views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
             for row in case.rows_of(index):
                 if row.control != "none" and row.joint:
-                    free = row.effort_limit == math.inf and row.joint not in limited and row.span not in empty
-                    yield self._missing(row) if free and not _is_bounded(row) else ()
+                    free = row.effort_limit == math.inf and row.joint not in limited
+                    view = views.get(row.span)
+                    looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
+                    yield self._missing(case, row, view, written.get(row.span)) if looked else ()
         mimics = _mimics(case)
         for row in case.rows:
-            if row.span in empty and row.effort_limit == math.inf:
+            if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             for field in _LIMITS:
                 limit: float | None = getattr(row, field)
@@ -55,14 +62,41 @@ class NoEffectiveLimit(RuleInParts):
                     idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
                     yield self._stated(case, row, field, limit, idle)
 
-    def _missing(self, row: LedgerRow) -> Iterator[Finding]:
+    def _missing(
+        self, case: Case, row: LedgerRow, view: ActuatorView | None, written: tuple[float, float] | None
+    ) -> Iterator[Finding]:
+        noun = "force" if row.kind is JointKind.SLIDE else "torque"
+        bound, how = _bound(row, view) if view is not None else (None, "")
+        severity = self.severity
+        if bound is None:
+            effect = f"its {noun} is unlimited"
+        else:
+            effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
+            others = (other.effort_limit or 0.0 for other in partner_rows(case, row, *_MODELS))
+            most = max((limit for limit in others if 0.0 < limit < PLACEHOLDER), default=None)
+            if most is not None and bound > most:
+                effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
+            else:
+                severity = Severity.INFO
+        if written is None:
+            what = "no force range or joint limit limits this actuator"
+            if bound is None:
+                what = "no force range, joint limit or control range limits this actuator"
+        else:
+            ends = " ".join(f"{end:g}" for end in written)
+            what = f'forcerange="{ends}" is switched off by forcelimited="false"'
+            if bound is not None and view is not None and bound <= abs(view.gear) * largest(written):
+                return
+            severity = self.severity
         yield Finding(
             self.code,
-            "no force range, joint limit or control range limits this actuator: its "
-            f"{'force' if row.kind is JointKind.SLIDE else 'torque'} is unlimited",
+            f"{what}: {effect}",
             row.span,
             row.joint,
-            help="add actuatorfrcrange to the joint, or forcerange to the actuator",
+            help="add actuatorfrcrange to the joint, or forcerange to the actuator"
+            if written is None
+            else "leave forcelimited out, or the range",
+            severity=severity,
         )
 
     def _stated(self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool) -> Iterator[Finding]:
@@ -95,11 +129,37 @@ class NoEffectiveLimit(RuleInParts):
         )
 
 
-def _is_bounded(row: LedgerRow) -> bool:
-    """Whether the voltage of a dcmotor bounds its torque, or the actuator is no motor that could give any."""
+def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:
+    """Whether the voltage of a dcmotor or an activation bounds its torque, or the actuator gives none of its own."""
     # Only a dcmotor whose control is its voltage has back-EMF beside no other gain.
     voltage = row.stall_torque is not None or (bool(row.back_emf) and row.command_range is not None)
+    if view is not None and view.control == "intvelocity":
+        # MuJoCo takes it only with a clamped activation, which is its target.
+        return True
     return voltage if row.control == "dcmotor" else row.control == "other" and row.kd is None
+
+
+def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
+    """What the clamp of a servo's command bounds its torque at, with the joint inside its range and at rest.
+
+    Returns: The largest torque at the joint [N*m or N] and how it comes about; None where nothing bounds it.
+    """
+    command, kp, kd = row.command_range, row.kp, row.kd
+    if command is None or kp is None or kd is None or "gain" in view.unknown:
+        return None, ""
+    own = row.position_range or command
+    if kp > 0.0 and row.control in ("dcmotor", "pid"):
+        targets = command
+    elif kp > 0.0:
+        # gain x control and bias x position are two numbers, which need not be one kp.
+        targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)
+    elif kd > 0.0 and row.control == "velocity":
+        speed = largest(command)
+        return kd * speed, f"kv {shown(row, 'kd', kd)} x {shown(row, 'velocity_limit', speed)}"
+    else:
+        return None, ""
+    reach = max(abs(target - end) for target in targets for end in own)
+    return kp * reach, f"kp {shown(row, 'kp', kp)} x {shown(row, 'default_position', reach)}"
 
 
 def _limited_elsewhere(case: Case, artifact: int) -> set[str]:
@@ -124,8 +184,8 @@ def _mimics(case: Case) -> set[tuple[int, str]]:
     }
 
 
-def _empty_ranges(case: Case) -> set[Span]:
-    """Places of actuators that have the range from 0 to 0 written."""
+def _ranges_not_in_force(case: Case) -> dict[Span, tuple[float, float]]:
+    """Force ranges that are written at actuators which have none, by the actuators' places."""
     actuators = (
         actuator
         for _, artifact in case.of_kind(FileKind.MJCF)
@@ -133,10 +193,17 @@ def _empty_ranges(case: Case) -> set[Span]:
         for actuator in artifact.robot.actuators
     )
     if not any(actuator.force_range is None and "forcerange" in actuator.stated for actuator in actuators):
-        return set()
-    return {
-        found.view.span
-        for found in written_actuators(case, b"forcerange")
-        if "forcerange" in found.element.attributes
-        and numbers(found.element.attributes["forcerange"].value, 2) == (0.0, 0.0)
-    }
+        return {}
+    ranges = {}
+    for found in written_actuators(case, b"forcerange", which=lambda _, view: view.force_range is None):
+        owner = found.owner("forcerange")
+        ends = numbers(owner.get("forcerange"), 2) if owner is not None else ()
+        off = _last(found, "forcelimited") == "false"
+        if len(ends) == 2 and (off or ends == _EMPTY) and all(map(math.isfinite, ends)):
+            ranges[found.view.span] = (ends[0], ends[1])
+    return ranges
+
+
+def _last(found: WrittenActuator, name: str) -> str | None:
+    owner = found.owner(name)
+    return owner.get(name) if owner is not None else None
