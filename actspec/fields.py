@@ -20,6 +20,11 @@ PLACEHOLDER = 1e5
 machine; the placeholders in published files are 1e6 (the drive limit of Isaac Sim), 1e9 and 3.4e38."""
 
 
+PLACEHOLDER_SPEED = 100.0
+"""A speed limit from which on it is no evidence of what a joint does [rad/s or m/s]. Chosen: joints behind a gear reach
+40 rad/s, direct drives 60; published placeholders are 100, 1000 and 10000, on every joint alike."""
+
+
 class Role(Enum):
     """What a figure is, which decides who may state it and with what it is compared."""
 

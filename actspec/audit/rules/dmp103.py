@@ -1,10 +1,11 @@
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import finite, shown, top_speed, unit
+from actspec.audit.rules.joints import finite, partner_rows, shown, top_speed, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -56,6 +57,9 @@ class DampingOutsideClamp(RuleInParts):
                 every = (top_speed(row) for file in files for row in everything.get((file, joint), ()))
                 speeds[key] = min(filter(None, every), default=None)
             speed = speeds[key]
+            if _brakes_by_intent(case, row):
+                yield ()
+                continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
                 yield (self._known(row, damping, limit, speed),)
             elif (
@@ -85,6 +89,7 @@ class DampingOutsideClamp(RuleInParts):
             unit(row, "kd"),
             help=_HELP,
             related=(row.span,),
+            severity=None if left <= 0.0 else Severity.INFO,
         )
 
     def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
@@ -108,3 +113,16 @@ _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "
     "dcmotor or a DC motor class"
 )
+
+_DAMPED = re.compile(r"wheel|caster|castor|suspension|shock|roller|rotor|propeller", re.IGNORECASE)
+"""Names of joints and bodies whose damping brakes them on purpose: they roll, spring or spin in air."""
+
+
+def _brakes_by_intent(case: Case, row: LedgerRow) -> bool:
+    """Whether the damping is the model's brake: of a wheel or suspension, or where nothing drives the joint."""
+    robot = case.artifacts[row.artifact].robot
+    joint = None if robot is None else robot.joint(row.joint)
+    if _DAMPED.search(row.joint) or (joint is not None and _DAMPED.search(joint.body)):
+        return True
+    driven = (row, *partner_rows(case, row, FileKind.MJCF, FileKind.CFG, FileKind.SPEC))
+    return bool(robot and robot.actuators) and all(other.control == "none" for other in driven)

@@ -7,7 +7,7 @@ from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
 from actspec.audit.case import Case
-from actspec.fields import unit_of
+from actspec.fields import PLACEHOLDER_SPEED, unit_of
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
@@ -126,8 +126,9 @@ def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
 
 
 def top_speed(row: LedgerRow) -> float | None:
-    """The joint's top speed: its limit or the end of its torque-speed line, what comes first."""
-    speeds = (finite(row.velocity_limit), finite(row.no_load_speed))
+    """The joint's top speed: its limit or the end of its torque-speed line, what comes first; no placeholder."""
+    limit = finite(row.velocity_limit)
+    speeds = (None if limit is None or limit >= PLACEHOLDER_SPEED else limit, finite(row.no_load_speed))
     return min(filter(None, speeds), default=None)
 
 

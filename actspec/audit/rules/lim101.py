@@ -149,7 +149,7 @@ def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
         return None, ""
     own = row.position_range or command
     if kp > 0.0 and row.control in ("dcmotor", "pid"):
-        targets = command
+        targets: tuple[float, ...] = command
     elif kp > 0.0:
         # gain x control and bias x position are two numbers, which need not be one kp.
         targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)

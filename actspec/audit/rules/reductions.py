@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.rules.joints import by_joint
-from actspec.fields import PLACEHOLDER
+from actspec.fields import PLACEHOLDER, PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.artifact import Robot
 from actspec.readings.compare import LEAST_REDUCTION, SAME_POWER
@@ -58,8 +58,10 @@ def figures(case: Case) -> dict[int, dict[str, Figures]]:
         if row.kind is JointKind.SLIDE or effort is None or "effort_limit" not in row.stated:
             continue
         if 0.0 < effort < PLACEHOLDER:
-            speed = row.no_load_speed if row.no_load_speed is not None else row.velocity_limit
-            limit = speed if speed is not None and 0.0 < speed < PLACEHOLDER else None
+            speed, most = row.no_load_speed, PLACEHOLDER
+            if speed is None:
+                speed, most = row.velocity_limit, PLACEHOLDER_SPEED
+            limit = speed if speed is not None and 0.0 < speed < most else None
             found.setdefault(index, {})[joint] = Figures(row, effort, limit)
     return found
 
