@@ -19,7 +19,7 @@ from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import COPIED, same
 from actspec.robot.view import RobotView, joints_above
 
-NO_DRIVE = "no file says what drives it"
+NO_DRIVE = "what drives it is not stated"
 """Why a joint without a drive is left alone where others have one."""
 
 _DRIVE = ("kp", "kd", "stall_torque", "no_load_speed")

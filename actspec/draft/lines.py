@@ -138,7 +138,7 @@ def timing_lines(actuators: ActuatorSet) -> tuple[list[Line], str]:
     if actuators.decimation is not None:
         rows.append(Line("decimation", str(actuators.decimation)))
         return rows, "" if stated(step) else _step(actuators)
-    return rows, "decimation: 4    # physics steps in one control step; no file says it" if rows else _step(
+    return rows, "decimation: 4    # physics steps in one control step; not stated" if rows else _step(
         actuators
     )
 

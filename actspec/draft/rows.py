@@ -94,7 +94,7 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
         rows["command_filter"] = Row(f"{{cutoff: {sourced(cutoff)}}}", "", lost_of(cutoff), _places(cutoff))
     if joint.delay is not None:
         nominal = joint.delay.nominal
-        hint = "" if nominal.known else nominal.note or "no file says it"
+        hint = "" if nominal.known else nominal.note or "not stated"
         rows["delay"] = Row(_delay(joint.delay), hint, lost_of(nominal), _places(nominal))
     add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
     if joint.action_scale is not None:
@@ -152,12 +152,12 @@ def network_of(joint: JointActuator) -> str:
 def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind]) -> str | None:
     """Why a row is `unknown`; None where it has a number that a spec can hold."""
     if quantity.value is None:
-        return quantity.note or _SILENT.get(key, "no file says it")
+        return quantity.note or _SILENT.get(key, "not stated")
     if not stated(quantity):
         if key == "armature" and FileKind.MJCF not in kinds and FileKind.URDF in kinds:
             return _SILENT[key]
         engine = "MuJoCo takes" if FileKind.MJCF in kinds else "the default is"
-        return f"no file says it: {engine} {figure(quantity.value, quantity.unit)}"
+        return f"not stated: {engine} {figure(quantity.value, quantity.unit)}"
     value = quantity.value
     if not math.isfinite(value):
         return "no limit" if value > 0.0 else f"the file has {format_number(value)}"
