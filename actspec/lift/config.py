@@ -13,11 +13,11 @@ from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization
-from actspec.lift.config_joint import ConfigJoint, control_of
+from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config_figures import selected
+from actspec.readings.config_figures import control_of_group, selected
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.quantities import stated, unknown
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
@@ -136,7 +136,7 @@ def _unsupported(
         return f"{len(chosen)} groups select it: {', '.join(one_line(group.name) for group, _ in chosen)}"
     group = chosen[-1][0]
     cls = one_line(group.cls)
-    control = control_of(config.framework, group)
+    control = control_of_group(config.framework, group)
     if config.framework is Framework.LEGGED_GYM and control == "velocity":
         return "control_type V: its gains act on speeds and accelerations"
     if config.framework is Framework.MJLAB and "xml" in group.cls.lower():

@@ -17,11 +17,10 @@ from actspec.ir import (
     Randomization,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config_figures import Found, control_of_group, figures_of, lags_of, value_of
+from actspec.readings.config_figures import Found, control_of_group, figures_of, is_own_class, lags_of
 from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
-from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
+from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
-from actspec.simulators.isaaclab import FrictionUnit
 from actspec.units import format_quantity
 
 NONE_FROM = 1e9
@@ -29,22 +28,6 @@ NONE_FROM = 1e9
 
 HELD_FROM = 1_000_000
 """Steps between two draws from which on a lag is held for an episode. Chosen: hours at any physics step."""
-
-OWN_CLASS = frozenset(
-    {
-        "stall_torque", "no_load_speed", "drive_torque", "brake_torque", "knee_speed", "encoder_bias",
-        "command", "command_low", "command_high", "filter_cutoff",
-    }
-)  # fmt: skip
-"""Fields of the class that actspec writes for Isaac Lab (`class: custom`), beside those of the stock classes."""
-
-_STOCK = frozenset(
-    {
-        "class_type", "effort_limit", "velocity_limit", "effort_limit_sim", "velocity_limit_sim", "stiffness",
-        "damping", "armature", "friction", "dynamic_friction", "viscous_friction", "min_delay", "max_delay",
-        "physics_dt",
-    }
-)  # fmt: skip
 
 _COMMANDS = {command.value: command for command in Command}
 
@@ -72,12 +55,11 @@ class ConfigJoint:
         self._group = group
         self._joint = joint
         self._pattern = pattern
-        self._named = named
         self._view = view
         self._versions = versions
         self._physics_dt = physics_dt
-        self._control = control_of(config.framework, group)
-        self._figures = figures_of(config, group, joint, pattern, named, versions)
+        self._control = control_of_group(config.framework, group)
+        self._figures = figures_of(config, group, joint, pattern, named, versions, physics_dt)
         self._units = units_of(JointKind.HINGE if view is None else view.kind)
         self._own = is_own_class(group)
 
@@ -124,11 +106,13 @@ class ConfigJoint:
             reflected_inertia=unknown(units.inertia),
             friction_coulomb=coulomb,
             friction_static=static,
-            friction_viscous=self._viscous(),
-            filter_cutoff=self._setting("filter_cutoff", "Hz") if self._own else None,
+            friction_viscous=self._figure(
+                "joint_damping", units.velocity_gain, self._kept("viscous friction")
+            ),
+            filter_cutoff=self._optional("filter_cutoff", "Hz"),
             command_range=self._command_range(command),
             delay=self._delay(),
-            encoder_bias=(self._setting("encoder_bias", units.position) if self._own else None)
+            encoder_bias=self._optional("encoder_bias", units.position)
             or assumed(0.0, units.position, "no bias is stated"),
             action_scale=self._optional("action_scale", ""),
             default_position=self._figure("default_position", units.position),
@@ -154,14 +138,6 @@ class ConfigJoint:
 
     def _optional(self, name: str, unit: str) -> Quantity | None:
         found = self._figures.get(name)
-        return None if found is None else self._quantity(found, unit)
-
-    def _setting(self, name: str, unit: str) -> Quantity | None:
-        """A setting by its own name; None where it is not written, or None is."""
-        setting = self._group.settings.get(name)
-        if setting is None or (setting.value is None and setting.unknown is None):
-            return None
-        found = value_of(self._config.framework, setting, self._joint, self._pattern, self._named)
         return None if found is None else self._quantity(found, unit)
 
     def _kept(self, name: str) -> str | None:
@@ -199,7 +175,7 @@ class ConfigJoint:
         if written is None or not (self._own or self._config.framework is Framework.DEPLOY):
             return None
         readers = ("filter_cutoff", "command_low", "command_high")
-        if self._own and all(self._setting(name, "") is None for name in readers):
+        if self._own and not any(name in self._figures for name in readers):
             return None
         return _COMMANDS.get(str(written.value))
 
@@ -208,13 +184,11 @@ class ConfigJoint:
         found = self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
             return unknown(unit, f"{format_quantity(found.value, unit)} is no limit", found.span)
-        if self._control != "implicit":
-            for name in ("effort_limit_sim", "joint_effort_limit"):
-                solver = self._setting(name, unit)
-                if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
-                    self.notes.append(
-                        f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit"
-                    )
+        solver = self._figures.get("solver_effort_limit")
+        if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
+            names = ("effort_limit_sim", "joint_effort_limit")
+            name = next(name for name in names if name in self._group.settings)
+            self.notes.append(f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit")
         return found
 
     def _no_limit(self) -> str | None:
@@ -224,23 +198,18 @@ class ConfigJoint:
 
     def _line(self, name: str, unit: str) -> Quantity | None:
         """A point of the torque-speed line; None without one, or where it is put out of the way."""
-        found = self._setting(name, unit) if self._own else self._optional(name, unit)
+        found = self._optional(name, unit)
         if found is None or not (self._own or self._control in ("dc_motor", "network")):
             return None
         return None if found.value is not None and found.value >= NONE_FROM else found
 
     def _curve(self) -> AsymmetricCurve | None:
-        if not self._own or self._setting("drive_torque", "") is None:
+        if "curve.drive_torque" not in self._figures:
             return None
         torque, speed = self._units.torque, self._units.speed
+        names = ("curve.drive_torque", "curve.brake_torque", "curve.knee_speed", "no_load_speed")
         parts = [
-            self._setting(name, unit) or unknown(unit)
-            for name, unit in (
-                ("drive_torque", torque),
-                ("brake_torque", torque),
-                ("knee_speed", speed),
-                ("no_load_speed", speed),
-            )
+            self._figure(name, unit) for name, unit in zip(names, (torque, torque, speed, speed), strict=True)
         ]
         return AsymmetricCurve(*parts) if self._is_line(*parts) else None
 
@@ -255,61 +224,26 @@ class ConfigJoint:
     def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
         """Sliding friction, and the static one where it is another number."""
         unit = self._units.torque
-        if self._config.framework is not Framework.ISAACLAB:
-            return self._figure("frictionloss", unit, self._kept("frictionloss")), None
-        first, second = self._setting("friction", unit), self._setting("dynamic_friction", unit)
-        kind = friction_unit_of(self._versions)
-        if first is None and second is None:
-            return unknown(unit, self._kept("friction")), None
-        written = first or second
-        assert written is not None
-        if kind is FrictionUnit.DEAD:
-            return unknown(unit, "this Isaac Lab never writes friction to the solver", written.span), None
-        if written.value == 0.0 and (second is None or second.value == 0.0):
-            return written, None
-        if kind is None or not kind.torque:
-            why = (
-                "a factor on the joint's load"
-                if kind is not None and kind.coefficient
-                else "its unit is not known"
-            )
-            return unknown(unit, f"friction {written.value} is no torque: {why}", written.span), None
-        if not has_dynamic(self._versions):
-            return first or unknown(unit, self._kept("friction")), None
-        if second is None:
-            return unknown(unit, "the USD's own sliding friction"), first
-        return second, None if first is None or first.value == second.value else first
-
-    def _viscous(self) -> Quantity:
-        unit = self._units.velocity_gain
-        found = self._figure("joint_damping", unit, self._kept("viscous friction"))
-        if self._config.framework is not Framework.ISAACLAB or not found.known:
-            return found
-        kind = friction_unit_of(self._versions)
-        if kind is not None and not kind.viscous:
-            return unknown(unit, "this Isaac Lab never writes viscous_friction to the solver", found.span)
-        return found
+        isaaclab = self._config.framework is Framework.ISAACLAB
+        sliding = self._figure("frictionloss", unit, self._kept("friction" if isaaclab else "frictionloss"))
+        static = self._optional("friction_static", unit)
+        return sliding, None if static is None or static.value == sliding.value else static
 
     def _command_range(self, command: Command) -> tuple[Quantity, Quantity] | None:
-        if not self._own and self._config.framework is not Framework.DEPLOY:
+        if "command_low" not in self._figures and "command_high" not in self._figures:
             return None
         units = self._units
         unit = {Command.POSITION: units.position, Command.VELOCITY: units.speed, Command.EFFORT: units.torque}
-        low, high = (self._setting(f"command_{end}", unit[command]) for end in ("low", "high"))
-        if low is None and high is None:
-            return None
-        return low or unknown(unit[command]), high or unknown(unit[command])
+        return self._figure("command_low", unit[command]), self._figure("command_high", unit[command])
 
     def _delay(self) -> Delay | None:
         """Physics steps in the frameworks, seconds in a deploy file; Isaac Lab 3.0 has one lag, the largest."""
         if self._config.framework is Framework.DEPLOY:
             return self._delay_in_seconds()
-        (low, high), step = lags_of(self._group), self._physics_dt
-        sampling, losses = "episode", list[str]()
+        low, high = lags_of(self._config.framework, self._group, self._versions)
+        step, sampling, losses = self._physics_dt, "episode", list[str]()
         if self._config.framework is Framework.MJLAB:
             sampling, losses = _mjlab_sampling(self._group)
-        elif is_native(self._versions):
-            low = high
         if high is None:
             return None
         most, least = high.number, 0.0 if low is None else low.number
@@ -333,7 +267,9 @@ class ConfigJoint:
         return Delay(unknown("s", f"a range: {formula}", high.span), *ends, sampling)
 
     def _delay_in_seconds(self) -> Delay | None:
-        nominal, low, high = (self._setting(name, "s") for name in ("delay", "delay_low", "delay_high"))
+        nominal, low, high = (
+            self._optional(name, "s") for name in ("delay_nominal", "delay_low", "delay_high")
+        )
         if nominal is None and (low is None or high is None):
             return None
         middle = None if nominal is None else nominal.value
@@ -352,9 +288,7 @@ class ConfigJoint:
             return self._view.range
         if self._config.framework is not Framework.DEPLOY:
             return None
-        ends = [self._group.settings.get(f"position_{end}") for end in ("low", "high")]
-        numbers = [None if end is None else end.number for end in ends]
-        low, high = numbers
+        low, high = (self._figure(f"position_{end}", "").value for end in ("low", "high"))
         return None if low is None or high is None else (low, high)
 
     def _network(self) -> Network | None:
@@ -379,25 +313,6 @@ class ConfigJoint:
 
 
 _ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
-
-
-def is_own_class(group: ActuatorGroup) -> bool:
-    """Whether a class is the one that actspec writes: a PD drive with fields of `OWN_CLASS` and no others."""
-    fields = set(group.settings) - _STOCK
-    made = group.settings.get("class_type")
-    return (
-        group.bases[:1] == ("IdealPDActuatorCfg",)
-        and made is not None
-        and f"{made.value}Cfg" == group.cls
-        and fields <= OWN_CLASS
-    )
-
-
-def control_of(framework: Framework, group: ActuatorGroup) -> str:
-    """What a group's class is in the ledger's words; legged_gym's default is a position drive."""
-    if framework is Framework.LEGGED_GYM and not group.cls:
-        return "ideal_pd"
-    return control_of_group(framework, group)
 
 
 def _is_range(low: float, high: float) -> bool:

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 from actspec.diagnostics import Span
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import joint_names, matching
-from actspec.readings.versions import Versions, friction_is_torque
+from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
+from actspec.simulators.isaaclab import FrictionUnit
 
 _OF_EVERY = {"kp": "stiffness", "kd": "damping", "armature": "armature"}
 
@@ -32,19 +33,38 @@ _FIELDS: dict[Framework, dict[str, str]] = {
     },
     Framework.LEGGED_GYM: _OF_EVERY,
     Framework.DEPLOY: {
-        name: name
-        for name in (
-            "kp",
-            "kd",
-            "effort_limit",
-            "velocity_limit",
-            "armature",
-            "frictionloss",
-            "joint_damping",
-        )
+        **{name: name for name in ("kp", "kd", "effort_limit", "velocity_limit", "armature", "frictionloss")},
+        **{name: name for name in ("joint_damping", "position_low", "position_high")},
+        **{name: name for name in ("command_low", "command_high", "delay_low", "delay_high")},
+        "delay_nominal": "delay",
     },
 }
-"""Ledger field to the setting that holds it, where no class or version decides."""
+"""Figure to the setting that holds it, where no class or version decides."""
+
+_OF_OWN_CLASS = {
+    **{name: name for name in ("stall_torque", "no_load_speed", "encoder_bias", "filter_cutoff")},
+    **{name: name for name in ("command_low", "command_high")},
+    **{f"curve.{name}": name for name in ("drive_torque", "brake_torque", "knee_speed")},
+}
+"""Likewise of the class that actspec writes for Isaac Lab (`class: custom`)."""
+
+_STOCK = frozenset(
+    {
+        "class_type", "effort_limit", "velocity_limit", "effort_limit_sim", "velocity_limit_sim", "stiffness",
+        "damping", "armature", "friction", "dynamic_friction", "viscous_friction", "min_delay", "max_delay",
+        "physics_dt",
+    }
+)  # fmt: skip
+"""Fields of Isaac Lab's own PD class."""
+
+IN_FIGURES = frozenset(
+    {
+        *_STOCK, "joint_effort_limit", "actuator_effort_limit", "joint_velocity_limit", "actuator_velocity_limit",
+        "delay_min_lag", "delay_max_lag", "default_position", "action_scale", *_OF_OWN_CLASS.values(),
+        *(setting for settings in _FIELDS.values() for setting in settings.values()),
+    }
+) - {"class_type", "physics_dt"}  # fmt: skip
+"""Settings that a figure is made from."""
 
 VOLTS = "in volts: constant and resistance of the motor make a torque of it"
 """Why the gains of mjlab's `BuiltinDcMotorActuatorCfg` are none at the joint. Source: mjlab 1.6.0, its docstring."""
@@ -55,10 +75,10 @@ class Found:
     """A setting's value for one joint.
 
     Attributes:
-        value: None with `stated` is a value that could not be folded.
+        value: None is one that could not be folded, or that is no number of the joint.
         span: Where it is written.
-        stated: Whether somebody wrote it; else it is what a mapping gives a joint that it misses.
-        why: Why it could not be folded.
+        stated: Whether somebody wrote it; else it is what a mapping gives a joint that it misses, or unknown.
+        why: Why it is None.
     """
 
     value: float | None
@@ -119,8 +139,24 @@ def control_of(framework: Framework, *classes: str) -> str:
     return next((kind for cls in classes if (kind := _control(framework, cls)) != "other"), "other")
 
 
+def is_own_class(group: ActuatorGroup) -> bool:
+    """Whether a class is the one that actspec writes: a PD drive with the fields of that class and no others."""
+    made = group.settings.get("class_type")
+    return (
+        group.bases[:1] == ("IdealPDActuatorCfg",)
+        and made is not None
+        and f"{made.value}Cfg" == group.cls
+        and set(group.settings) - _STOCK <= {"command", *_OF_OWN_CLASS.values()}
+    )
+
+
 def control_of_group(framework: Framework, group: ActuatorGroup) -> str:
-    """What a group's class is; of a class that delays another (mjlab before 1.3), what that one is."""
+    """What a group's class is; of a class that delays another (mjlab before 1.3), what that one is.
+
+    legged_gym's `control_type` is P where none is written.
+    """
+    if framework is Framework.LEGGED_GYM and not group.cls:
+        return "ideal_pd"
     inner = group.settings.get("base_cfg")
     inside = (inner.value,) if inner is not None and isinstance(inner.value, str) else ()
     return control_of(framework, *inside, group.cls, *group.bases)
@@ -166,8 +202,11 @@ def figures_of(
     pattern: str,
     named: Sequence[str] | None,
     versions: Versions,
+    step: float | None = None,
 ) -> dict[str, Found]:
-    """What the class of a group makes of its settings for one joint, by the names of the ledger's fields.
+    """What the class of a group makes of its settings for one joint, by the names of `fields.FIELDS`.
+
+    Of a lag, which is a range of steps, there are `delay_low` and `delay_high`.
 
     Args:
         config: The configuration.
@@ -176,6 +215,7 @@ def figures_of(
         pattern: What selects it.
         named: All joints of the robot; None: they are not known.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
+        step: Of the simulation, which lags count [s]; None: unknown, and so are they.
     """
     control = control_of_group(config.framework, group)
     values: dict[str, Found] = {}
@@ -196,14 +236,24 @@ def figures_of(
     take("action_scale", "action_scale")
     if config.framework is Framework.ISAACLAB:
         _isaaclab_limits(control, take)
-        if friction_is_torque(versions):
-            take("frictionloss", "dynamic_friction", "friction")
+        take("friction_setting", "friction")
+        take("dynamic_friction_setting", "dynamic_friction")
+        _isaaclab_friction(values, versions)
+        for field, name in _OF_OWN_CLASS.items() if is_own_class(group) else ():
+            take(field, name)
     elif config.framework is Framework.MJLAB:
         take("no_load_speed" if control == "dc_motor" else "velocity_limit", "velocity_limit")
         if control == "dcmotor":
             values.update(
                 (gain, Found(None, values[gain].span, why=VOLTS)) for gain in ("kp", "kd") if gain in values
             )
+    for field, lag in zip(
+        ("delay_low", "delay_high"), lags_of(config.framework, group, versions), strict=True
+    ):
+        if lag is not None:
+            steps = lag.number
+            seconds = None if steps is None or step is None else steps * step
+            values[field] = Found(seconds, lag.span, why=lag.unknown)
     return values
 
 
@@ -219,16 +269,52 @@ def _isaaclab_limits(control: str, take: Callable[..., None]) -> None:
         return
     take("effort_limit", "effort_limit", "actuator_effort_limit")
     take("velocity_limit", "velocity_limit_sim", "joint_velocity_limit")
+    take("solver_effort_limit", "effort_limit_sim", "joint_effort_limit")
     curve = control in ("dc_motor", "network")
     take("no_load_speed" if curve else "velocity_limit", "velocity_limit", "actuator_velocity_limit")
 
 
-def lags_of(group: ActuatorGroup) -> tuple[Setting | None, Setting | None]:
-    """The least and the largest lag of a group's command [physics steps]: of Isaac Lab, else of mjlab."""
-    low, high = (
-        group.settings.get(f"{end}_delay", group.settings.get(f"delay_{end}_lag")) for end in ("min", "max")
-    )
-    return low, high
+def _isaaclab_friction(values: dict[str, Found], versions: Versions) -> None:
+    """Put the friction at the joint to what is written for it: `friction` is static where there is a sliding one."""
+    first, second = values.get("friction_setting"), values.get("dynamic_friction_setting")
+    written, unit = first or second, friction_unit_of(versions)
+    viscous = values.get("joint_damping")
+    if viscous is not None and viscous.value is not None and unit is not None and not unit.viscous:
+        unwritten = "this Isaac Lab never writes viscous_friction to the solver"
+        values["joint_damping"] = Found(None, viscous.span, False, unwritten)
+    if written is None:
+        return
+    why: str | None = None
+    if unit is FrictionUnit.DEAD:
+        why = "this Isaac Lab never writes friction to the solver"
+    elif written.value == 0.0 and (second is None or second.value == 0.0):
+        # Nothing in any unit.
+        second = written
+    elif unit is None or not unit.torque:
+        factor = unit is not None and unit.coefficient
+        means = "a factor on the joint's load" if factor else "its unit is not known"
+        why = f"friction {written.value} is no torque: {means}"
+    elif not has_dynamic(versions):
+        second, first = first, None
+    elif second is None:
+        why = "the USD's own sliding friction"
+    if why is not None:
+        values["frictionloss"] = Found(None, written.span, False, why)
+    elif second is not None:
+        values["frictionloss"] = second
+    if first is not None and unit is not None and unit.torque:
+        values["friction_static"] = first
+
+
+def lags_of(
+    framework: Framework, group: ActuatorGroup, versions: Versions
+) -> tuple[Setting | None, Setting | None]:
+    """The least and the largest lag of a group's command [physics steps]; Isaac Lab 3.0 has one, the largest."""
+    names = {Framework.ISAACLAB: "{}_delay", Framework.MJLAB: "delay_{}_lag"}.get(framework)
+    if names is None:
+        return None, None
+    low, high = (group.settings.get(names.format(end)) for end in ("min", "max"))
+    return high if framework is Framework.ISAACLAB and is_native(versions) else low, high
 
 
 def value_of(

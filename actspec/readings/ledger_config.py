@@ -11,7 +11,7 @@ from typing import Any
 
 from actspec.joints import JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework
-from actspec.readings.config_figures import Found, control_of_group, figures_of, lags_of, models_of, selected
+from actspec.readings.config_figures import Found, control_of_group, figures_of, models_of, selected
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.pair import joint_names
 from actspec.readings.versions import Versions
@@ -45,7 +45,7 @@ def rows_of_config(
     massive = next((robot for robot in robots if robot.inertia is not None), None)
     passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
     members = [
-        (group, joint, figures_of(config, group, joint, pattern, named, versions))
+        (group, joint, figures_of(config, group, joint, pattern, named, versions, config.physics_dt))
         for group in config.groups
         for joint, pattern in selected(config, group, named)
     ]
@@ -75,8 +75,8 @@ def _of_group(
     config = artifact.config
     assert config is not None
     control = control_of_group(config.framework, group)
-    delay = _delay(group, config.physics_dt)
-    figures = figures if delay is None else {**figures, "delay": delay}
+    figures = {**figures, **_delay(figures, config.physics_dt)}
+    figures = {name: found for name, found in figures.items() if name in LedgerRow.__dataclass_fields__}
     numbers: dict[str, Any] = {field: found.value for field, found in figures.items()}
     if own is not None:
         # mjlab's actuators act on the XML's joints, whose passive part stays unless the cfg sets it.
@@ -107,13 +107,14 @@ def _of_group(
     )
 
 
-def _delay(group: ActuatorGroup, step: float | None) -> Found | None:
+def _delay(figures: Mapping[str, Found], step: float | None) -> dict[str, Found]:
     """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
-    low, high = lags_of(group)
-    if high is None or not isinstance(high.value, int | float) or step is None:
-        return None
-    least = low.value if low is not None else high.value
-    return Found(float(high.value) * step if least == high.value else None, high.span)
+    high = figures.get("delay_high")
+    if high is None or high.why is not None or (high.value is None and step is None):
+        return {}
+    low = figures.get("delay_low")
+    least = 0.0 if low is None else low.value
+    return {"delay": Found(high.value if least == high.value else None, high.span)}
 
 
 def _inertia(robot: RobotView | None, armature: Mapping[str, Found | None]) -> dict[str, JointInertia]:

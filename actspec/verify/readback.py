@@ -17,16 +17,15 @@ from actspec.readings.artifact import (
     Artifact,
     FileKind,
     FileReading,
-    Framework,
     RandomizedRange,
 )
 from actspec.readings.compare import Figure
+from actspec.readings.config_figures import IN_FIGURES, figures_of
 from actspec.readings.dynamics import JointDynamics, dynamics_of
 from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
 from actspec.readings.ledger_config import rows_of_config
-from actspec.readings.pair import matching
 from actspec.readings.read import PendingFiles
-from actspec.readings.versions import Versions, friction_is_torque
+from actspec.readings.versions import Versions
 from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda
 from actspec.robot.view import ActuatorView, ModelFormat, RobotView
 from actspec.targets.base import TargetOptions
@@ -240,41 +239,6 @@ def _bias(drive: ActuatorView) -> float:
     return -drive.offset * drive.gear / drive.kp
 
 
-_SETTINGS: dict[Framework, dict[str, str]] = {
-    Framework.ISAACLAB: {
-        **{name: name for name in ("stall_torque", "no_load_speed", "encoder_bias", "filter_cutoff")},
-        **{name: f"curve.{name}" for name in ("drive_torque", "brake_torque", "knee_speed")},
-        **{name: name for name in ("command_low", "command_high")},
-        "joint_effort_limit": "solver_effort_limit",
-    },
-    Framework.MJLAB: {},
-    Framework.DEPLOY: {
-        **{name: name for name in ("position_low", "position_high", "command_low", "command_high")},
-        **{name: name for name in ("delay_low", "delay_high")},
-        "delay": "delay_nominal",
-    },
-}
-"""Settings of a cfg, where no ledger row has them, to fields."""
-
-_STEPS = {
-    "min_delay": "delay_low",
-    "max_delay": "delay_high",
-    "delay_min_lag": "delay_low",
-    "delay_max_lag": "delay_high",
-}
-"""Settings in physics steps to fields in seconds."""
-
-_READ = {
-    *("stiffness", "damping", "armature", "friction", "dynamic_friction", "viscous_friction", "frictionloss"),
-    *("viscous_damping", "saturation_effort", "effort_limit", "velocity_limit", "effort_limit_sim"),
-    *("velocity_limit_sim", "actuator_effort_limit", "actuator_velocity_limit", "joint_velocity_limit"),
-    *("kp", "kd", "joint_damping", "default_position", "action_scale"),
-    *_STEPS,
-    *(name for settings in _SETTINGS.values() for name in settings),
-}
-"""Settings that are in a figure."""
-
-
 def _of_config(
     artifact: Artifact,
     row: LedgerRow,
@@ -285,41 +249,21 @@ def _of_config(
     config, group = artifact.config, _group(artifact, row)
     if config is None or group is None:
         return
-    step = actuators.physics_dt.require()
-    own = actuators.joint(row.joint)
+    step, joint = actuators.physics_dt.require(), row.joint
+    own = actuators.joint(joint)
     kind = None if own is None else own.kind
-    for name, field_ in _SETTINGS.get(config.framework, {}).items():
-        value = _number(config.framework, group, name, row.joint)
-        if value is not None:
-            yield field_, Figure(value, unit_of(field_, kind), group.settings[name].span, True)
-    for name, field_ in _STEPS.items():
-        value = _number(config.framework, group, name, row.joint)
-        if value is not None:
-            yield field_, Figure(value * step, "s", group.settings[name].span, True)
+    for name, one in figures_of(config, group, joint, joint, (joint,), versions_of(options), step).items():
+        if name not in found and one.stated and one.value is not None:
+            yield name, Figure(one.value, unit_of(name, kind), one.span, True)
     for name in ("stall_torque", "no_load_speed"):
         figure = found.get(name)
         if figure is not None and figure.value is not None and is_placeholder(figure.value):
             yield name, replace(figure, value=math.inf)
-    if config.framework is Framework.ISAACLAB and friction_is_torque(versions_of(options)):
-        value = _number(config.framework, group, "friction", row.joint)
-        if value is not None:
-            yield "friction_static", Figure(value, "", group.settings["friction"].span, True)
 
 
 def _group(artifact: Artifact, row: LedgerRow) -> ActuatorGroup | None:
     groups = artifact.config.groups if artifact.config is not None else ()
     return next((g for g in groups if (g.name, g.span) == (row.actuator, row.span)), None)
-
-
-def _number(framework: Framework, group: ActuatorGroup, name: str, joint: str) -> float | None:
-    """A setting's number for a joint; None where there is none."""
-    setting = group.settings.get(name)
-    if setting is None or setting.unknown is not None:
-        return None
-    value: object = setting.value
-    if isinstance(value, Mapping):
-        value = next((n for key, n in value.items() if matching(framework, str(key), (joint,))), None)
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
 
 
 def _raw(artifact: Artifact, rows: Sequence[LedgerRow]) -> Iterator[tuple[str, object]]:
@@ -330,7 +274,7 @@ def _raw(artifact: Artifact, rows: Sequence[LedgerRow]) -> Iterator[tuple[str, o
             continue
         yield "class", group.cls
         for name, setting in group.settings.items():
-            if name not in _READ and setting.unknown is None:
+            if name not in IN_FIGURES and setting.unknown is None:
                 yield name, setting.value
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from actspec.ir import Command, JointActuator, JointKind, Level, Origin
 from actspec.lift import Lifted, lift_config
-from actspec.readings.artifact import Artifact
+from actspec.readings.artifact import Artifact, Setting
+from actspec.readings.ledger_config import rows_of_config
 from actspec.readings.python.read import read_python
 from actspec.readings.read import read_file
 from actspec.readings.versions import Versions
@@ -562,3 +564,41 @@ def test_what_could_not_be_folded(tmp_path: Path) -> None:
     hip = by_name(isaaclab(tmp_path, group))["hip"]
     assert hip.kp is not None and hip.kp.origin is Origin.UNKNOWN
     assert hip.kp.note and hip.kp.span is not None and hip.kp.span.line == 3
+
+
+@pytest.mark.parametrize(
+    ("versions", "friction", "viscous", "delay"),
+    [
+        (LAB, 0.3, 0.05, None),  # sliding 0.3 beside static 0.4; lags of 0 to 3 steps are a range
+        (Versions(isaaclab="2.2", isaac_sim="5.1"), None, None, None),
+        (Versions(isaaclab="2.3", isaac_sim="4.5"), None, None, None),
+        (Versions(isaaclab="3.0", backend="newton"), 0.4, 0.05, 0.012),  # one friction; one lag, 3 x 4 ms
+    ],
+    ids=["2.3", "dead", "coefficient", "native"],
+)
+def test_ledger_and_import_read_one_joint_alike(
+    tmp_path: Path, versions: Versions, friction: float | None, viscous: float | None, delay: float | None
+) -> None:
+    """What the solver does with friction, and how many lags there are, is one decision for both."""
+    text = """from isaaclab.actuators import DelayedPDActuatorCfg
+BOT = {"legs": DelayedPDActuatorCfg(joint_names_expr=["hip"], stiffness=20.0, damping=0.5, effort_limit=9.0,
+    friction=0.4, dynamic_friction=0.3, viscous_friction=0.05, max_delay=3)}
+"""
+    artifact = artifact_of(tmp_path, text)
+    assert artifact.config is not None
+    settings = {**artifact.config.settings, "physics_dt": Setting(0.004, artifact.config.span)}
+    artifact = replace(artifact, config=replace(artifact.config, settings=settings))
+    (row,) = rows_of_config(artifact, 0, [], versions)
+    hip = by_name(lift_config(artifact, joints(), versions=versions))["hip"]
+    assert (row.frictionloss, row.joint_damping, row.delay) == (friction, viscous, delay)
+    assert hip.delay is not None
+    assert (hip.friction_coulomb.value, hip.friction_viscous.value, hip.delay.nominal.value) == (
+        (friction, viscous, delay)
+    )
+
+
+def test_legged_gym_without_a_control_type_is_a_position_drive_in_the_ledger_too(tmp_path: Path) -> None:
+    """As its base class says; with V the gains act on speeds."""
+    for control, kind in (("", "ideal_pd"), ('control_type = "V"', "velocity")):
+        rows = rows_of_config(artifact_of(tmp_path, LEGGED.replace("CONTROL", control)), 0, [], Versions())
+        assert {row.control for row in rows} == {kind}

@@ -174,13 +174,13 @@ def test_mjlab_drives_act_on_the_xmls_joints() -> None:
         (Versions(isaaclab="2.3", isaac_sim="4.5"), None),
         (Versions(isaaclab="2.2", isaac_sim="5.0"), None),
         (Versions(isaaclab="2.3", isaac_sim="5.1"), 0.1),
-        (Versions(isaaclab="3.0", backend="newton"), 0.1),
+        (Versions(isaaclab="3.0", backend="newton"), 0.2),
         (Versions(isaaclab="3.0", backend="ovphysx"), None),
     ],
     ids=["unsaid", "sim-4.5", "2.2", "2.3", "newton", "ovphysx"],
 )
 def test_friction_is_only_torque_where_it_is(versions: Versions, friction: float | None) -> None:
-    """A coefficient is no frictionloss; the kinetic value is, where both are given."""
+    """A coefficient is no frictionloss; the kinetic value is, where the solver has both; Newton has one."""
     row = _rows("ImplicitActuatorCfg", {"friction": 0.2, "dynamic_friction": 0.1}, versions=versions)[".*"]
     assert row.frictionloss == friction
 
