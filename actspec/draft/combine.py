@@ -17,7 +17,7 @@ from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Le
 from actspec.lift.lifted import LeftAlone
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.compare import COPIED, same
-from actspec.robot.view import RobotView, joints_above
+from actspec.robot.view import joints_above
 
 NO_DRIVE = "what drives it is not stated"
 """Why a joint without a drive is left alone where others have one."""
@@ -164,7 +164,7 @@ def _has_drive(joint: JointActuator) -> bool:
 def _joint_order(ranked: Sequence[RobotReading], base: RobotReading | None) -> list[str]:
     """Names of the robot file's joints in its order; without one, of all files."""
     if base is not None:
-        robot = _view(base)
+        robot = base.artifact.robot
         if robot is not None:
             return [j.name for j in robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
         ranked = [base]
@@ -175,13 +175,9 @@ def _joint_order(ranked: Sequence[RobotReading], base: RobotReading | None) -> l
     return list(names)
 
 
-def _view(reading: RobotReading) -> RobotView | None:
-    return reading.lifted.artifact.robot if reading.lifted.artifact is not None else None
-
-
 def _above(reading: RobotReading) -> dict[str, frozenset[str]]:
     """Each joint of a robot file with those between it and the base."""
-    robot = _view(reading)
+    robot = reading.artifact.robot
     return {} if robot is None else joints_above((robot,))
 
 

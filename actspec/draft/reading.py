@@ -10,10 +10,12 @@ from dataclasses import replace
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
 from actspec.draft.sources import RobotReading
 from actspec.ir import JointKind
-from actspec.lift import Lifted, LiftedRobot, lift, lift_files
+from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of
-from actspec.readings.artifact import FileKind, FileReading, Framework
+from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, RobotConfig
 from actspec.readings.joint_lists import fitting, joint_lists
+from actspec.readings.pair import joint_names, pair
+from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 
@@ -50,24 +52,24 @@ def read_robot_files(
             message = "is a link to no file" if broken else "there is no such file"
             out.error("DRF004", message, span=Span(path), help=None if broken else _near(path))
     out.raise_if_failed(AuditError)
-    found = lift_files(list(dict.fromkeys(paths)), versions=versions)
-    for reading in found.readings:
+    with PendingFiles(list(dict.fromkeys(paths)), keep_matrices=False) as pending:
+        readings = pending.finish()
+    for reading in readings:
         _check(reading, out)
     out.raise_if_failed(AuditError)
-    chosen = _chosen(found.robots, robot, out)
+    artifacts = _chosen([artifact for reading in readings for artifact in reading.artifacts], robot, out)
     out.raise_if_failed(AuditError)
-    parts = list(_one_a_file(chosen, robot, out))
+    artifacts = list(_one_a_file(artifacts, robot, out))
     out.raise_if_failed(AuditError)
-    parts = list(_fitted(parts, versions, out))
-    if named is not None:
-        parts = list(_on_named(parts, named, versions, out))
-    else:
-        _check_names(parts, out)
+    parts = list(_lifted(artifacts, named, versions, out))
     out.raise_if_failed(AuditError)
-    files = {reading.path: tuple(file.path for file in reading.files) for reading in found.readings}
-    said = [item for reading in found.readings for item in reading.diagnostics]
+    files = {reading.path: tuple(file.path for file in reading.files) for reading in readings}
+    said = [item for reading in readings for item in reading.diagnostics]
     said += [item for part in parts for item in part.actuators.diagnostics]
-    return tuple(_reading(part, files) for part in parts), tuple(dict.fromkeys(said))
+    found = zip(parts, artifacts, strict=True)
+    return tuple(RobotReading(part, a, files.get(a.path, ())) for part, a in found), tuple(
+        dict.fromkeys(said)
+    )
 
 
 def _near(path: str) -> str | None:
@@ -111,97 +113,102 @@ def _check(reading: FileReading, out: Collector) -> None:
             )
 
 
-def _chosen(robots: Sequence[LiftedRobot], name: str | None, out: Collector) -> list[Lifted]:
+def _chosen(artifacts: Sequence[Artifact], name: str | None, out: Collector) -> list[Artifact]:
     """What the files say of the robot that is meant.
 
     A file with one robot is about it, whatever it calls it; of a file with several, what belongs to those files.
     """
-    parts = [(robot, part) for robot in robots for part in robot.parts]
-    files = [_path(part) for _, part in parts]
-    single = {id(part) for _, part in parts if files.count(_path(part)) == 1}
+    robots = pair(artifacts)
+    parts = [(robot, artifacts[index]) for robot in robots for index in robot.artifacts]
+    files = [part.path for _, part in parts]
+    single = {id(part) for _, part in parts if files.count(part.path) == 1}
     if name is None:
-        paired = [robot for robot in robots if any(id(part) in single for part in robot.parts)]
-        meant = [r for r in paired if any(id(part) not in single for part in r.parts)] or list(robots)
+        kinds = {robot: {id(part) in single for home, part in parts if home is robot} for robot in robots}
+        paired = [robot for robot in robots if True in kinds[robot]]
+        meant = [robot for robot in paired if False in kinds[robot]] or list(robots)
     else:
-        meant = [r for r in robots if r.name == name or any(_name(part) == name for part in r.parts)]
+        meant = [r for r in robots if r.name == name or any(artifacts[i].name == name for i in r.artifacts)]
         if not meant:
-            names = dict.fromkeys(one_line(_name(part)) for _, part in parts)
-            out.error(
-                "DRF007",
-                f"no file has a robot {name!r}",
-                where="--robot",
-                help=f"they have {listed(names, 20)}",
-            )
+            names = dict.fromkeys(one_line(part.name) for _, part in parts)
+            help = f"they have {listed(names, 20)}"
+            out.error("DRF007", f"no file has a robot {name!r}", where="--robot", help=help)
     return [part for robot, part in parts if id(part) in single or robot in meant]
 
 
-def _one_a_file(parts: Sequence[Lifted], name: str | None, out: Collector) -> Iterator[Lifted]:
+def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> Iterator[Artifact]:
     """The parts without those of a file that describe the robot once more, otherwise.
 
     A configuration without actuators (an environment's steps and ranges) goes with the one that has them.
     """
-    by_file: dict[str, list[Lifted]] = {}
+    by_file: dict[str, list[Artifact]] = {}
     for part in parts:
-        by_file.setdefault(_path(part), []).append(part)
+        by_file.setdefault(part.path, []).append(part)
     for path, own in by_file.items():
-        full = [
-            part for part in own if part.artifact is None or part.artifact.config is None or _groups(part)
-        ]
-        named = [part for part in full if _name(part) == name]
-        distinct = {_groups(part): part for part in reversed(named or full)}
+        full = [part for part in own if part.config is None or part.config.groups]
+        named = [part for part in full if part.name == name]
+        distinct = {_told_apart_by(part): part for part in reversed(named or full)}
         if len(distinct) > 1:
-            out.error(
-                "DRF007",
-                f"describes {len(distinct)} robots",
-                span=Span(path),
-                help=f"name one with --robot: {listed([one_line(_name(part)) for part in full], 20)}",
-            )
+            names = listed([one_line(part.name) for part in full], 20)
+            message = f"describes {len(distinct)} robots"
+            out.error("DRF007", message, span=Span(path), help=f"name one with --robot: {names}")
         yield from distinct.values()
         yield from (part for part in own if part not in full)
 
 
-def _groups(part: Lifted) -> tuple[object, ...]:
-    """What tells two configurations of one file apart: the places of their groups; () for none."""
-    config = part.artifact.config if part.artifact is not None else None
-    if config is None:
-        return (part.artifact.name,) if part.artifact is not None else ()
-    return tuple((group.name, group.cls, group.span) for group in config.groups)
+def _told_apart_by(part: Artifact) -> tuple[object, ...]:
+    """What tells two robots of one file apart: the places of a configuration's groups, else the name."""
+    if part.config is None:
+        return (part.name,)
+    return tuple((group.name, group.cls, group.span) for group in part.config.groups)
 
 
-def _fitted(parts: Sequence[Lifted], versions: Versions, out: Collector) -> Iterator[Lifted]:
-    """The parts on the joints of the robot file; what shares no joint with it is another robot's."""
-    model = next((p for kind in _ROBOTS for p in parts if p.artifact and p.artifact.kind is kind), None)
-    if model is None or model.artifact is None or model.artifact.robot is None:
-        yield from parts
-        return
-    joints = [j for j in model.artifact.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
-    step = next(
-        (c.physics_dt for p in parts if p.artifact and (c := p.artifact.config) and c.physics_dt is not None),
-        None,
-    )
-    for part in parts:
-        artifact = part.artifact
-        if artifact is None or part is model:
-            yield part
-            continue
-        if artifact.config is not None and artifact.config.groups:
-            part = lift(artifact, joints, versions=versions, physics_dt=step)
-        mine = {joint.joint for joint in part.actuators.joints}
-        if artifact.robot is not None:
-            mine |= {item.joint for item in part.left_alone}
-        if not mine & {joint.name for joint in joints} and (artifact.robot is not None or _groups(part)):
-            out.error(
-                "DRF008",
-                f"{one_line(artifact.name)} shares no joint with {model.artifact.path}",
-                span=Span(artifact.path),
-                help=_other_names(part, joints),
-            )
+def _lifted(
+    artifacts: Sequence[Artifact], named: str | None, versions: Versions, out: Collector
+) -> Iterator[Lifted]:
+    """Each part on the joints of the robot file, else on those that are named, or that another part names."""
+    model = next((a for kind in _ROBOTS for a in artifacts if a.kind is kind), None)
+    joints: Sequence[JointView | str] = ()
+    if model is not None and model.robot is not None:
+        joints = [j for j in model.robot.joints if j.kind in (JointKind.HINGE, JointKind.SLIDE)]
+    if named is not None:
+        joints = _named(artifacts, named, out)
+    elif model is None:
+        _check_names(artifacts, out)
+    for artifact in artifacts:
+        config, others = artifact.config, [other for other in artifacts if other is not artifact]
+        beside = next((names for names in map(joint_names, others) if names), None)
+        same = [o.config for o in others if o.config and config and o.config.framework is config.framework]
+        step = next((other.physics_dt for other in same if other.physics_dt is not None), None)
+        part = lift(artifact, joints or beside, versions=versions, physics_dt=step)
+        if named is not None and config is not None and config.groups:
+            kinds = "names" if isinstance(next(iter(joints), ""), str) else "names, kinds and ranges"
+            source = os.path.basename(named) if os.path.exists(named) else "the list"
+            said = f"the {kinds} of the {len(joints)} joints are from {one_line(source)} (--joints)"
+            part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
+        if model is not None and artifact is not model:
+            _check_joints(artifact, part, model, joints, out)
         yield part
 
 
-def _on_named(parts: Sequence[Lifted], named: str, versions: Versions, out: Collector) -> Iterator[Lifted]:
-    """The parts with the joints of the file or list that names them."""
-    artifacts = [part.artifact for part in parts if part.artifact is not None]
+def _check_joints(
+    artifact: Artifact, part: Lifted, model: Artifact, joints: Sequence[JointView | str], out: Collector
+) -> None:
+    """What shares no joint with the robot file is another robot's."""
+    mine = [joint.joint for joint in part.actuators.joints]
+    here = [joint if isinstance(joint, str) else joint.name for joint in joints]
+    theirs = [*mine, *(item.joint for item in part.left_alone)] if artifact.robot is not None else mine
+    if not set(theirs) & set(here) and (artifact.config is None or artifact.config.groups):
+        names = mine if artifact.config is None else [*_patterns(artifact.config)]
+        out.error(
+            "DRF008",
+            f"{one_line(artifact.name)} shares no joint with {model.path}",
+            span=Span(artifact.path),
+            help=f"there: {listed(map(one_line, names), 4)}; here: {listed(map(one_line, here), 4)}",
+        )
+
+
+def _named(artifacts: Sequence[Artifact], named: str, out: Collector) -> Sequence[JointView | str]:
+    """The joints of the file or list that names them."""
     robot = next((artifact for artifact in artifacts if artifact.robot is not None), None)
     if robot is not None:
         message = "not needed: the robot file names the joints"
@@ -211,23 +218,19 @@ def _on_named(parts: Sequence[Lifted], named: str, versions: Versions, out: Coll
     ]
     joints = fitting(joint_lists(named), configs)
     if not joints and robot is None:
-        patterns = [one_line(p) for config in configs for group in config.groups for p in group.joints or ()]
+        patterns = [one_line(pattern) for config in configs for pattern in _patterns(config)]
         message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints")
-    for part in parts:
-        if part.artifact is None or part.artifact.config is None or not part.artifact.config.groups:
-            yield part
-            continue
-        part = lift(part.artifact, joints, versions=versions)
-        kinds = "names, kinds and ranges" if not isinstance(next(iter(joints), ""), str) else "names"
-        source = os.path.basename(named) if os.path.exists(named) else "the list"
-        said = f"the {kinds} of the {len(joints)} joints are from {one_line(source)} (--joints)"
-        yield replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
+    return joints
 
 
-def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
+def _patterns(config: RobotConfig) -> Iterator[str]:
+    """What selects the joints of its groups."""
+    yield from (pattern for group in config.groups for pattern in group.joints or ())
+
+
+def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
     """Where patterns select the joints, some file names these."""
-    artifacts = [part.artifact for part in parts if part.artifact is not None]
     if any(artifact.robot is not None or artifact.kind is FileKind.DEPLOY for artifact in artifacts):
         return
     for artifact in artifacts:
@@ -256,28 +259,3 @@ def _check_names(parts: Sequence[Lifted], out: Collector) -> None:
                 else "name the robot's MJCF or URDF too, or its joints: --joints FILE (Isaac Lab's "
                 "IO_descriptors.yaml, a URDF, any file that names them) or --joints a,b,c",
             )
-
-
-def _other_names(part: Lifted, joints: Sequence[JointView]) -> str:
-    config = part.artifact.config if part.artifact is not None else None
-    theirs = [joint.joint for joint in part.actuators.joints]
-    if config is not None:
-        theirs = [pattern for group in config.groups for pattern in group.joints or ()]
-    return f"there: {listed(map(one_line, theirs), 4)}; here: {listed([one_line(j.name) for j in joints], 4)}"
-
-
-def _reading(part: Lifted, files: dict[str, tuple[str, ...]]) -> RobotReading:
-    artifact = part.artifact
-    assert artifact is not None
-    framework = artifact.config.framework if artifact.config is not None else None
-    return RobotReading(
-        part, artifact.kind, artifact.path, artifact.name, framework, files.get(artifact.path, ())
-    )
-
-
-def _name(part: Lifted) -> str:
-    return part.artifact.name if part.artifact is not None else part.actuators.robot
-
-
-def _path(part: Lifted) -> str:
-    return part.artifact.path if part.artifact is not None else ""

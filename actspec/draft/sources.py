@@ -13,7 +13,7 @@ from actspec.diagnostics import Span, listed, one_line
 from actspec.draft.text import scalar
 from actspec.ir import ActuatorSet, AsymmetricCurve, Command, JointActuator, Level, Origin, Quantity, Source
 from actspec.lift.lifted import Lifted
-from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.artifact import Artifact, FileKind, Framework
 from actspec.readings.config_figures import control_of_group
 from actspec.readings.versions import Versions
 from actspec.simulators import DEFAULT_VERSIONS
@@ -32,27 +32,36 @@ class RobotReading:
 
     Attributes:
         lifted: What it says.
-        kind: What the file is.
-        path: The file, as the user named it.
-        name: What it calls the robot.
-        framework: Whose conventions a configuration follows; None for a robot file.
+        artifact: What that was lifted from.
         includes: Other files that its numbers may stand in.
         reference: The file as the spec is to name it; "": as `path` does.
     """
 
     lifted: Lifted
-    kind: FileKind
-    path: str
-    name: str
-    framework: Framework | None = None
+    artifact: Artifact
     includes: tuple[str, ...] = ()
     reference: str = ""
+
+    @property
+    def kind(self) -> FileKind:
+        """What the file is."""
+        return self.artifact.kind
+
+    @property
+    def path(self) -> str:
+        """The file, as the user named it."""
+        return self.artifact.path
+
+    @property
+    def framework(self) -> Framework | None:
+        """Whose conventions a configuration follows; None for a robot file."""
+        return None if self.artifact.config is None else self.artifact.config.framework
 
 
 def robot_name(reading: RobotReading) -> str:
     """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1."""
     stem = os.path.splitext(os.path.basename(reading.path))[0]
-    for text in (reading.name, stem):
+    for text in (reading.artifact.name, stem):
         if reading.framework is not None:
             text = re.sub(r"(?<=.)_?(?:ARTICULATION|ROBOT)?_?CFG$", "", text)
             text = text.lower() if text.isupper() else text
@@ -173,7 +182,7 @@ def _title(reading: RobotReading) -> str:
     """`UNITREE_A1_CFG in unitree.py, Isaac Lab`; `a1.xml, MJCF`."""
     file = os.path.basename(reading.path)
     if reading.framework in _FRAMEWORKS:
-        return f"{one_line(reading.name)} in {file}, {_FRAMEWORKS[reading.framework]}"
+        return f"{one_line(reading.artifact.name)} in {file}, {_FRAMEWORKS[reading.framework]}"
     return f"{file}, {_TITLES[reading.kind]}"
 
 
@@ -265,7 +274,7 @@ def _classes(readings: Sequence[RobotReading]) -> tuple[list[str], list[str]]:
     implicit: list[str] = []
     other: list[str] = []
     for reading in readings:
-        config = reading.lifted.artifact.config if reading.lifted.artifact is not None else None
+        config = reading.artifact.config
         if config is None or config.framework is not Framework.ISAACLAB:
             continue
         for group in config.groups:
@@ -284,8 +293,8 @@ def _deploy(readings: Sequence[RobotReading], combined: Combined) -> str:
     """The SDK's order of the joints, where the deploy file names exactly those of the spec."""
     managed = {joint.joint for joint in combined.actuators.joints}
     for reading in readings:
-        artifact = reading.lifted.artifact
-        if reading.kind is not FileKind.DEPLOY or artifact is None or artifact.config is None:
+        artifact = reading.artifact
+        if reading.kind is not FileKind.DEPLOY or artifact.config is None:
             continue
         # A file that actspec wrote has the model's order in its lists, and the SDK's beside it.
         settings = artifact.config.settings

@@ -120,7 +120,6 @@ def lift_config(
         ),
         tuple(alone),
         {name: tuple(said) for name, said in notes.items()},
-        artifact,
     )
 
 

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
 from actspec.ir import ActuatorSet
-from actspec.readings.artifact import Artifact, FileReading
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,36 +42,8 @@ class Lifted:
         left_alone: Hinges and slides that are not in `actuators`.
         notes: Joint to remarks: what of the file a spec cannot hold or says otherwise (a gear that goes, a limit
             that is not symmetric). Key "": remarks on the whole file.
-        artifact: What it was lifted from; None for a robot that was read without the audit's readers.
     """
 
     actuators: ActuatorSet
     left_alone: tuple[LeftAlone, ...] = ()
     notes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    artifact: Artifact | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class LiftedRobot:
-    """One robot as all files have it that describe it.
-
-    Attributes:
-        name: The most telling name among them.
-        parts: One an artifact, in the order of the files.
-    """
-
-    name: str
-    parts: tuple[Lifted, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class LiftedFiles:
-    """Files, lifted.
-
-    Attributes:
-        readings: Every file that was named; one that could not be read says why.
-        robots: The robots in them, in the order of the files.
-    """
-
-    readings: tuple[FileReading, ...]
-    robots: tuple[LiftedRobot, ...]

@@ -17,7 +17,7 @@ from actspec.draft.combine import combine
 from actspec.draft.sources import RobotReading, places
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.lift import Lifted
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import Artifact, FileKind
 from actspec.resolution import resolve
 from actspec.robot.load import load_robot
 from actspec.spec.document import document_from_text
@@ -263,7 +263,8 @@ def _set(path: Path) -> ActuatorSet:
 
 def again(actuators: ActuatorSet, model: Path, folder: Path) -> ActuatorSet:
     """The actuators, written as a spec and resolved once more."""
-    reading = RobotReading(Lifted(actuators), FileKind.SPEC, "spec.yaml", actuators.robot)
+    artifact = Artifact("spec.yaml", FileKind.SPEC, actuators.robot, spec=actuators)
+    reading = RobotReading(Lifted(actuators), artifact)
     found = draft(combine([reading]), os.path.relpath(model, folder), [])
     path = folder / "again.yaml"
     path.write_text(found.text, encoding="utf-8")
