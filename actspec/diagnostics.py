@@ -31,6 +31,10 @@ class Severity(str, Enum):
     INFO = "info"
 
 
+SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
+"""From the least to the worst."""
+
+
 @dataclass(frozen=True, slots=True, order=True)
 class Span:
     """A place in a file.

@@ -28,11 +28,11 @@ from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppress
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import is_selected, selected, strength
+from actspec.audit.selection import ALL, is_selected, strength
 from actspec.audit.settings import Settings, glob_matches
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
-from actspec.readings.read import PendingFiles, without_fragments
+from actspec.readings.read import FAULT, PendingFiles, without_fragments
 
 
 def audit(
@@ -80,7 +80,7 @@ def judge(
     Raises: AuditError: the baseline cannot be read.
     """
     everything = all_rules() if rules is None else tuple(rules)
-    asked = selected(everything, settings.select, settings.ignore)
+    asked = tuple(rule for rule in everything if _is_asked_for(rule, settings))
     former = {old: rule.code for rule in everything for old in rule.aliases}
     baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
@@ -109,6 +109,12 @@ def judge(
         problems += _stale(stale, case, ran, settings.baseline or "", folder)
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
     return Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
+
+
+def _is_asked_for(rule: type[Rule], settings: Settings) -> bool:
+    """Whether a rule is to run. Files that no rule can look at are reported to whoever asks for any rule."""
+    select = (*settings.select, ALL) if rule.code == FAULT else settings.select
+    return is_selected(rule.code, rule.names(), select, settings.ignore)
 
 
 def _run(

@@ -20,12 +20,16 @@ from actspec.audit.rule import Rule
 from actspec.audit.selection import guess
 from actspec.diagnostics import Diagnostic, Severity, Span, shortened
 from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.read import FAULT
 
 REMARKS = {"ACT001": "ignore-without-reason", "ACT002": "unused-ignore", "ACT003": "unknown-ignore"}
 """What is said of remarks: codes, with the names by which they are selected as well."""
 
 FIRST_LINES = 10
 """An `ignore-file` further down speaks about nothing. Chosen: a reader sees it without scrolling."""
+
+_OF_UNREAD = {FAULT, "unreadable-file"}
+"""What a remark in a file that cannot be read may set aside."""
 
 _REMARK = re.compile(r"\s*actspec:\s*(ignore(?:-file)?)\b(?:\s*\[([^\]]*)\])?\s*(.*)", re.DOTALL)
 
@@ -63,7 +67,7 @@ class Ignore:
 def ignores_of(
     files: Iterable[FileReading], real_path: Callable[[str], str]
 ) -> dict[str, tuple[Ignore, ...]]:
-    """Remarks of every file that was read, by its real path; a file that is included twice counts once.
+    """Remarks of every file, by its real path; a file that is included twice counts once.
 
     Args:
         files: What was read.
@@ -71,12 +75,14 @@ def ignores_of(
     """
     found: dict[str, tuple[Ignore, ...]] = {}
     for reading in files:
-        for file in reading.files if reading.readable else ():
+        for file in reading.files:
             key = real_path(file.path)
             if key not in found:
                 # Most files have none, and are not scanned.
                 there = b"actspec:" in file.data
-                found[key] = tuple(_ignores(file.path, file.data)) if there else ()
+                own = _ignores(file.path, file.data) if there else ()
+                # Of a file that no rule has looked at nobody knows whether its other remarks are of use.
+                found[key] = tuple(one for one in own if reading.readable or _OF_UNREAD & {*one.codes})
     return found
 
 

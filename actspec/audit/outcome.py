@@ -10,12 +10,10 @@ from os.path import basename
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
-from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.readings.pair import SHARE, joint_names
 
-SEVERITIES = (Severity.INFO, Severity.WARNING, Severity.ERROR)
-"""From the least to the worst."""
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
 
@@ -85,10 +83,14 @@ class Report:
     problems: tuple[Diagnostic, ...] = ()
 
     @property
+    def misnamed(self) -> bool:
+        """Whether something that was named is not there."""
+        return any(file.names_nothing for file in self.case.files)
+
+    @property
     def complete(self) -> bool:
-        """Whether every file was read and every rule ran to its end."""
-        broken = any(problem.severity is Severity.ERROR for problem in self.problems)
-        return not broken and all(file.readable for file in self.case.files)
+        """Whether all that was named is there, and every rule ran to its end. What cannot be read is a finding."""
+        return not self.misnamed and not any(item.severity is Severity.ERROR for item in self.problems)
 
     def did_not_apply(self) -> tuple[int, dict[str, list[str]]]:
         """How many rules had no input, and the reasons with the codes of their rules."""
@@ -105,22 +107,30 @@ class Report:
         return tuple(found for found in self.findings if SEVERITIES.index(found.severity) >= least)
 
     def diagnostics(self) -> tuple[Diagnostic, ...]:
-        """What readers and rules have to say; a file that could not be read always has its word."""
+        """What readers and rules have to say; why a file could not be read is a finding."""
         found: list[Diagnostic] = []
         for file in self.case.files:
             # A deploy file has the notes of its configurations among its own.
             notes = (note for artifact in file.artifacts if artifact.config for note in artifact.config.notes)
-            found += dict.fromkeys((*file.diagnostics, *notes))
-            if not file.readable and not any(item.severity is Severity.ERROR for item in file.diagnostics):
-                message = f"the file cannot be read: {file.reason}"
-                found.append(Diagnostic("AUD008", Severity.ERROR, message, "", Span(file.path)))
+            found += (
+                item
+                for item in dict.fromkeys((*file.diagnostics, *notes))
+                if file.readable or file.names_nothing or item.severity is not Severity.ERROR
+            )
             found += _from_text(file)
         return (*found, *_unpaired(self.case), *self.problems)
 
-    def for_people(self) -> tuple[Diagnostic, ...]:
-        """What of it people read: mere information is for programs, but not what nobody looked at."""
+    def for_people(self, least: Severity = Severity.INFO) -> tuple[Diagnostic, ...]:
+        """What of it people read: mere information is for programs, but not what nobody looked at.
+
+        Args:
+            least: Least severity.
+        """
         return tuple(
-            item for item in self.diagnostics() if item.severity is not Severity.INFO or item.code in UNKNOWN
+            item
+            for item in self.diagnostics()
+            if (item.severity is not Severity.INFO or item.code in UNKNOWN)
+            and SEVERITIES.index(item.severity) >= SEVERITIES.index(least)
         )
 
 

@@ -12,6 +12,7 @@ from actspec.diagnostics import listed
 INDEX = "README.md"
 
 FAMILIES = {
+    "AUD": "files that are not judged",
     "CFG": "configurations",
     "DLY": "delays",
     "DMP": "damping",

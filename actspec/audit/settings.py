@@ -46,6 +46,7 @@ class Settings:
         severity: Selectors with the severity that their rules' findings get.
         fail_on: Least severity that makes the run fail; None: none does.
         min_confidence: Least confidence that is reported.
+        min_severity: Least severity that reports show; None: that of the format.
         options: Rule code to its options.
         versions: What the files are meant for.
         baseline: File with known findings; None: there is none.
@@ -58,6 +59,7 @@ class Settings:
     severity: Mapping[str, Severity] = field(default_factory=dict)
     fail_on: Severity | None = Severity.ERROR
     min_confidence: Confidence = Confidence.LOW
+    min_severity: Severity | None = None
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     versions: Versions = field(default_factory=Versions)
     baseline: str | None = None
@@ -227,6 +229,10 @@ class _Reader:
             "min-confidence": (
                 "min_confidence",
                 lambda value, place: self._one_of(value, place, {c.value: c for c in Confidence}),
+            ),
+            "min-severity": (
+                "min_severity",
+                lambda value, place: self._one_of(value, place, {s.value: s for s in Severity}),
             ),
             "rules": ("options", self._options),
             "versions": ("versions", self._versions),

@@ -11,7 +11,8 @@ from actspec.readings.read import PendingFiles
 from actspec.report import FORMATS
 
 CONFIDENCES = ("low", "medium", "high")
-FAIL_ON = ("error", "warning", "info", "never")
+SEVERITIES = ("error", "warning", "info")
+FAIL_ON = (*SEVERITIES, "never")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -52,6 +53,19 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     output = command.add_argument_group("output")
     output.add_argument("--output-format", choices=FORMATS, default=FORMATS[0], help=f"default: {FORMATS[0]}")
     output.add_argument("-o", "--output", metavar="FILE", help="write the report to FILE")
+    shown = output.add_mutually_exclusive_group()
+    shown.add_argument(
+        "--min-severity",
+        choices=SEVERITIES,
+        help="least severity shown (default: warning; info in json, sarif and html)",
+    )
+    shown.add_argument(
+        "--notes",
+        dest="min_severity",
+        action="store_const",
+        const="info",
+        help="show notes too: the same as --min-severity info",
+    )
     output.add_argument("--ledger", action="store_true", help="print what acts on each joint")
     output.add_argument("--statistics", action="store_true", help="print counts by rule in place of findings")
     exits = command.add_argument_group("exit code")

@@ -24,14 +24,14 @@ from actspec.diagnostics import (
     Diagnostic,
     Severity,
     Span,
-    listed,
     one_line,
 )
 from actspec.files import FAULTS, replace_file, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
-from actspec.report import ReportOptions, render, renderer
+from actspec.report import ReportOptions, least_shown, render, renderer
 from actspec.report.terminal import Progress, print_diagnostics, style_of
+from actspec.report.text import remarks
 
 TEXT = ("full", "concise")
 """Formats for people in front of a terminal."""
@@ -68,16 +68,17 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
         statistics=arguments.statistics,
         chosen=ALL not in settings.select,
         fail_on=settings.fail_on,
+        least=least_shown(output_format, settings.min_severity, settings.fail_on),
     )
     text = render(report, output_format, options)
     if arguments.output is not None:
         _refuse_audited(report, "--output", arguments.output)
         _write(arguments.output, text)
     if output_format not in ("json", "sarif"):
-        _print_problems(report)
+        print_diagnostics(remarks(report, options.least))
     if arguments.output is None:
         _print(text)
-    if not report.complete:
+    if report.misnamed or not (report.complete or settings.fail_on is None):
         return EXIT_FAILED
     # Whoever uploads SARIF has its findings judged there.
     return EXIT_FINDINGS if output_format != "sarif" and report.at_or_above(settings.fail_on) else EXIT_CLEAN
@@ -123,7 +124,7 @@ def _show_fixes(report: Report, unsafe: bool) -> int:
     from actspec.output import diff_lines
 
     fixes = apply_fixes(report.findings, report.case.files, unsafe)
-    _print_problems(report)
+    print_diagnostics(remarks(report, Severity.WARNING))
     print_diagnostics(fixes.refused)
     for file in fixes.files:
         for line in diff_lines(file.old, file.new, file.path, file.path):
@@ -168,6 +169,8 @@ def _settings(arguments: argparse.Namespace) -> Settings:
     )
     if arguments.min_confidence is not None:
         settings = replace(settings, min_confidence=Confidence(arguments.min_confidence))
+    if arguments.min_severity is not None:
+        settings = replace(settings, min_severity=Severity(arguments.min_severity))
     fail_on = NEVER if arguments.exit_zero else arguments.fail_on
     if fail_on is not None:
         settings = replace(settings, fail_on=None if fail_on == NEVER else Severity(fail_on))
@@ -190,7 +193,7 @@ def _check_spec(report: Report, spec: str | None) -> None:
 def _write_baseline(report: Report, path: str) -> int:
     from actspec.audit.baseline import write_baseline
 
-    _print_problems(report)
+    print_diagnostics(remarks(report, Severity.WARNING))
     _refuse_audited(report, "--write-baseline", path)
     write_baseline(report.findings, path)
     count = len(report.findings)
@@ -214,18 +217,6 @@ def _write(path: str, text: str) -> None:
         replace_file(path, text.encode("utf-8", "backslashreplace"))
     except FAULTS as err:
         raise AuditError.of("AUD006", f"the report cannot be written: {why(err)}", Span(path)) from err
-
-
-def _print_problems(report: Report) -> None:
-    """What readers and rules have to say, the same of many joints once."""
-    groups: dict[tuple[object, ...], list[Diagnostic]] = {}
-    for item in report.for_people():
-        place = item.span.path if item.span is not None and item.where else item.span
-        groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
-    print_diagnostics(
-        replace(group[0], where=listed(dict.fromkeys(item.where for item in group)))
-        for group in groups.values()
-    )
 
 
 def _print(text: str) -> None:

@@ -222,6 +222,10 @@ class Artifact:
     text_only: str | None = None
 
 
+NAMES_NOTHING = ("AUD014", "AUD016")
+"""Codes of names that stand for no file."""
+
+
 @dataclass(frozen=True, slots=True)
 class FileReading:
     """One file that the user named, read or not.
@@ -233,6 +237,7 @@ class FileReading:
         artifacts: The robots in it, in order.
         files: Its bytes and those of its includes, for excerpts, inline remarks and fixes.
         diagnostics: What the reader says about it.
+        in_folder: Whether it was found in a folder that was named, and was not named itself.
     """
 
     path: str
@@ -241,6 +246,12 @@ class FileReading:
     artifacts: tuple[Artifact, ...] = ()
     files: tuple[ModelFile, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
+    in_folder: bool = False
+
+    @property
+    def names_nothing(self) -> bool:
+        """Whether there is no such file, or nothing to audit in the folder: a wrong name, and no finding."""
+        return any(item.code in NAMES_NOTHING for item in self.diagnostics)
 
     @property
     def readable(self) -> bool:

@@ -304,11 +304,20 @@ def _chosen(
         # A file that is not there was named by somebody.
         named = file.folder is None and not (skip_other and os.path.exists(file.path))
         if named or _concerns(found[index]):
-            chosen.append(found[index])
+            reading = found[index]
+            if not reading.readable and not os.path.exists(file.path):
+                reading = _nothing_at(file.path)
+            chosen.append(replace(reading, in_folder=file.folder is not None))
     for path in dict.fromkeys(paths):
         if path in empty:
             chosen.append(_nothing_in(path, seen[path]))
     return chosen
+
+
+def _nothing_at(path: str) -> FileReading:
+    """A name without a file."""
+    fault = Diagnostic("AUD016", Severity.ERROR, "there is no such file or folder", "", Span(path))
+    return FileReading(path, None, "there is no such file or folder", diagnostics=(fault,))
 
 
 def _nothing_in(folder: str, count: int) -> FileReading:

@@ -6,13 +6,29 @@ from dataclasses import dataclass
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Severity
+from actspec.diagnostics import SEVERITIES, Severity
 
 if TYPE_CHECKING:
     from actspec.audit.outcome import Report
 
 FORMATS = ("full", "concise", "json", "sarif", "github", "junit", "markdown", "html")
 """Names of `--output-format`, the default first."""
+
+
+WITH_NOTES = ("json", "sarif", "html")
+"""Formats that have notes too unless a least severity is asked for: whoever reads them can sort and fold."""
+
+
+def least_shown(output_format: str, asked: Severity | None, fail_on: Severity | None) -> Severity:
+    """Least severity that a report shows; what makes the run fail is always shown.
+
+    Args:
+        output_format: One of `FORMATS`.
+        asked: By option or setting; None: by neither.
+        fail_on: Least severity that makes the run fail; None: none does.
+    """
+    usual = Severity.INFO if output_format in WITH_NOTES else Severity.WARNING
+    return min((asked or usual, fail_on or Severity.ERROR), key=SEVERITIES.index)
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,6 +41,7 @@ class ReportOptions:
         statistics: Counts by rule in place of findings (full, concise).
         chosen: Whether rules were selected: then junit says of those without input what they lack.
         fail_on: Least severity that makes a junit test case fail; None: none does.
+        least: Least severity that is shown; of what is below it people read how much there is.
     """
 
     colour: bool = False
@@ -32,6 +49,7 @@ class ReportOptions:
     statistics: bool = False
     chosen: bool = False
     fail_on: Severity | None = Severity.ERROR
+    least: Severity = Severity.INFO
 
 
 def render(report: Report, output_format: str, options: ReportOptions) -> str:

@@ -17,13 +17,13 @@ LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "
 def render(report: Report, options: ReportOptions) -> str:
     """One workflow command a finding, and one for each thing that readers and rules have to say."""
     lines = []
-    for group in grouped(report.findings, fold=True):
+    for group in grouped(report.at_or_above(options.least), fold=True):
         item = group.first
         text = one_line(group.headline(most=8))
         if item.finding.help:
             text += f"\nhelp: {one_line(item.finding.help)}"
         lines.append(command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
-    for problem in report.for_people():
+    for problem in report.for_people(options.least):
         text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
         lines.append(command(problem.severity, problem.code, problem.span, text))
     return "".join(f"{line}\n" for line in lines)

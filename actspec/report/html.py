@@ -8,17 +8,17 @@ from collections.abc import Iterator, Sequence
 from html import escape
 
 import actspec
-from actspec.audit.outcome import SEVERITIES, Report
+from actspec.audit.outcome import Report
 from actspec.audit.pages import page
 from actspec.audit.rule import Rule
-from actspec.diagnostics import Severity, Span, listed, one_line
+from actspec.diagnostics import SEVERITIES, Severity, Span, listed, one_line
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.sources import Sources
 from actspec.report.tables import many
-from actspec.report.text import counted
+from actspec.report.text import counted, worst_first
 from actspec.resources import data_path
 
 _MOST_OPEN = 8
@@ -29,17 +29,17 @@ def render(report: Report, options: ReportOptions) -> str:
     """The report as one page."""
     body = "\n".join(
         (
-            *_head(report),
-            *_findings(report),
+            *_head(report, options),
+            *_findings(report, options),
             *_comparisons(report),
             *_ledger(report),
             *_files(report),
-            *_rules(report),
+            *_rules(report, options),
             f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
         )
     )
     style = data_path("templates", "report/report.css").read_text(encoding="utf-8")
-    title = f"actspec audit: {escape(counted(grouped(report.findings)))}"
+    title = f"actspec audit: {escape(counted(grouped(report.at_or_above(options.least))))}"
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
@@ -61,13 +61,15 @@ def _fold(title: str, lines: Iterator[str], *, shown: bool) -> Iterator[str]:
     yield "</details>"
 
 
-def _head(report: Report) -> Iterator[str]:
-    yield f"<h1>actspec audit: {_text(counted(grouped(report.findings)))}</h1>"
-    problems = report.for_people()
+def _head(report: Report, options: ReportOptions) -> Iterator[str]:
+    yield f"<h1>actspec audit: {_text(counted(grouped(report.at_or_above(options.least))))}</h1>"
+    problems = report.for_people(options.least)
     if problems:
         lines = "".join(f"<li>{_text(str(item).partition(chr(10))[0])}</li>" for item in problems)
         yield f"<ul>{lines}</ul>"
-    counts = Counter((item.severity, item.finding.code, item.name) for item in report.findings)
+    counts = Counter(
+        (item.severity, item.finding.code, item.name) for item in report.at_or_above(options.least)
+    )
     if counts:
         heads = "<th>rule</th><th>severity</th><th>findings</th>"
         yield f'<div class="wide"><table><tr>{heads}</tr>'
@@ -115,9 +117,9 @@ def _file_table(files: Sequence[FileReading]) -> Iterator[str]:
     yield "</table></div>"
 
 
-def _findings(report: Report) -> Iterator[str]:
+def _findings(report: Report, options: ReportOptions) -> Iterator[str]:
     sources = Sources(report.case.files)
-    groups = grouped(report.findings)
+    groups = worst_first(grouped(report.at_or_above(options.least)))
     if groups:
         yield "<h2>Findings</h2>"
     for group in groups:
@@ -210,8 +212,8 @@ def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
     yield from (f'<p class="faint">{_text(note)}</p>' for note in sheet.notes)
 
 
-def _rules(report: Report) -> Iterator[str]:
-    found = {item.finding.code for item in report.findings}
+def _rules(report: Report, options: ReportOptions) -> Iterator[str]:
+    found = {item.finding.code for item in report.at_or_above(options.least)}
     rules = [rule for rule in report.rules if rule.code in found]
     if rules:
         yield "<h2>Rules</h2>"

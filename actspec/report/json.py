@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 from actspec.audit.outcome import Report, Reported
-from actspec.diagnostics import one_line
+from actspec.diagnostics import Severity, one_line
 from actspec.readings.artifact import FileReading
 from actspec.readings.ledger import LedgerRow
 from actspec.report import ReportOptions
@@ -18,16 +18,21 @@ FORMAT = "actspec-report/1"
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as one JSON object."""
-    return json.dumps(record(report), indent=2, ensure_ascii=True, allow_nan=False) + "\n"
+    return json.dumps(record(report, options.least), indent=2, ensure_ascii=True, allow_nan=False) + "\n"
 
 
-def record(report: Report) -> dict[str, Any]:
-    """The report as data."""
+def record(report: Report, least: Severity = Severity.INFO) -> dict[str, Any]:
+    """The report as data.
+
+    Args:
+        report: What was found.
+        least: Least severity of its findings.
+    """
     return {
         "format": FORMAT,
         "files": [_file(file) for file in report.case.files],
         "ledger": [_row(row) for row in report.case.rows],
-        "findings": [_finding(item) for item in report.findings],
+        "findings": [_finding(item) for item in report.at_or_above(least)],
         "skipped": [{"code": item.code, "reason": item.reason} for item in report.skipped],
         "diagnostics": [diagnostic_record(item) for item in report.diagnostics()],
     }

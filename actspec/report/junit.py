@@ -8,8 +8,8 @@ from __future__ import annotations
 
 from xml.etree import ElementTree as tree
 
-from actspec.audit.outcome import SEVERITIES, Report
-from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.audit.outcome import Report
+from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 
@@ -17,7 +17,7 @@ from actspec.report.findings import FindingGroup, grouped
 def render(report: Report, options: ReportOptions) -> str:
     """The report as JUnit XML."""
     root = tree.Element("testsuites", name="actspec audit")
-    groups = grouped(report.findings)
+    groups = grouped(report.at_or_above(options.least))
     paths = [file.path for file in report.case.files]
     # Findings may stand in included files, which nobody named.
     paths += [group.first.finding.span.path for group in groups]

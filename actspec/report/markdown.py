@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from actspec.audit.outcome import Report
-from actspec.diagnostics import listed
+from actspec.diagnostics import Severity, listed
 from actspec.report import ReportOptions
-from actspec.report.findings import for_people
+from actspec.report.findings import FindingGroup, for_people
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
 from actspec.report.tables import escaped, many, markdown_table
-from actspec.report.text import NOUNS, counted
+from actspec.report.text import NOUNS, counted, left_out, remarks, worst_first
 
 LONGEST = 60_000
 """Characters. Source: a GitHub comment takes 65 536; this leaves room for words around it."""
@@ -19,10 +19,12 @@ LONGEST = 60_000
 def render(report: Report, options: ReportOptions) -> str:
     """The report as Markdown; what does not fit into a comment is counted."""
     read = sum(file.readable for file in report.case.files)
-    text = f"### actspec audit: {counted(for_people(report.findings))} in {many(read, 'file')}\n"
+    groups = worst_first(for_people(report.at_or_above(options.least)))
+    text = f"### actspec audit: {counted(groups)} in {many(read, 'file')}\n"
     for block in (
-        _findings(report),
-        _problems(report),
+        _findings(groups),
+        tuple(left_out(report, options.least)),
+        _problems(report, options.least),
         _comparison(report),
         _ledger(report),
         _skipped(report),
@@ -47,9 +49,9 @@ def _fitting(block: str, room: int) -> str:
     return "\n" + "\n".join(kept) + f"\n\n{len(lines) - len(kept)} more lines do not fit here.{closing}\n"
 
 
-def _findings(report: Report) -> Iterator[str]:
+def _findings(groups: Sequence[FindingGroup]) -> Iterator[str]:
     rows: list[list[str]] = [["", "rule", "place", "joints", "finding"]]
-    for group in for_people(report.findings):
+    for group in groups:
         item, finding = group.first, group.first.finding
         text = escaped(finding.message + group.others(4) + group.elsewhere(4))
         if finding.help:
@@ -60,8 +62,8 @@ def _findings(report: Report) -> Iterator[str]:
         yield from markdown_table(rows)
 
 
-def _problems(report: Report) -> Iterator[str]:
-    for item in report.for_people():
+def _problems(report: Report, least: Severity) -> Iterator[str]:
+    for item in remarks(report, least):
         place = f"{item.span}: " if item.span is not None else ""
         where = f"{item.where}: " if item.where else ""
         yield f"- **{item.code}** {escaped(place + where + item.message)}"

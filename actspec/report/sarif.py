@@ -33,14 +33,19 @@ _PROBLEM = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO:
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as a SARIF log."""
-    return json.dumps(record(report), indent=2, ensure_ascii=True) + "\n"
+    return json.dumps(record(report, options.least), indent=2, ensure_ascii=True) + "\n"
 
 
-def record(report: Report) -> dict[str, Any]:
-    """The report as a SARIF log, as data."""
+def record(report: Report, least: Severity = Severity.INFO) -> dict[str, Any]:
+    """The report as a SARIF log, as data.
+
+    Args:
+        report: What was found.
+        least: Least severity of its results.
+    """
     sources = Sources(report.case.files)
     places = {rule.code: index for index, rule in enumerate(report.rules)}
-    groups = grouped(report.findings, by_place=True)
+    groups = grouped(report.at_or_above(least), by_place=True)
     return {
         "$schema": SCHEMA,
         "version": "2.1.0",

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 
-from actspec.audit.outcome import SEVERITIES, Means, Report
-from actspec.diagnostics import Severity, Span, listed, one_line
+from actspec.audit.outcome import Means, Report
+from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed, one_line
 from actspec.report import ReportOptions
-from actspec.report.findings import FindingGroup, for_people
+from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import Sources
 from actspec.report.tables import Style, many, table
@@ -46,15 +47,45 @@ def _whole(report: Report, options: ReportOptions, sources: Sources | None) -> s
     lines: list[str] = []
     if options.ledger:
         lines += [*ledger_lines(report.case, style), ""]
-    groups = for_people(report.findings)
+    groups = worst_first(for_people(report.at_or_above(options.least)))
     if options.statistics:
+        groups = for_people(report.findings)
         lines += statistics(report)
     else:
         for group in groups:
             lines.append(headline(group, style))
             if sources is not None:
                 lines += [*_details(group, sources, style), ""]
-    return "".join(f"{line}\n" for line in (*lines, *summary(report, style, groups)))
+        lines += [style.faint(line) for line in left_out(report, options.least)]
+    lines += summary(report, style, groups, chosen=options.chosen)
+    return "".join(f"{line}\n" for line in lines)
+
+
+def worst_first(groups: Iterable[FindingGroup]) -> tuple[FindingGroup, ...]:
+    """Errors, then warnings, then notes, each in the order of the report."""
+    return tuple(sorted(groups, key=lambda group: -SEVERITIES.index(group.first.severity)))
+
+
+def left_out(report: Report, least: Severity) -> Iterator[str]:
+    """How much is not severe enough to be shown, in one line; nothing where all is shown.
+
+    Args:
+        report: What was found.
+        least: Least severity that is shown.
+    """
+    below = [item for item in report.findings if SEVERITIES.index(item.severity) < SEVERITIES.index(least)]
+    found = [(group.first.severity, group.first.finding.code) for group in for_people(below)]
+    shown = set(report.for_people(least))
+    found += [(item.severity, item.code) for item in joined(report.for_people()) if item not in shown]
+    counts = Counter(severity for severity, _ in found)
+    parts = []
+    for severity in reversed(SEVERITIES):
+        codes = Counter(code for other, code in found if other is severity)
+        if codes:
+            names = listed(code for code, _ in sorted(codes.items(), key=lambda entry: (-entry[1], entry[0])))
+            parts.append(f"{many(counts[severity], NOUNS[severity])} ({names})")
+    if parts:
+        yield f"{', '.join(parts)}: --notes shows {'it' if sum(counts.values()) == 1 else 'them'}"
 
 
 def headline(group: FindingGroup, style: Style) -> str:
@@ -103,21 +134,23 @@ def _excerpt(sources: Sources, span: Span, style: Style) -> Iterator[str]:
 
 
 def statistics(report: Report) -> list[str]:
-    """Counts by rule, the most frequent first."""
+    """Counts by rule, the worst first, of those the most frequent."""
     counts = Counter((item.finding.code, item.name, item.severity.value) for item in report.findings)
-    rows = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))
+    severities = [severity.value for severity in reversed(SEVERITIES)]
+    rows = sorted(counts.items(), key=lambda entry: (severities.index(entry[0][2]), -entry[1], entry[0]))
     return table([(str(count), *key) for key, count in rows], "", headings=0)
 
 
-def summary(report: Report, style: Style, groups: Sequence[FindingGroup]) -> Iterator[str]:
+def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, chosen: bool) -> Iterator[str]:
     """How much was found and set aside, and which rules did not apply.
 
     Args:
         report: What was found.
         style: How it is to look.
         groups: The findings as they are shown.
+        chosen: Whether rules were selected; who asks for all need not read which had nothing to judge.
     """
-    count, reasons = report.did_not_apply()
+    count, reasons = report.did_not_apply() if chosen else (0, {})
     if len(reasons) <= MOST_REASONS:
         for reason, codes in reasons.items():
             yield style.faint(f"{listed(codes)} did not apply: {one_line(reason)}")
@@ -129,7 +162,8 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup]) -> Ite
     if unread:
         notes.insert(0, f"{many(unread, 'file')} could not be read")
     read = many(len(report.case.files) - unread, "file")
-    yield f"{counted(groups)} in {read}" + "".join(f"; {text}" for text in notes)
+    found = counted(groups) if groups or not report.findings else "no errors or warnings"
+    yield f"{found} in {read}" + "".join(f"; {text}" for text in notes)
 
 
 def counted(groups: Iterable[FindingGroup]) -> str:
@@ -146,3 +180,32 @@ def counted(groups: Iterable[FindingGroup]) -> str:
     parts = [many(counts[severity], NOUNS[severity]) for severity in reversed(SEVERITIES) if counts[severity]]
     affected = f" affecting {many(len(joints), 'joint')}" if joints else ""
     return ", ".join(parts) + affected if parts else "no findings"
+
+
+def joined(items: Iterable[Diagnostic]) -> Iterator[Diagnostic]:
+    """What readers and rules have to say, the same of many joints once."""
+    groups: dict[tuple[object, ...], list[Diagnostic]] = {}
+    for item in items:
+        place = item.span.path if item.span is not None and item.where else item.span
+        groups.setdefault((item.code, place, item.message, item.help, not item.where), []).append(item)
+    for group in groups.values():
+        yield replace(group[0], where=listed(dict.fromkeys(item.where for item in group)))
+
+
+def remarks(report: Report, least: Severity) -> Iterator[Diagnostic]:
+    """What readers and rules have to say: of one code and many files the first, and which others there are.
+
+    Args:
+        report: What was found.
+        least: Least severity that is shown; with notes each remark is shown by itself.
+    """
+    by_code: dict[tuple[str, Severity], list[Diagnostic]] = {}
+    for item in joined(report.for_people(least)):
+        by_code.setdefault((item.code, item.severity), []).append(item)
+    for (_, severity), items in by_code.items():
+        if len(items) <= MOST_ALIKE or severity is Severity.ERROR or least is Severity.INFO:
+            yield from items
+            continue
+        places = listed(dict.fromkeys(item.span.path for item in items[1:] if item.span is not None), 3)
+        more = f" ({len(items) - 1} more of {items[0].code} in {places}: --notes shows them)"
+        yield replace(items[0], message=items[0].message + more)

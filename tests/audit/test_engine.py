@@ -164,15 +164,6 @@ def test_a_rule_speaks_for_itself_only() -> None:
     assert "ValueError: speaks for DMP901" in report.problems[0].message
 
 
-def test_an_unread_file_makes_the_report_incomplete() -> None:
-    """A file that could not be read is told even when its reader says nothing."""
-    report = judge(case_of({"a.xml": b"<mujoco/>"}, unread=("nope.xml",)), Settings(), (FIRST,))
-    assert not report.complete
-    assert [str(item) for item in report.diagnostics()] == [
-        "nope.xml: AUD008: the file cannot be read: there is no such file"
-    ]
-
-
 def test_skipped_rules_say_why_once() -> None:
     """Equal reasons of one rule are one."""
     rule = rule_of("LIM901", "first-rule", *[Skipped("LIM901", "no cfg")] * 2, Skipped("LIM901", "no URDF"))

@@ -267,6 +267,8 @@ def test_a_crash_loses_only_its_file(jobs: int, monkeypatch: pytest.MonkeyPatch)
     """It is read once more with the reason, a file of which that is the end too is lost; a fault is not tried again."""
     monkeypatch.setattr("actspec.readings.read.read_file", dies)
     paths = ["a.xml", "crash.xml", "b.xml", "always.xml", "fault.xml", "c.xml"]
+    for path in paths:
+        Path(path).touch()
     seen: list[int] = []
     found = read_files(paths, jobs=jobs, progress=lambda done, of: seen.append(done))
     assert [(reading.path, reading.reason) for reading in found] == [

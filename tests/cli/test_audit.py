@@ -79,6 +79,16 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
         (["gone.xml"], 2),
         (["gone.xml", "--exit-zero"], 2),
         (["gone.xml", "--output-format", "sarif"], 2),
+        (["gone.xml", "--fail-on", "never"], 2),
+        (["empty"], 2),
+        (["broken.xml"], 1),
+        (["broken.xml", "--select", "LIM107"], 1),
+        (["broken.xml", "--exit-zero"], 0),
+        (["broken.xml", "--ignore", "AUD008"], 0),
+        (["broken.xml", "--output-format", "sarif"], 0),
+        (["folder"], 0),
+        (["folder", "--fail-on", "warning", "--select", "LIM107"], 1),
+        (["folder", "--fail-on", "warning", "--select", "LIM107", "--ignore", "unreadable-file"], 0),
         (["--fail-on", "bad"], 2),
         (["--select", "LIN101"], 2),
         (["--select", ","], 2),
@@ -97,7 +107,11 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_exit_codes(options: list[str], code: int, capsys: pytest.CaptureFixture[str]) -> None:
-    """0 nothing at or above --fail-on, 1 findings, 2 could not run or a file could not be read; never a traceback."""
+    """0 nothing at or above --fail-on, 1 findings, 2 could not run or a wrong name; never a traceback."""
+    Path("empty").mkdir()
+    Path("folder").mkdir()
+    for path in ("broken.xml", "folder/broken.xml"):
+        Path(path).write_text("<mujoco>")
     assert run("audit", "leg.xml", *options) == code
     assert "Traceback" not in capsys.readouterr().err
 
@@ -176,6 +190,9 @@ def test_what_is_unknown_is_said(capsys: pytest.CaptureFixture[str]) -> None:
         "guessed",
     ]
     assert run("audit", "dog_cfg.py", "dog.yaml") == 0
+    out, err = capsys.readouterr()
+    assert ("2 notes (CFG001, DEPLOY002): --notes shows them\n" in out, err) == (True, "")
+    assert run("audit", "dog_cfg.py", "dog.yaml", "--notes") == 0
     assert [line for line in capsys.readouterr().err.splitlines() if "help:" not in line] == told
     run("audit", "dog_cfg.py", "dog.yaml", "--output-format", "json")
     found = json.loads(capsys.readouterr().out)["diagnostics"]
@@ -235,12 +252,12 @@ def test_failure_in_json(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_an_unread_file_does_not_hide_the_others(capsys: pytest.CaptureFixture[str]) -> None:
-    """What can be read is judged; what cannot is told on stderr."""
+    """What is there is judged; a name that stands for nothing is told on stderr."""
     assert run("audit", "gone.xml", "leg.xml", "--output-format", "concise") == 2
     out = capsys.readouterr()
     assert out.out.startswith(HEADLINE)
     assert "1 file could not be read" in out.out
-    assert out.err.startswith("gone.xml: ROBOT001: ")
+    assert out.err == "gone.xml: AUD016: there is no such file or folder\n"
 
 
 @pytest.mark.parametrize(

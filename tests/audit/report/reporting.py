@@ -8,6 +8,7 @@ from actspec.audit.case import Case
 from actspec.audit.engine import judge
 from actspec.audit.finding import Confidence, Fix, Safety, Skipped, TextEdit
 from actspec.audit.outcome import Report
+from actspec.audit.rules.aud008 import Unreadable
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.ir import JointKind
@@ -26,7 +27,7 @@ EVIL = "<script>alert(1)</script>|\"'&\x07\n[a](b)@me #1 %41,:\ud800"
 
 
 def report() -> Report:
-    """Three joints of one fault in a.xml, one between two files, one of a whole file; files unread; a rule skipped."""
+    """Three joints of one fault in a.xml, one of two files, one of a whole file; one unread, one gone; a mute rule."""
     fix = Fix("Set forcerange", Safety.UNSAFE, (TextEdit("a.xml", 10, 12, b"xx"),))
     first = rule_of(
         "LIM901",
@@ -58,12 +59,13 @@ def report() -> Report:
         confidence=Confidence.MEDIUM,
     )
     skipped = rule_of("NET901", "third-rule", Skipped("NET901", "no network among the files"))
-    return judge(_case(), Settings(), (first, second, skipped))
+    return judge(_case(), Settings(), (first, second, skipped, Unreadable))
 
 
 def _case() -> Case:
     note = Diagnostic("ROBOT113", Severity.INFO, "1 joint left out", "", Span("a.xml"))
     fault = Diagnostic("ROBOT004", Severity.ERROR, "this is not XML", "", Span("secret.txt", 1, 1))
+    gone = Diagnostic("AUD016", Severity.ERROR, "there is no such file", "", Span("gone.xml"))
     files = (
         _reading("a.xml", FileKind.MJCF, XML, note),
         _reading("b.urdf", FileKind.URDF, URDF),
@@ -71,7 +73,7 @@ def _case() -> Case:
         FileReading(
             "secret.txt", None, "not XML", (), (ModelFile("secret.txt", "", b"password\n"),), (fault,)
         ),
-        FileReading("gone.xml", None, "there is no such file"),
+        FileReading("gone.xml", None, "there is no such file", diagnostics=(gone,)),
     )
     artifacts = tuple(artifact for file in files for artifact in file.artifacts)
     rows = (

@@ -206,15 +206,19 @@ def test_json(made: Report) -> None:
         "help": "add one",
         "fix": "unsafe",
     }
-    assert [item["joint"] for item in data["findings"]] == ["hip", "ankle", "knee", "hip", None]
-    assert [(item["line"], item["column"]) for item in data["findings"][3:]] == [(2, None), (None, None)]
-    assert data["findings"][4]["message"] == f"bad {EVIL}"
+    assert [item["joint"] for item in data["findings"]] == ["hip", "ankle", "knee", "hip", None, None]
+    assert [(item["line"], item["column"]) for item in data["findings"][3:]] == [
+        (2, None),
+        (1, 1),
+        (None, None),
+    ]
+    assert data["findings"][5]["message"] == f"bad {EVIL}"
     assert [file["readable"] for file in data["files"]] == [True, True, False, False]
     assert [file["kind"] for file in data["files"]] == ["mjcf", "urdf", None, None]
     assert [row["effort_limit"] for row in data["ledger"]] == [50, 50, "Infinity", None, 35, 50.1, None]
     assert [data["ledger"][0][name] for name in ("kd_clamped", "kd_implicit")] == [True, None]
     assert data["skipped"] == [{"code": "NET901", "reason": "no network among the files"}]
-    assert [item["code"] for item in data["diagnostics"]] == ["ROBOT113", "ROBOT004", "AUD008"]
+    assert [item["code"] for item in data["diagnostics"]] == ["ROBOT113", "AUD016"]
 
 
 @pytest.mark.parametrize(
@@ -253,12 +257,13 @@ def test_sarif(made: Report) -> None:
     data = json.loads(render(made, "sarif", ReportOptions()))
     jsonschema.validate(data, SARIF)
     (run,) = data["runs"]
-    assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["LIM901", "SRC901", "NET901"]
+    assert [rule["id"] for rule in run["tool"]["driver"]["rules"]] == ["LIM901", "SRC901", "NET901", "AUD008"]
     results = run["results"]
     assert [(item["ruleId"], item["ruleIndex"], item["level"]) for item in results] == [
         ("LIM901", 0, "error"),
         ("LIM901", 0, "error"),
         ("SRC901", 1, "warning"),
+        ("AUD008", 3, "error"),
         ("SRC901", 1, "note"),
     ]
     assert [item["message"]["text"] for item in results[:2]] == [
@@ -268,22 +273,22 @@ def test_sarif(made: Report) -> None:
     # 21 characters stand before, one of them two units long; the line has 41 characters.
     region = results[0]["locations"][0]["physicalLocation"]["region"]
     assert region == {"startLine": 2, "startColumn": 23, "endColumn": 43}
-    assert len({json.dumps(item["partialFingerprints"]) for item in results}) == 4
+    assert len({json.dumps(item["partialFingerprints"]) for item in results}) == 5
     related = results[2]["relatedLocations"][0]["physicalLocation"]
     assert related == {
         "artifactLocation": {"uri": "a.xml", "uriBaseId": "%SRCROOT%"},
         "region": {"startLine": 3, "startColumn": 3, "endColumn": 24},
     }
-    assert results[3]["locations"] == [
+    assert results[4]["locations"] == [
         {"physicalLocation": {"artifactLocation": {"uri": "we%20ird%25.xml", "uriBaseId": "%SRCROOT%"}}}
     ]
-    assert r"\[a\](b)" in results[3]["message"]["text"]
+    assert r"\[a\](b)" in results[4]["message"]["text"]
     change = results[0]["fixes"][0]["artifactChanges"][0]["replacements"][0]
     assert change == {"deletedRegion": {"byteOffset": 10, "byteLength": 2}, "insertedContent": {"text": "xx"}}
     (invocation,) = run["invocations"]
     assert invocation["executionSuccessful"] is False
     notes = [(item["descriptor"]["id"], item["level"]) for item in invocation["toolExecutionNotifications"]]
-    assert notes == [("ROBOT113", "note"), ("ROBOT004", "error"), ("AUD008", "error")]
+    assert notes == [("ROBOT113", "note"), ("AUD016", "error")]
 
 
 def test_sarif_help_is_a_sentence() -> None:
@@ -343,10 +348,11 @@ def test_github(made: Report) -> None:
         "::error title=LIM901 first-rule,file=a.xml,line=2,col=22::hip, ankle, knee: no limit, got 0 N*m"
         "%0Ahelp: add one",
         "::warning title=SRC901 second-rule,file=b.urdf,line=2::hip: 50 here, 35 there",
+        "::error title=AUD008 unreadable-file,file=secret.txt,line=1,col=1::the file cannot be read: this is not XML "
+        "(ROBOT004)",
         "::notice title=SRC901 second-rule,file=we ird%25.xml::bad <script>alert(1)</script>|\"'&\\x07\\n"
         "[a](b)@me #1 %2541,:\\ud800",
-        "::error title=ROBOT004,file=secret.txt,line=1,col=1::this is not XML",
-        "::error title=AUD008,file=gone.xml::the file cannot be read: there is no such file",
+        "::error title=AUD016,file=gone.xml::there is no such file",
     ]
 
 
@@ -370,15 +376,15 @@ def test_github_properties(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
 
 
 @pytest.mark.parametrize(
-    "fail_on, failures", [(Severity.ERROR, 1), (Severity.INFO, 3), (None, 0)], ids=["error", "info", "never"]
+    "fail_on, failures", [(Severity.ERROR, 2), (Severity.INFO, 4), (None, 0)], ids=["error", "info", "never"]
 )
 def test_junit(fail_on: Severity | None, failures: int, made: Report) -> None:
-    """It has JUnit's form; what counts as a failure is what fails the run; unread files are errors."""
+    """It has JUnit's form; what counts as a failure is what fails the run; files that are not there are errors."""
     text = render(made, "junit", ReportOptions(fail_on=fail_on, chosen=True))
     root = etree.fromstring(text.encode("utf-8"))
     etree.XMLSchema(etree.fromstring(JUNIT)).assertValid(root)
     counts = [root.get(key) for key in ("tests", "failures", "errors", "skipped")]
-    assert counts == ["6", str(failures), "2", "1"]
+    assert counts == ["6", str(failures), "1", "1"]
     assert [suite.get("name") for suite in root] == [
         "a.xml",
         "b.urdf",
@@ -390,8 +396,8 @@ def test_junit(fail_on: Severity | None, failures: int, made: Report) -> None:
     assert [case.get("name") for case in root.iter("testcase")] == [
         "LIM901 first-rule: hip and 2 more",
         "SRC901 second-rule: hip",
-        "ROBOT004",
-        "AUD008",
+        "AUD008 unreadable-file: file",
+        "AUD016",
         "SRC901 second-rule: file",
         "NET901",
     ]

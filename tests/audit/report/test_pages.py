@@ -74,8 +74,8 @@ def test_html(made: Report) -> None:
     assert "default-src 'none'" in text
     assert 'name="viewport"' in text
     # Counts by rule and severity, then the findings.
-    assert page.links == ["#rule-LIM901", "#rule-SRC901", "#rule-SRC901"] * 2
-    assert page.ids == {"rule-LIM901", "rule-SRC901"}
+    assert page.links == ["#rule-LIM901", "#rule-AUD008", "#rule-SRC901", "#rule-SRC901"] * 2
+    assert page.ids == {"rule-LIM901", "rule-SRC901", "rule-AUD008"}
     for words in (
         "hip, ankle, knee: no limit",
         "Help: add one",
@@ -126,12 +126,14 @@ def test_markdown(made: Report) -> None:
     """A heading with the counts, a table of faults, the ledger folded away; every row has its cells."""
     text = render(made, "markdown", ReportOptions())
     lines = text.splitlines()
-    assert lines[:6] == [
-        "### actspec audit: 1 error, 1 warning, 1 note affecting 3 joints in 2 files",
+    assert lines[:7] == [
+        "### actspec audit: 2 errors, 1 warning, 1 note affecting 3 joints in 2 files",
         "",
         "|  | rule | place | joints | finding |",
         "| --- | --- | --- | --- | --- |",
         "| error | LIM901<br>first-rule | a.xml:2:22 | hip, ankle, knee | no limit, got 0 N\\*m<br>*add one* |",
+        "| error | AUD008<br>unreadable-file | secret.txt:1:1 |  | the file cannot be read: this is not XML "
+        "(ROBOT004) |",
         "| warning | SRC901<br>second-rule | b.urdf:2 | hip | 50 here, 35 there |",
     ]
     assert "| effort limit \\[N\\*m\\] | hip | 50 | 35 | 1.429 |" in lines

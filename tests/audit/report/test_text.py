@@ -2,28 +2,32 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from actspec.audit.engine import judge
 from actspec.audit.outcome import Report
-from actspec.diagnostics import Span
+from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
-from actspec.report import FORMATS, ReportOptions, render
+from actspec.report import FORMATS, ReportOptions, least_shown, render
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import WIDEST, Sources
 from actspec.report.tables import Style
-from tests.audit.making import case_of, reading, row
+from actspec.report.text import remarks
+from tests.audit.making import case_of, finding, reading, row, rule_of
 from tests.audit.report.reporting import report
 
-SUMMARY = """NET901 did not apply: no network among the files
-1 error, 1 warning, 1 note affecting 3 joints in 2 files; 2 files could not be read
+SUMMARY = """2 errors, 1 warning, 1 note affecting 3 joints in 2 files; 2 files could not be read
 """
 BAD = "<script>alert(1)</script>|\"'&\\x07\\n[a](b)@me #1 %41,:\\ud800"
 """The hostile name as text shows it: on one line, without control characters."""
 
 CONCISE = f"""a.xml:2:22: LIM901 [error] hip, ankle and 1 more: no limit, got 0 N*m
+secret.txt:1:1: AUD008 [error] the file cannot be read: this is not XML (ROBOT004)
 b.urdf:2: SRC901 [warning] hip: 50 here, 35 there
 we ird%.xml: SRC901 [info] bad {BAD}
 {SUMMARY}"""
@@ -37,6 +41,9 @@ FULL = f"""a.xml:2:22: LIM901 [error] hip, ankle and 1 more: no limit, got 0 N*m
   = help: add one
   = fix: Set forcerange (--unsafe-fixes)
   = rule: first-rule, high confidence; `actspec rule LIM901`
+
+secret.txt:1:1: AUD008 [error] the file cannot be read: this is not XML (ROBOT004)
+  = rule: unreadable-file, high confidence; `actspec rule AUD008`
 
 b.urdf:2: SRC901 [warning] hip: 50 here, 35 there
     |
@@ -92,9 +99,10 @@ MARKED = """a.xml (leg)
   damping: c clamped by the effort limit, u not clamped by the effort limit, i integrated implicitly, \
 e integrated explicitly"""
 
-STATISTICS = """3  LIM901  first-rule   error
-1  SRC901  second-rule  info
-1  SRC901  second-rule  warning
+STATISTICS = """3  LIM901  first-rule       error
+1  AUD008  unreadable-file  error
+1  SRC901  second-rule      warning
+1  SRC901  second-rule      info
 """
 
 
@@ -108,6 +116,96 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Report:
 def test_concise(made: Report) -> None:
     """One line a fault, whose joints stand together."""
     assert render(made, "concise", ReportOptions()) == CONCISE
+
+
+@pytest.mark.parametrize(
+    ("least", "shown", "line", "count"),
+    [
+        (Severity.INFO, ["LIM901", "AUD008", "SRC901", "SRC901"], None, "2 errors, 1 warning, 1 note"),
+        (
+            Severity.WARNING,
+            ["LIM901", "AUD008", "SRC901"],
+            "1 note (SRC901): --notes shows it",
+            "2 errors, 1 warning",
+        ),
+        (
+            Severity.ERROR,
+            ["LIM901", "AUD008"],
+            "1 warning (SRC901), 1 note (SRC901): --notes shows them",
+            "2 errors",
+        ),
+    ],
+    ids=["info", "warning", "error"],
+)
+def test_what_is_not_shown_is_counted(
+    least: Severity, shown: list[str], line: str | None, count: str, made: Report
+) -> None:
+    """The worst come first; what is below the least severity is one line; the last line counts what is shown."""
+    lines = render(made, "concise", ReportOptions(least=least)).splitlines()
+    assert [text.split(": ")[1][:6] for text in lines[: len(shown)]] == shown
+    assert lines[len(shown) : -1] == ([line] if line else [])
+    assert lines[-1] == f"{count} affecting 3 joints in 2 files; 2 files could not be read"
+
+
+def test_only_notes() -> None:
+    """Nothing to mend is not the same as nothing found."""
+    rule = rule_of("LIM901", "first-rule", finding("LIM901"), severity=Severity.INFO)
+    report = judge(case_of({"a.xml": b""}), Settings(), (rule,))
+    assert render(report, "full", ReportOptions(least=Severity.WARNING)) == (
+        "1 note (LIM901): --notes shows it\nno errors or warnings in 1 file\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("output_format", "asked", "fail_on", "least"),
+    [
+        ("full", None, Severity.ERROR, Severity.WARNING),
+        ("concise", None, None, Severity.WARNING),
+        ("github", None, Severity.ERROR, Severity.WARNING),
+        ("junit", None, Severity.ERROR, Severity.WARNING),
+        ("markdown", None, Severity.ERROR, Severity.WARNING),
+        ("json", None, Severity.ERROR, Severity.INFO),
+        ("sarif", None, Severity.ERROR, Severity.INFO),
+        ("html", None, None, Severity.INFO),
+        ("full", Severity.INFO, Severity.ERROR, Severity.INFO),
+        ("json", Severity.ERROR, Severity.ERROR, Severity.ERROR),
+        # Whatever makes the run fail is shown.
+        ("full", None, Severity.INFO, Severity.INFO),
+        ("full", Severity.ERROR, Severity.WARNING, Severity.WARNING),
+        ("full", Severity.ERROR, None, Severity.ERROR),
+    ],
+)
+def test_least_shown(
+    output_format: str, asked: Severity | None, fail_on: Severity | None, least: Severity
+) -> None:
+    """People see warnings, programs all; an option goes before both, and --fail-on before that."""
+    assert least_shown(output_format, asked, fail_on) is least
+
+
+def test_rules_without_input_are_told_to_whom_asked_for_them(made: Report) -> None:
+    """Of all rules most have nothing to judge in every run."""
+    text = "NET901 did not apply: no network among the files\n"
+    assert text not in render(made, "concise", ReportOptions())
+    assert text in render(made, "concise", ReportOptions(chosen=True))
+
+
+@pytest.mark.parametrize(("files", "lines"), [(3, 3), (4, 1)])
+def test_remarks_of_many_files_are_summed_up(files: int, lines: int) -> None:
+    """The first with its reason, and which others there are; with notes each by itself."""
+    case = case_of({f"{number}.xml": b"" for number in range(files)})
+    refused = [
+        replace(item, artifacts=(replace(item.artifacts[0], text_only=f"line {number}"),))
+        for number, item in enumerate(case.files)
+    ]
+    made = judge(replace(case, files=tuple(refused)), Settings(), ())
+    found = [str(item) for item in remarks(made, Severity.WARNING)]
+    assert len(found) == lines
+    start = (
+        "0.xml: AUD013 [warning]: read from its text alone, so what needs its inertia is not judged: line 0"
+    )
+    rest = " (3 more of AUD013 in 1.xml, 2.xml, 3.xml: --notes shows them)"
+    assert found[0] == start + rest * (lines == 1)
+    assert len(list(remarks(made, Severity.INFO))) == files
 
 
 def test_full(made: Report) -> None:

@@ -1,0 +1,102 @@
+"""A file that cannot be read is a finding: it can be ignored, kept in a baseline and set to another severity."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.baseline import write_baseline
+from actspec.audit.engine import audit
+from actspec.audit.outcome import Means, Report
+from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity
+
+BROKEN = "<mujoco>\n  <worldbody>\n</mujoco>\n"
+NOBODYS = {
+    "broken.launch.xml": "<launch><a></launch>",
+    "broken.py": "def (\n",
+    "broken.yaml": "a: [\n",
+    "good.urdf": '<robot name="r"><link name="a"/></robot>',
+}
+"""What may stand in a folder of robots, and is not one that is broken."""
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("robots").mkdir()
+    Path("robots/leg.xml").write_text(BROKEN)
+    for name, text in NOBODYS.items():
+        Path("robots", name).write_text(text)
+
+
+def found(report: Report) -> list[tuple[str, str, int, Severity]]:
+    """Rule, file, line and severity of what was found."""
+    return [
+        (item.finding.code, item.finding.span.path, item.finding.span.line, item.severity)
+        for item in report.findings
+        if item.finding.code == "AUD008"
+    ]
+
+
+def test_in_a_folder_it_is_a_warning() -> None:
+    """A file in a folder may be of somebody else; the audit is complete without it."""
+    report = audit(["robots"], Settings())
+    assert found(report) == [("AUD008", "robots/leg.xml", 3, Severity.WARNING)]
+    assert report.complete
+    assert [item.code for item in report.diagnostics() if item.severity is Severity.ERROR] == []
+
+
+def test_named_it_is_an_error() -> None:
+    """Whoever names a file means that it can be read. The severity of the settings goes before both."""
+    assert [item[3] for item in found(audit(["robots/leg.xml"], Settings()))] == [Severity.ERROR]
+    lenient = Settings(severity={"AUD008": Severity.INFO})
+    assert [item[3] for item in found(audit(["robots/leg.xml"], lenient))] == [Severity.INFO]
+
+
+@pytest.mark.parametrize("paths", [["robots"], ["robots/leg.xml"]], ids=["folder", "file"])
+@pytest.mark.parametrize("selector", ["AUD008", "unreadable-file", "AUD", "ALL"])
+def test_it_is_ignored_by_file(selector: str, paths: list[str]) -> None:
+    """`per-file-ignores` sets it aside under its code, family and name."""
+    report = audit(paths, Settings(per_file_ignores=(("robots/*.xml", (selector,)),)))
+    assert found(report) == []
+    assert [item.means for item in report.suppressed] == [Means.SETTING]
+
+
+def test_a_remark_in_what_can_be_read_of_it() -> None:
+    """A remark of the whole file speaks about it; its other remarks are not called unused, as no rule has looked."""
+    Path("robots/leg.xml").write_text(
+        "<!-- actspec: ignore-file[AUD008] a template -->\n<!-- actspec: ignore-file[LIM101] why -->\n"
+        + BROKEN
+    )
+    report = audit(["robots"], Settings())
+    assert (found(report), [item.code for item in report.problems]) == ([], [])
+    assert [(item.means, item.reason) for item in report.suppressed] == [(Means.INLINE, "a template")]
+
+
+def test_it_is_kept_in_a_baseline() -> None:
+    """Whatever is wrong with it; once it can be read the entry is stale."""
+    write_baseline(audit(["robots"], Settings()).findings, "known.json")
+    settings = Settings(baseline="known.json")
+    Path("robots/leg.xml").write_text("<mujoco>\n  <worldbody></world>\n</mujoco>\n")
+    assert found(audit(["robots"], settings)) == []
+    Path("robots/leg.xml").write_text("<mujoco/>")
+    assert [str(item).partition("\n")[0] for item in audit(["robots"], settings).problems] == [
+        "known.json: AUD007 [warning]: AUD008 is in the baseline and is no longer found in robots/leg.xml"
+    ]
+
+
+def test_a_part_that_two_files_include_counts_once() -> None:
+    """It is broken in one place."""
+    for name in ("a", "b"):
+        Path(f"robots/{name}.xml").write_text('<mujoco>\n  <include file="leg.xml"/>\n</mujoco>\n')
+    assert [item[1:3] for item in found(audit(["robots"], Settings()))] == [("robots/leg.xml", 3)]
+
+
+@pytest.mark.parametrize("path", ["gone.xml", "gone", "empty"])
+def test_a_name_that_stands_for_nothing_is_no_finding(path: str) -> None:
+    """It is a wrong command: nothing of it can be ignored."""
+    Path("empty").mkdir()
+    report = audit([path, "robots"], Settings(per_file_ignores=(("**", ("ALL",)),)))
+    assert (report.misnamed, report.complete, found(report)) == (True, False, [])
