@@ -333,6 +333,7 @@ class ActuatorSet:
         spec_sha256: Hash of the spec's text and of what it includes.
         diagnostics: Warnings and notes of `resolve`.
         approximations: What the spec simplifies before any target does: linkages, levers.
+        variant: Name of the spec's variant; None where it has no names for them.
     """
 
     robot: str
@@ -347,6 +348,17 @@ class ActuatorSet:
     diagnostics: tuple[Diagnostic, ...] = ()
     default_pose: tuple[str, ...] = ()
     approximations: tuple[Approximation, ...] = ()
+    variant: str | None = None
+
+    @property
+    def title(self) -> str:
+        """The robot, with its variant where it has one."""
+        return self.robot + (f" ({self.variant})" if self.variant else "")
+
+    @property
+    def spec_lines(self) -> tuple[str, ...]:
+        """Which spec this is of, and which variant, for the heads of files."""
+        return (f"spec sha256 {self.spec_sha256}", *((f"variant {self.variant}",) if self.variant else ()))
 
     def joint(self, name: str) -> JointActuator | None:
         """The actuator of a joint, or None if the spec does not manage it."""

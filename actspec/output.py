@@ -229,6 +229,7 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
         "tool": f"actspec {actspec.__version__}",
         "spec": os.path.basename(compilation.spec.document.path),
         "spec_sha256": compilation.actuators.spec_sha256,
+        **({"variant": compilation.actuators.variant} if compilation.actuators.variant else {}),
         "target": {"name": options.name, "kind": options.kind, "version": options.version},
         "files": [{"path": file.path, "sha256": file.sha256} for file in emission.files],
         "approximations": [

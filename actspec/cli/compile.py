@@ -8,10 +8,11 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
-from actspec.cli.options import add_format, add_specs, add_targets, describe
+from actspec.cli.options import add_format, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.compile import summary
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
+from actspec.spec.variants import named, split
 from actspec.targets.base import Approximation
 
 
@@ -26,6 +27,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add_specs(command)
     command.add_argument("-o", "--output", metavar="DIR", help="write below DIR (default: build/ROBOT)")
+    add_variant(command)
     add_targets(command)
     command.add_argument("--check", action="store_true", help="write nothing; exit 1 if a file is stale")
     command.add_argument(
@@ -47,7 +49,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compile each spec; nothing is written before all of them compile."""
     done = [
         api.compile(
-            path,
+            named(path, arguments.variant),
             targets=arguments.target,
             output=_folder(arguments, index),
             canonical=arguments.canonical,
@@ -87,7 +89,10 @@ def _folder(arguments: argparse.Namespace, index: int) -> str | None:
         return None if arguments.output is None else str(arguments.output)
     import os
 
-    name = os.path.splitext(os.path.basename(arguments.spec[index]))[0]
+    file, variant = split(arguments.spec[index])
+    name = os.path.splitext(os.path.basename(file))[0]
+    if variant is not None:
+        name = f"{name}-{variant}"
     return os.path.join(str(arguments.output), name)
 
 

@@ -12,6 +12,7 @@ from actspec.cli.options import add_format, add_versions, configured_versions, d
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.difference import record, report_lines
 from actspec.report.terminal import print_json
+from actspec.spec.variants import named, split
 
 FORMAT = "actspec-diff/1"
 
@@ -26,7 +27,10 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "0 no change; 1 changes; 2 could not compare",
     )
     command.add_argument(
-        "old", metavar="OLD", help="MJCF, URDF, cfg .py, deploy YAML or spec, or REVISION:FILE of git"
+        "old",
+        metavar="OLD",
+        help="MJCF, URDF, cfg .py, deploy YAML or spec, or REVISION:FILE of git; SPEC#NAME is a "
+        "variant of a spec",
     )
     command.add_argument("new", metavar="NEW", help="likewise")
     command.add_argument("--robot", metavar="NAME", help="only this robot of files that have several")
@@ -42,8 +46,9 @@ def run(arguments: argparse.Namespace) -> int:
         paths = []
         for side in (arguments.old, arguments.new):
             path = side
-            if names_revision(side):
-                path = lay_out(side, tempfile.mkdtemp(dir=folder)).path
+            file, variant = split(side)
+            if names_revision(file):
+                path = named(lay_out(file, tempfile.mkdtemp(dir=folder)).path, variant)
             texts[path] = side
             paths.append(path)
         found = compare_files(paths[0], paths[1], versions, arguments.robot, texts)

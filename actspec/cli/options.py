@@ -44,6 +44,15 @@ def add_specs(command: argparse.ArgumentParser, count: str = "+") -> None:
     command.add_argument("spec", nargs=count, metavar="SPEC", help="actuator spec (YAML)")
 
 
+def add_variant(command: argparse.ArgumentParser) -> None:
+    """Add the choice among a spec's variants."""
+    command.add_argument(
+        "--variant",
+        metavar="NAME",
+        help="this variant of the spec; the same as SPEC#NAME (default: as it stands)",
+    )
+
+
 def add_targets(command: argparse.ArgumentParser) -> None:
     """Add the choice among a spec's targets."""
     command.add_argument(

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 
 from actspec import api
-from actspec.cli.options import add_format, describe
+from actspec.cli.options import add_format, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, ResolveError, listed
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.report.show import details, joint_record, overview
 from actspec.report.tables import many
 from actspec.report.terminal import print_diagnostics, print_json
+from actspec.spec.variants import named
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -24,12 +25,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
     command.add_argument("joint", nargs="?", metavar="JOINT", help="joint, or a pattern of joints")
+    add_variant(command)
     add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Show one joint, those that a pattern matches, or all."""
-    actuators = api.resolve(arguments.spec)
+    path = named(arguments.spec, arguments.variant)
+    actuators = api.resolve(path)
     joints = actuators.joints if arguments.joint is None else _chosen(actuators, arguments.joint)
     if arguments.output_format == "json":
         print_json({"format": "actspec-actuators/1", "joints": [joint_record(joint) for joint in joints]})
@@ -37,7 +40,7 @@ def run(arguments: argparse.Namespace) -> int:
     print_diagnostics(actuators.diagnostics)
     if arguments.joint is None:
         count = many(len(joints), "joint")
-        print(f"{actuators.robot}: {count}; `actspec show {arguments.spec} JOINT` shows every value")
+        print(f"{actuators.title}: {count}; `actspec show {path} JOINT` shows every value")
         print("\n".join(overview(joints)))
     else:
         print("\n\n".join("\n".join(details(joint, actuators.approximations)) for joint in joints))

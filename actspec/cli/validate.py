@@ -5,10 +5,11 @@ from __future__ import annotations
 import argparse
 import os
 
-from actspec.cli.options import add_format, add_specs, describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, one_line
+from actspec.cli.options import add_format, add_specs, add_variant, describe
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, listed, one_line
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
+from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
 
@@ -16,11 +17,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Check specs without a simulator and without opening the robot: keys, units, sources, references.",
+        "Check specs without a simulator and without opening the robot: keys, units, sources, references; "
+        "every variant, unless one is named.",
         "actspec validate robots/a1.yaml",
         "0 all are valid; 2 one is not",
     )
     add_specs(command)
+    add_variant(command)
     command.add_argument(
         "--skip-other", action="store_true", help="skip files without the key `actspec`: for hooks"
     )
@@ -29,7 +32,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every spec; all of them, whatever is wrong with the first."""
-    from actspec.spec.validate import load_spec
+    from actspec.spec.validate import load_spec, validate_variants
 
     failed = False
     records = []
@@ -39,11 +42,14 @@ def run(arguments: argparse.Namespace) -> int:
         diagnostics: tuple[Diagnostic, ...] = ()
         summary = ""
         try:
+            path = named(path, arguments.variant)
             spec = load_spec(path)
-            diagnostics = spec.diagnostics
+            diagnostics = (*spec.diagnostics, *validate_variants(spec))
             model = spec.model
             groups = len(model.actuators)
             summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
+            if model.variants and arguments.variant is None:
+                summary += f", variants {listed(sorted({*model.variants, *filter(None, [model.variant])}))}"
             summary += _skipped(model.robot.model, os.path.dirname(path))
         except ActspecError as err:
             failed = True
@@ -68,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _is_other(path: str) -> bool:
     """Whether a file is there and is no spec; what cannot be read is told about by who loads it."""
     try:
-        return not is_spec(read_regular(path, MAX_BYTES))
+        return not is_spec(read_regular(split(path)[0], MAX_BYTES))
     except TooLarge:
         return True
     except (NotRegular, OSError, ValueError):

@@ -14,6 +14,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading
 from actspec.robot.view import ModelFile, RobotView
+from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
 if TYPE_CHECKING:
@@ -81,7 +82,7 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
         from actspec.readings.python.read import read_python
 
         return read_python(path)
-    if lower.endswith(YAML):
+    if split(path)[0].lower().endswith(YAML):
         return _read_yaml(path)
     return read_robot(path, keep_matrices=keep_matrices, refusal=refusal)
 
@@ -89,7 +90,7 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
 def _read_yaml(path: str) -> FileReading:
     """A spec by its key, which is not resolved here, else a deploy file."""
     try:
-        data = read_regular(path, MOST_YAML_BYTES)
+        data = read_regular(split(path)[0], MOST_YAML_BYTES)
     except NotRegular as err:
         return FileReading(path, None, f"it is {err}")
     except TooLarge:
@@ -283,7 +284,7 @@ def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile
 
 
 def _has_known_ending(path: str) -> bool:
-    return path.lower().endswith((*ROBOT, *PYTHON, *YAML))
+    return split(path)[0].lower().endswith((*ROBOT, *PYTHON, *YAML))
 
 
 def _lost(path: str, reason: str) -> FileReading:

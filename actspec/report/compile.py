@@ -63,7 +63,7 @@ def _robot(actuators: ActuatorSet, path: str) -> Iterator[str]:
     if actuators.decimation is not None:
         timing += f", control {format_quantity(1.0 / (step.require() * actuators.decimation), 'Hz')}"
     yield (
-        f"{actuators.robot}: {many(len(actuators.joints), 'joint')} in {many(groups, 'group')}, "
+        f"{actuators.title}: {many(len(actuators.joints), 'joint')} in {many(groups, 'group')}, "
         f"{path}, {timing}"
     )
     if actuators.unmanaged:

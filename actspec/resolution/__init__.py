@@ -109,6 +109,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         diagnostics=collector.sorted(),
         default_pose=tuple(model.robot.default_pose),
         approximations=simplifications(joints, motors, linkages),
+        variant=model.variant,
     )
 
 

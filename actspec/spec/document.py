@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import Collector, Path, Span, SpecError, dotted
+from actspec.spec.variants import chosen, split
 from actspec.spec.yaml_text import MAX_BYTES, cut, read_file, too_large
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
 
@@ -93,9 +94,10 @@ class Document:
         path: The file as the user named it.
         data: Dicts with string keys, lists, str, int, float, bool, None; `include` is resolved away.
         spans: Where each key and value is written.
-        text_sha256: Hash of the spec's bytes, then of each include's name and bytes, in order;
-            without includes it is the hash of the file.
+        text_sha256: Hash of the spec's bytes, then of each include's name and bytes, in order, then of the
+            variant's name; without includes it is the hash of the file.
         includes: The included files as the spec names them.
+        variant: The variant that was asked for; None for the spec itself.
     """
 
     path: str
@@ -103,17 +105,22 @@ class Document:
     spans: SourceMap
     text_sha256: str
     includes: tuple[str, ...]
+    variant: str | None = None
 
 
 def load_document(path: str) -> Document:
     """Read a spec and what it includes.
 
+    Args:
+        path: The file, or `FILE#VARIANT`.
+
     Raises:
         SpecError: with every error of the text; reading stops only where the text has no meaning.
     """
     collector = Collector()
-    data = read_file(path, Span(path), collector)
-    return _document(data, path, os.path.dirname(path) or os.curdir, collector)
+    file, variant = split(path)
+    data = read_file(file, Span(file), collector)
+    return _document(data, file, os.path.dirname(file) or os.curdir, collector, variant)
 
 
 def document_from_text(text: str | bytes, path: str = "<text>", base: str | None = None) -> Document:
@@ -136,7 +143,9 @@ def document_from_text(text: str | bytes, path: str = "<text>", base: str | None
     return _document(data, path, base, collector)
 
 
-def _document(data: bytes | None, path: str, base: str | None, collector: Collector) -> Document:
+def _document(
+    data: bytes | None, path: str, base: str | None, collector: Collector, variant: str | None = None
+) -> Document:
     root = None if data is None else parse(data, path, collector)
     if data is None or root is None:
         raise SpecError(collector.sorted())
@@ -171,10 +180,17 @@ def _document(data: bytes | None, path: str, base: str | None, collector: Collec
             if part is not None:
                 check_included(part, collector)
                 merge(merged, part, collector)
+    if variant is not None:
+        own = merged
+        merged = chosen(own, variant, path, collector)
+        if merged is own:
+            variant = None
+        else:
+            digest.update(b"\0#" + variant.encode("utf-8", "surrogateescape"))
     collector.raise_if_failed(SpecError)
     plain = _plain(merged)
     assert isinstance(plain, dict)
-    return Document(path, plain, SourceMap(merged), digest.hexdigest(), tuple(names))
+    return Document(path, plain, SourceMap(merged), digest.hexdigest(), tuple(names), variant)
 
 
 def _plain(node: Node) -> Any:

@@ -432,6 +432,9 @@ class.
 """
 
 
+VariantName = Annotated[str, Field(min_length=1, max_length=100, pattern="^[A-Za-z0-9][A-Za-z0-9_.-]*$")]
+
+
 class SpecModel(Strict):
     """An actuator spec."""
 
@@ -457,3 +460,7 @@ class SpecModel(Strict):
     """Name to target."""
     accept: dict[str, str] = Field(default_factory=dict)
     """`target.field` of an approximation to the reason why it is taken."""
+    variant: VariantName | None = None
+    """What the spec is called as it stands, among its variants."""
+    variants: dict[VariantName, dict[str, Any]] = Field(default_factory=dict)
+    """Name to what is different in this variant: parts of `robot`, `motors`, `actuators` and the other sections."""

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ValidationError
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, did_you_mean, listed
+from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed
 from actspec.spec.document import Breaches, Document, load_document
 from actspec.spec.models import (
     GAPPED,
@@ -383,8 +383,37 @@ def salvaged(data: dict[str, Any], faults: Iterable[Path]) -> tuple[SpecModel, f
     return model, frozenset(left_out)
 
 
+def validate_variants(spec: Spec) -> tuple[Diagnostic, ...]:
+    """What is to be said of the variants of a spec, beyond what holds for the spec itself.
+
+    Raises:
+        SpecError: with every error of every variant.
+    """
+    from actspec.spec.variants import named
+
+    if spec.document.variant is not None:
+        return ()
+    collector = Collector()
+    said = {replace(item, where="") for item in spec.diagnostics}
+    for name in spec.model.variants:
+        found: tuple[Diagnostic, ...]
+        try:
+            found = load_spec(named(spec.document.path, name)).diagnostics
+        except SpecError as err:
+            found = err.diagnostics
+        for item in found:
+            if replace(item, where="") not in said:
+                said.add(replace(item, where=""))
+                collector.add(replace(item, where=f"{item.where} (variant {name})"))
+    collector.raise_if_failed(SpecError)
+    return collector.sorted()
+
+
 def load_spec(path: str) -> Spec:
     """Read and validate a spec and the results files that it names.
+
+    Args:
+        path: The file, or `FILE#VARIANT`.
 
     Raises:
         SpecError: with every error of the spec, or of all of its results files.
@@ -392,6 +421,7 @@ def load_spec(path: str) -> Spec:
     Results of another robot are a warning in `Spec.diagnostics`.
     """
     spec = validate(load_document(path))
+    path = spec.document.path
     folder = os.path.dirname(os.path.abspath(path))
     collector = Collector()
     results: dict[str, Results] = {}

@@ -44,7 +44,9 @@ def choose_targets(
     Raises:
         SpecError: a target that is asked for is unknown.
     """
-    folder = output if output is not None else os.path.join(BUILD, spec.model.robot.name)
+    variant = spec.document.variant
+    robot = spec.model.robot.name if variant is None else f"{spec.model.robot.name}-{variant}"
+    folder = output if output is not None else os.path.join(BUILD, robot)
 
     def bare(kind: str) -> TargetOptions:
         version = DEFAULT_VERSIONS.get(kind, "")

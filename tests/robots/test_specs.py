@@ -99,12 +99,9 @@ def test_the_audit_has_no_warning(
 def test_every_motor_is_used() -> None:
     """A shared motor without a robot would be a figure that nothing checks."""
     shared = [name for file in MOTORS for name in plain(file)["motors"]]
-    used = {
-        group["motor"]
-        for path in ROBOTS.glob("*.yaml")
-        for group in plain(path)["actuators"].values()
-        if "motor" in group
-    }
+    specs = [plain(path) for path in ROBOTS.glob("*.yaml")]
+    parts = [part for spec in specs for part in (spec, *spec.get("variants", {}).values())]
+    used = {group["motor"] for part in parts for group in part["actuators"].values() if "motor" in group}
     assert len(shared) == len(set(shared))
     assert set(shared) <= used
 
@@ -226,6 +223,47 @@ def test_derived_gains(name: str, group: str, inertia: float, effort: float, kp:
     assert 2 * number(actuators["kd"]["ratio"]) * found * omega == pytest.approx(kd, rel=1e-5)
     assert number(motor["peak_torque"]) * reduction * motors == pytest.approx(effort)
     assert number(actuators["action_scale"]) == pytest.approx(0.25 * effort / (found * omega**2), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("variant", "hip_pitch", "wrist"),
+    [
+        # Effort limit, speed, armature, kp. README.md of g1_description: 14.3 or 22.5, 4010 or 5010.
+        ("mode_5", (88.0, 32.0, 1.0177520e-2, 40.1792), (5.0, 22.0, 4.25e-3, 16.7783)),
+        ("mode_11", (139.0, 20.0, 2.5101925e-2, 99.0984), (5.0, 22.0, 4.25e-3, 16.7783)),
+        # 0.084e-4 x 16^2 + 0.015e-4 x 4^2 + 0.068e-4 = 21.504e-4 + 0.24e-4 + 0.068e-4 = 2.1812e-3 kg*m^2
+        ("mode_13", (88.0, 32.0, 1.0177520e-2, 40.1792), (13.4, 27.0, 2.1812e-3, 8.61103)),
+        ("mode_15", (139.0, 20.0, 2.5101925e-2, 99.0984), (13.4, 27.0, 2.1812e-3, 8.61103)),
+    ],
+)
+def test_variants_of_the_g1(variant: str, hip_pitch: tuple[float, ...], wrist: tuple[float, ...]) -> None:
+    """A machine type is the gear of hip pitch and the motor of the wrists; all else is the same."""
+    robot = api.resolve(api.load(f"{ROBOTS / 'g1.yaml'}#{variant}"))
+    expected = {"hip_pitch": hip_pitch, "wrist_pitch": wrist, "wrist_yaw": wrist}
+    plain = {joint.joint: joint for joint in api.resolve(api.load(ROBOTS / "g1.yaml")).joints}
+    assert robot.variant == variant
+    for joint in robot.joints:
+        kind = joint.joint.removeprefix("left_").removeprefix("right_").removesuffix("_joint")
+        other = plain[joint.joint]
+        found, same = (
+            (
+                each.effort_limit.require(),
+                each.velocity_limit.require(),
+                each.armature.require(),
+                each.kp.require() if each.kp is not None else None,
+            )
+            for each in (joint, other)
+        )
+        assert found == pytest.approx(expected.get(kind, same), rel=1e-5), joint.joint
+        assert joint.action_scale.require() == pytest.approx(0.25 * found[0] / (found[3] or 0.0), rel=1e-6)
+
+
+@pytest.mark.slow
+def test_variants_compile_strictly(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every variant compiles to every target, with the approximations that the spec accepts."""
+    for variant in ("mode_11", "mode_13", "mode_15"):
+        spec = f"{ROBOTS / 'g1.yaml'}#{variant}"
+        assert main(["compile", spec, "-o", str(tmp_path / variant), "--strict"]) == 0
 
 
 @pytest.mark.parametrize(

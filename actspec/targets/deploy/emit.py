@@ -68,6 +68,8 @@ def _header(actuators: ActuatorSet, robot: RobotView) -> Iterator[str]:
     yield written_by()
     if robot.format is not ModelFormat.NONE:
         yield f"model {os.path.basename(robot.path)}"
+    if actuators.variant is not None:
+        yield f"variant {actuators.variant}"
     if actuators.unmanaged:
         yield f"Not managed by the spec, and in no order below: {listed(actuators.unmanaged)}"
     yield from source_lines(actuators, _shown(actuators))

@@ -294,7 +294,8 @@ def _header(
     yield from comment_lines(written_by(f" for {title}"))
     if not dialect.executed:
         yield from comment_lines("Text-checked, not run: no package of this version could be had.")
-    yield from comment_lines(f"spec sha256 {actuators.spec_sha256}")
+    for line in actuators.spec_lines:
+        yield from comment_lines(line)
     if model:
         yield from comment_lines(f"model {model}")
     yield from comment_lines(

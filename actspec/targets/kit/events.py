@@ -131,7 +131,7 @@ class StackWriter:
         """
         lines = [
             written_by(f" for {title}"),
-            f"spec sha256 {self.actuators.spec_sha256}",
+            *self.actuators.spec_lines,
             *(note for note in notes if note),
         ]
         header = [line for text in lines for line in comment_lines(text, hang="  ", width=width)]

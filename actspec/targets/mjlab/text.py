@@ -207,7 +207,8 @@ def _header(
 
     step = actuators.physics_dt.require()
     yield from said(written_by())
-    yield from said(f"spec sha256 {actuators.spec_sha256}")
+    for line in actuators.spec_lines:
+        yield from said(line)
     if model:
         yield from said(f"model {model}")
     if not dialect.run:

@@ -27,7 +27,7 @@ def header(
     """
     head = [
         written_by(f" for MuJoCo {dialect.text}"),
-        f"spec sha256 {actuators.spec_sha256}",
+        *actuators.spec_lines,
         f"model {source}",
         f"physics_dt {with_origin(actuators.physics_dt)}",
     ]

@@ -108,7 +108,8 @@ def _header(
 ) -> Iterator[str]:
     step = actuators.physics_dt.require()
     yield from _said(written_by(f" for Newton {dialect.text}"))
-    yield from _said(f"spec sha256 {actuators.spec_sha256}")
+    for line in actuators.spec_lines:
+        yield from _said(line)
     if model:
         yield from _said(f"model {model}")
     if not dialect.run:

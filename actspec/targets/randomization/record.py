@@ -28,6 +28,7 @@ def record(actuators: ActuatorSet) -> str:
         "format": FORMAT,
         "tool": f"actspec {actspec.__version__}",
         "spec_sha256": actuators.spec_sha256,
+        **({"variant": actuators.variant} if actuators.variant else {}),
         "robot": actuators.robot,
         "order": ["field", *FACTORS],
         "joints": [_joint(actuator) for actuator in actuators.joints],

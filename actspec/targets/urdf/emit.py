@@ -135,7 +135,7 @@ def header(actuators: ActuatorSet, driven: frozenset[str], lost: Iterable[Approx
         lost: What is not in the file.
         source: File name of the robot's model.
     """
-    head = [written_by(" as URDF"), f"spec sha256 {actuators.spec_sha256}", f"model {source}"]
+    head = [written_by(" as URDF"), *actuators.spec_lines, f"model {source}"]
     if actuators.unmanaged:
         head.append(f"Not managed by the spec: {', '.join(actuators.unmanaged)}")
     joints = [a for a in actuators.joints if a.joint in driven]

@@ -1,5 +1,6 @@
 # Written by actspec 0.1.0 for MuJoCo Playground, MuJoCo 3.11. Do not edit: change the spec and compile again.
-# spec sha256 95e3c54f4fd865bcfa7030b4dea5f1d3203c3aa0d73d0465cc2bf7dd011bfa97
+# spec sha256 087defe91d196249ca6abb0a277cc6e932c93dcf2fcb2567a23f24528eae95db
+# variant mode_5
 # For the model that actspec's mujoco target writes; pass it as `randomization_fn`.
 #
 # What it cannot do:
