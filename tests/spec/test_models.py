@@ -155,7 +155,10 @@ def test_every_key_was_in_the_example() -> None:
         for name, field in model.model_fields.items()
         if f"{(alias := field.alias or name)}:" not in text
     }
-    assert left_out == {"note", "include", "kind", "backend", "joint_order", "joint_paths", "root", "cutoff"}
+    assert left_out == {
+        *("note", "include", "kind", "backend", "joint_order", "joint_paths", "root", "cutoff"),
+        *("variant", "variants"),
+    }
 
 
 def test_filter_forms() -> None:

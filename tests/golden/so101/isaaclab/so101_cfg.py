@@ -1,5 +1,5 @@
 # Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). Do not edit: change the spec and compile again.
-# spec sha256 48a12ce3e7fa82988d560da094d0b6582e9fe7f9153020bf158ffe23e8f6007c
+# spec sha256 ed397e097abfefea0125b88ae87e643085c6df6bdd9c5288265f16c320865533
 # model so101.xml
 # physics_dt 0.005 s
 #

@@ -1,7 +1,7 @@
 """Actuators of so101 for mjlab 1.6."""
 
 # Written by actspec 0.1.0. Do not edit: change the spec and compile again.
-# spec sha256 48a12ce3e7fa82988d560da094d0b6582e9fe7f9153020bf158ffe23e8f6007c
+# spec sha256 ed397e097abfefea0125b88ae87e643085c6df6bdd9c5288265f16c320865533
 # model so101.xml
 #
 # Use:
