@@ -102,7 +102,11 @@ def write(folder: Path, **files: str) -> list[Path]:
 
 
 def imported(
-    paths: Sequence[Path], folder: Path, robot: str | None = None, versions: Versions | None = None
+    paths: Sequence[Path],
+    folder: Path,
+    robot: str | None = None,
+    versions: Versions | None = None,
+    damping: str | None = None,
 ) -> Imported:
     """Import files into a spec that stands in `folder`."""
     versions = versions or Versions()
@@ -110,7 +114,7 @@ def imported(
     readings = tuple(replace(r, reference=os.path.relpath(r.path, folder)) for r in readings)
     combined = combine(readings)
     model = "none" if combined.model is None else combined.model.reference
-    found = draft(combined, model, targets_of(readings, combined, versions))
+    found = draft(combined, model, targets_of(readings, combined, versions), damping)
     return Imported(combined, found, validate(document_from_text(found.text)).document.data)
 
 

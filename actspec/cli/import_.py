@@ -18,6 +18,7 @@ from actspec.units import format_quantity
 if TYPE_CHECKING:
     from actspec.draft import DraftedSpec
     from actspec.draft.combine import Combined, Disagreement
+    from actspec.draft.sources import DraftTarget
     from actspec.readings.versions import Versions
 
 _SCHEME = "package://"
@@ -45,6 +46,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="names of the joints, where a configuration has patterns and no robot file is at hand (they stand in a "
         "USD): IO_descriptors.yaml, a URDF, any file with them, or a,b,c",
     )
+    command.add_argument(
+        "--damping",
+        choices=("as-kd", "as-friction"),
+        help="what joint damping is where a drive has no kd: its kd, or friction (default: a comment asks)",
+    )
     command.add_argument("--force", action="store_true", help="replace a file that is there")
     add_versions(command)
 
@@ -59,6 +65,7 @@ def run(arguments: argparse.Namespace) -> int:
         versions,
         bool(arguments.force),
         joints=arguments.joints,
+        damping=arguments.damping,
     )
 
 
@@ -70,6 +77,7 @@ def import_files(
     force: bool,
     *,
     joints: str | None = None,
+    damping: str | None = None,
 ) -> int:
     """Read files of one robot, write its spec, and say what became of what.
 
@@ -80,6 +88,7 @@ def import_files(
         versions: What the files are meant for.
         force: Replace a file that is there.
         joints: File or list that names the joints; None: the files do.
+        damping: As in `draft`.
     """
     from actspec.draft import draft
     from actspec.draft.combine import combine
@@ -100,18 +109,22 @@ def import_files(
     folder = os.path.dirname(os.path.abspath(output or "spec.yaml"))
     readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
     combined = _placed(combine(readings), folder)
-    model = combined.model
-    spec = draft(
-        combined, "none" if model is None else model.reference, targets_of(readings, combined, versions)
-    )
+    reference = "none" if combined.model is None else combined.model.reference
+    targets = targets_of(readings, combined, versions)
+    path = output or "spec.yaml"
+    spec = draft(combined, reference, targets, damping)
+    served = _served(spec.text, path, targets)
+    if served != targets:
+        targets = served
+        spec = draft(combined, reference, targets, damping)
     # Whatever the files were, what is written is a valid spec.
-    validate(document_from_text(spec.text, output or "spec.yaml"))
+    validate(document_from_text(spec.text, path))
     print_diagnostics(_warnings(combined.disagreements))
     if output is None:
         sys.stdout.write(spec.text)
     else:
         write_spec(output, spec.text)
-    for line in _told(spec, combined, output, files):
+    for line in _told(spec, combined, targets, output, files):
         print(line, file=sys.stderr if output is None else sys.stdout)
     return EXIT_CLEAN
 
@@ -163,7 +176,39 @@ def _warning(item: Disagreement, more: str) -> Diagnostic:
     return Diagnostic("DRF010", Severity.WARNING, told, "", item.taken.span)
 
 
-def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequence[str]) -> Iterator[str]:
+def _served(text: str, path: str, targets: Sequence[DraftTarget]) -> tuple[DraftTarget, ...]:
+    """The targets, those marked that the spec cannot be compiled to; where it can to none, compile says why."""
+    from actspec import api
+    from actspec.diagnostics import ActspecError
+    from actspec.spec.document import document_from_text
+    from actspec.spec.validate import validate
+
+    spec = validate(document_from_text(text, path))
+    meant = [target.name for target in targets if not target.left_out]
+    why: dict[str, str] = {}
+    # One that fails with all others tells nothing of which it is: most serve all.
+    for names in ([meant], [[name] for name in meant]):
+        why = {}
+        for chosen in names:
+            try:
+                api.compile(spec, targets=chosen)
+            except ActspecError as err:
+                errors = [item for item in err.diagnostics if item.severity is Severity.ERROR]
+                why[chosen[0]] = f"{errors[0].code}: {one_line(errors[0].message)}"
+        if not why:
+            return tuple(targets)
+    if len(why) == len(meant):
+        return tuple(targets)
+    return tuple(t._replace(left_out=t.left_out or why.get(t.name, "")) for t in targets)
+
+
+def _told(
+    spec: DraftedSpec,
+    combined: Combined,
+    targets: Sequence[DraftTarget],
+    output: str | None,
+    files: Sequence[str],
+) -> Iterator[str]:
     joints = sum(spec.groups.values())
     start = f"wrote {one_line(output)}: " if output is not None else f"{spec.robot}: "
     yield (
@@ -182,6 +227,9 @@ def _told(spec: DraftedSpec, combined: Combined, output: str | None, files: Sequ
         yield f"  {one_line(text)}"
     for field, lacking in spec.unknown.items():
         yield f"  no file states {field}: {listed(lacking)}"
+    for target in targets:
+        if target.left_out:
+            yield f"  target {target.name} is left out: {one_line(target.left_out)}"
     if output is not None:
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
 from actspec.diagnostics import RobotError, Span, listed
 from actspec.draft.combine import Combined
+from actspec.draft.damping import AS_KD, moved, question
 from actspec.draft.groups import DraftGroup, groups_of, motors_of
 from actspec.draft.lines import (
     group_lines,
@@ -19,6 +21,8 @@ from actspec.draft.lines import (
     timing_lines,
     unmanaged_lines,
 )
+from actspec.draft.reading import including
+from actspec.draft.sources import DraftTarget
 from actspec.draft.text import comment, render, scalar
 from actspec.ir import Command
 from actspec.patterns import PatternError
@@ -36,7 +40,7 @@ class DraftedSpec:
         robot: Name of the robot.
         groups: Name of each group to its number of joints.
         unknown: Fields that no file states, to the groups that lack them.
-        inferred: What was taken, or may be taken, for one motor, and why.
+        inferred: What was taken, or may be taken, for one motor, and why; whose damping may be kd.
     """
 
     text: str
@@ -52,19 +56,25 @@ def starting_spec() -> str:
     return render("start.yaml.j2", mujoco=f"{major}.{minor}")
 
 
-def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]]) -> DraftedSpec:
+def draft(
+    combined: Combined, model: str, targets: Sequence[DraftTarget], damping: str | None = None
+) -> DraftedSpec:
     """Write the spec of a robot.
 
     Args:
         combined: What the files say.
         model: What the spec is to name the robot file by: a path from the spec's folder, `package://DIST/path`
             or `none`.
-        targets: (name, flow mapping, remark) of what the spec is to compile to.
+        targets: What the spec is to compile to, and what it cannot.
+        damping: What joint damping of drives without kd is, `as-kd` or `as-friction`; None: a comment asks.
 
     Raises:
         RobotError: there is no joint that a spec could describe, or a name is too long.
     """
+    if damping == AS_KD:
+        combined = moved(combined)
     actuators = combined.actuators
+    asked = question(actuators.joints) if damping is None else ""
     if not actuators.joints:
         raise _nothing(combined)
     try:
@@ -95,14 +105,16 @@ def draft(combined: Combined, model: str, targets: Sequence[tuple[str, str, str]
         sources=[{"key": scalar(source.key), "rows": source_lines(source)} for source in actuators.sources],
         motors=[motor_lines(motor) for motor in motors],
         groups=written,
-        targets=[line(scalar(name), value, remark) for name, value, remark in targets],
+        question=textwrap.wrap(asked[:1].upper() + asked[1:], 110, break_on_hyphens=False),
+        targets=[line(scalar(t.name), t.value, t.remark) for t in targets if not t.left_out],
+        left_out=[(f"{scalar(t.name)}: {t.value}", comment(t.left_out)) for t in targets if t.left_out],
     )
     return DraftedSpec(
         text,
         actuators.robot,
         {group.name: len(group.names) for group in groups},
         _unknown(groups),
-        tuple(_gears(groups)),
+        (*_gears(groups), *([asked] if asked else [])),
     )
 
 
@@ -127,19 +139,21 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
 
 def _nothing(combined: Combined) -> RobotError:
     alone = combined.left_alone
+    whole = including(combined.model.path) if combined.model is not None else None
     if alone:
         reasons = dict.fromkeys(f"{item.joint}: {item.why}" for item in alone)
         return _error(
             combined,
             "DRF002",
             f"none of its {len(alone)} joints can go into a group: {listed(reasons, 4)}",
-            "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
+            whole
+            or "a spec describes joints that are driven one by one; `actspec init` alone writes an example",
         )
     return _error(
         combined,
         "DRF001",
         "it has no hinge or slide joint with a name: there is nothing to draft",
-        "name the file that holds the robot itself, and give its joints names",
+        whole or "name the file that holds the robot itself, and give its joints names",
     )
 
 

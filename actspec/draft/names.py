@@ -24,11 +24,23 @@ _BEFORE = re.compile(r"(?<=[^_\-./ :])(?=[_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 _AFTER = re.compile(r"(?<=[_\-./ :])(?=[^_\-./ :])|(?<=[a-z0-9])(?=[A-Z])")
 
 _SIDES = _words(
-    "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb left right front rear hind back fore upper lower"
+    "l r fl fr rl rr bl br hl hr lf rf lh rh lb rb ll lr la ra left right front rear hind back fore upper lower"
 )
+_SHORT = {
+    "haa": "hip_abduction", "hfe": "hip_flexion", "hr": "hip_rotation", "hx": "hip_x", "hy": "hip_y", "kfe": "knee",
+    "kn": "knee", "ffe": "ankle_flexion", "faa": "ankle_abduction",
+}  # fmt: skip
+"""Letters that joints are called by to the words of the robot. Source: ANYmal, Solo, Spot, Berkeley Humanoid."""
+_PLURALS = {
+    **{word: word + "s" for word in _words(
+        "hip thigh knee ankle toe leg arm hand shank shin shoulder elbow wrist forearm finger thumb wheel gripper neck"
+    )},
+    "calf": "calves",
+    "foot": "feet",
+}  # fmt: skip
 _GENERIC = _words("joint jnt j joints link motor act actuator")
 _BODY_PARTS = (
-    ("legs", _words("hip thigh calf knee ankle leg foot shank toe abduction haa hfe kfe")),
+    ("legs", _words("hip thigh calf knee ankle leg foot shank shin toe abduction")),
     ("arms", _words("shoulder elbow wrist arm forearm")),
     ("hands", _words("thumb index middle ring pinky little finger fingers hand palm")),
     ("torso", _words("waist torso spine head neck")),
@@ -203,7 +215,7 @@ def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str) -> s
 
 
 def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
-    """A key for a group of joints: what their names have in common, without sides and numbers.
+    """A key for a group of joints: what their names have in common, without sides and numbers: `knees`, `hip_pitch`.
 
     Args:
         joints: Names, at least one.
@@ -211,7 +223,8 @@ def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
     """
     used = set(taken)
     parts = [_parts(name) for name in joints]
-    choices = [*_common(parts), "joints"]
+    choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)]
+    choices.append("joints")
     for choice in choices:
         if choice not in used:
             return choice
@@ -224,7 +237,10 @@ def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
 def _parts(name: str) -> list[str]:
     """`left_hip_pitch_joint` to [hip, pitch]."""
     words = re.findall(r"[a-z]+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower())
-    return [word for word in words if word not in _SIDES and word not in _GENERIC]
+    known = [word for word in words if word not in _SIDES and word not in _GENERIC]
+    # `hr` is hind right before a part, and a rotation of the hip behind a side.
+    known = known or [word for word in words if word in _SHORT]
+    return [part for word in known for part in _SHORT.get(word, word).split("_")]
 
 
 def _common(parts: Sequence[list[str]]) -> Iterator[str]:
@@ -253,5 +269,6 @@ def _shared(parts: Sequence[list[str]]) -> list[str]:
 
 def _keys(words: Sequence[str]) -> Iterator[str]:
     key = "_".join(words)
-    if key and key not in _RESERVED and len(key) <= 40:
+    # Several letters are somebody's sides or numbers: `ll_lr` tells nobody what it is.
+    if (len(words) == 1 or any(len(word) > 2 for word in words)) and key not in _RESERVED and len(key) <= 40:
         yield key

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
 from actspec.draft.sources import RobotReading
+from actspec.files import FAULTS, read_regular
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of
@@ -23,6 +24,11 @@ _LIVE = re.compile(r"[.^$*+?{}\[\]|()]")
 """What makes a name a pattern for more."""
 _ESCAPED = re.compile(r"\\.", re.DOTALL)
 
+_INCLUDE = re.compile(rb"""<include[^>]*\sfile\s*=\s*["']([^"']*)["']""")
+_MOST_BESIDE = 200
+"""Files beside a part that are looked at. Chosen: a folder of MuJoCo's menagerie has ten."""
+_MOST_BYTES = 4 * 1024 * 1024
+"""Chosen: larger than any MJCF that includes."""
 _USD = re.compile(r"\.usd[acz]?$", re.IGNORECASE)
 
 _ROBOTS = (FileKind.MJCF, FileKind.URDF)
@@ -82,6 +88,29 @@ def _near(path: str) -> str | None:
     return None if guess is None else f"did you mean {os.path.join(folder, guess)!r}?"
 
 
+def including(path: str) -> str | None:
+    """What to import in place of a part of a model: the files beside it that include it; None: there is none.
+
+    Args:
+        path: An MJCF.
+    """
+    folder, name = os.path.split(path)
+    found = []
+    try:
+        beside = sorted(one for one in os.listdir(folder or os.curdir) if one.lower().endswith(".xml"))
+    except (OSError, ValueError):
+        return None
+    for one in beside[:_MOST_BESIDE]:
+        try:
+            data = read_regular(os.path.join(folder, one), _MOST_BYTES)
+        except FAULTS:
+            continue
+        named = [match[1].decode("utf-8", "replace") for match in _INCLUDE.finditer(data)]
+        if one != name and any(os.path.normpath(file) == name for file in named):
+            found.append(one_line(os.path.join(folder, one)))
+    return f"it is a part of {listed(found)}: import that" if found else None
+
+
 def _check(reading: FileReading, out: Collector) -> None:
     """A file that was named is of use, or says why not."""
     place = Span(reading.path)
@@ -91,7 +120,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            out.error("DRF004", f"cannot be read: {reading.reason}", span=place)
+            out.error("DRF004", f"cannot be read: {reading.reason}", span=place, help=including(reading.path))
     elif reading.kind is FileKind.SPEC:
         out.error(
             "DRF005", "is a spec already", span=place, help="`actspec compile` writes configurations from it"
@@ -109,7 +138,7 @@ def _check(reading: FileReading, out: Collector) -> None:
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only}",
                 span=place,
-                help="correct it first; `actspec audit` reads it as it is",
+                help=including(reading.path) or "correct it first; `actspec audit` reads it as it is",
             )
 
 

@@ -15,10 +15,6 @@ from actspec.readings.artifact import FileKind
 from actspec.spec.rules.groups import RANDOMIZED_KINDS
 from actspec.units import Kind, format_number
 
-LEAST_DAMPING = 1e-3
-"""Damping over kp from which joint damping may be meant as the drive's kd [s]. Chosen: a twentieth of kd/kp
-in the published gains of legged robots (0.02 s to 0.04 s)."""
-
 MUCH_FRICTION = 0.1
 """Joint damping over kd from which the two are told together, where two files state them. Source: the warning of
 a compile (DESIGN 4, precedence)."""
@@ -179,28 +175,14 @@ _SILENT = {
 def _hints(joint: JointActuator) -> dict[str, str]:
     """Remarks on kd and joint damping, which files mix up."""
     viscous = joint.friction_viscous
-    damped = viscous.value is not None and viscous.value > 0.0
     if joint.command is Command.EFFORT or joint.kd is None or joint.level is Level.ACTUATOR_NET:
         return {}
-    kp = joint.kp.value if joint.kp is not None else None
-    if not joint.kd.known and kp is None and joint.command is Command.POSITION:
-        if damped:
-            return {
-                "friction.viscous": "bearing friction, or the drive's kd? If it is kd, move it there and put 0 here"
-            }
-        return {}
+    if viscous.origin is Origin.AUTHORED:
+        return {"friction.viscous": viscous.note or ""}
     if joint.kd.origin is Origin.DEFAULT or joint.kd.value in (None, 0.0):
-        hints = {}
-        if joint.kd.known and not stated(joint.kd):
-            hints["kd"] = "the file's servo has no kv: MuJoCo takes 0"
-        if damped and viscous.require() >= LEAST_DAMPING * (kp or 0.0):
-            if "kd" in hints:
-                hints["kd"] += "; perhaps its joint damping is meant for it"
-            hints["friction.viscous"] = (
-                "joint damping, or the drive's kd? If it is kd, move it there and put 0 here"
-            )
-        return hints
-    if not damped:
+        silent = joint.kd.known and not stated(joint.kd)
+        return {"kd": "the file's servo has no kv: MuJoCo takes 0"} if silent else {}
+    if viscous.value is None or viscous.value <= 0.0:
         return {}
     together = figure(joint.kd.require() + viscous.require(), viscous.unit, computed=True)
     if joint.kd.source == viscous.source:

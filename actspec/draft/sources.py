@@ -7,7 +7,7 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from actspec.diagnostics import Span, listed, one_line
 from actspec.draft.text import scalar
@@ -58,10 +58,15 @@ class RobotReading:
         return None if self.artifact.config is None else self.artifact.config.framework
 
 
+_NAMELESS = "MuJoCo Model"
+"""MuJoCo's name for a model without one."""
+
+
 def robot_name(reading: RobotReading) -> str:
     """What the robot is called, else its file, as a folder may be called: `UNITREE_A1_CFG` is unitree_a1."""
     stem = os.path.splitext(os.path.basename(reading.path))[0]
-    for text in (reading.artifact.name, stem):
+    given = reading.artifact.name
+    for text in ("" if given == _NAMELESS else given, stem):
         if reading.framework is not None:
             text = re.sub(r"(?<=.)_?(?:ARTICULATION|ROBOT)?_?CFG$", "", text)
             text = text.lower() if text.isupper() else text
@@ -216,10 +221,26 @@ _STACKS = {
 """Where a configuration goes. legged_gym's own simulator is no more; its heirs train in Isaac Lab."""
 
 
+class DraftTarget(NamedTuple):
+    """A target of a drafted spec.
+
+    Attributes:
+        name: Its key.
+        value: Its options, as a flow mapping.
+        remark: What stands beside it; "" for nothing.
+        left_out: Why the robot's files cannot serve it: it is a comment; "" for a target.
+    """
+
+    name: str
+    value: str
+    remark: str = ""
+    left_out: str = ""
+
+
 def targets_of(
     readings: Sequence[RobotReading], combined: Combined, versions: Versions
-) -> tuple[tuple[str, str, str], ...]:
-    """Name, flow mapping and remark of each target.
+) -> tuple[DraftTarget, ...]:
+    """What a spec of the files is for.
 
     MuJoCo is among them for an MJCF, and for a URDF whose gains are known: without gains nothing drives its joints.
 
@@ -233,14 +254,17 @@ def targets_of(
 
 def _targets(
     readings: Sequence[RobotReading], combined: Combined, versions: Versions
-) -> Iterator[tuple[str, str, str]]:
+) -> Iterator[DraftTarget]:
     kinds = [reading.kind for reading in readings]
     stacks = dict.fromkeys(_STACKS[r.framework] for r in readings if r.framework in _STACKS)
     model = combined.model
-    if model is not None and (model.kind is FileKind.MJCF or _has_gains(combined)):
-        yield "mujoco", _mapping({"version": versions.mujoco or DEFAULT_VERSIONS["mujoco"]}), ""
+    if model is not None:
+        served = model.kind is FileKind.MJCF or _has_gains(combined)
+        why = "" if served else "its servos need kp and kd, which no file states"
+        version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
+        yield DraftTarget("mujoco", _mapping({"version": version}), left_out=why)
     if model is not None and model.kind is FileKind.URDF:
-        yield "urdf", "{}", ""
+        yield DraftTarget("urdf", "{}")
     if "isaaclab" in stacks:
         implicit, other = _classes(readings)
         options = {
@@ -251,13 +275,14 @@ def _targets(
         remark = (
             f"{listed(implicit)} implicit there, becomes explicit as the others" if implicit and other else ""
         )
-        yield "isaaclab", _mapping(options, "class: implicit" if implicit and not other else ""), remark
+        value = _mapping(options, "class: implicit" if implicit and not other else "")
+        yield DraftTarget("isaaclab", value, remark)
     if "mjlab" in stacks:
-        yield "mjlab", _mapping({"version": versions.mjlab or DEFAULT_VERSIONS["mjlab"]}), ""
+        yield DraftTarget("mjlab", _mapping({"version": versions.mjlab or DEFAULT_VERSIONS["mjlab"]}))
     if FileKind.DEPLOY in kinds:
-        yield "deploy", _deploy(readings, combined), ""
+        yield DraftTarget("deploy", _deploy(readings, combined))
     if stacks and any(joint.randomize for joint in combined.actuators.joints):
-        yield "randomization", f"{{for: [{', '.join(stacks)}]}}", ""
+        yield DraftTarget("randomization", f"{{for: [{', '.join(stacks)}]}}")
 
 
 def _has_gains(combined: Combined) -> bool:

@@ -365,6 +365,59 @@ def get_cfg():
     )
 
 
+def test_a_target_that_cannot_be_served(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """What the spec cannot be compiled to is a comment with the reason; the others compile."""
+    cfg = CFG.replace("ImplicitActuatorCfg", "IdealPDActuatorCfg") + (
+        'A_CFG = ArticulationCfg(actuators={"all": IdealPDActuatorCfg(\n'
+        '    joint_names_expr=["swing"], stiffness=20.0, damping=1.0)})\n'
+    )
+    (folder / "robot.xml").write_text(ROBOT.replace(' forcerange="-5 5"', ""), encoding="utf-8")
+    (folder / "cfg.py").write_text(cfg, encoding="utf-8")
+    assert main(["import", "robot.xml", "cfg.py", "-o", "spec.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert "  target isaaclab is left out: ISL010: swing: effort_limit is unknown" in out
+    text = (folder / "spec.yaml").read_text(encoding="utf-8")
+    assert (
+        '\ntargets:\n  mujoco: {version: "3.12"}\n  # isaaclab: {version: "2.3"}    # left out: ISL010: swing'
+        in text
+    )
+    assert list(load_spec("spec.yaml").model.targets) == ["mujoco"]
+    assert main(["compile", "spec.yaml", "-o", "out"]) == 0
+    capsys.readouterr()
+    # Where nothing else is left, the target stays, and a compile says what to state.
+    assert main(["import", "cfg.py", "-o", "alone.yaml"]) == 0
+    assert "left out" not in capsys.readouterr().out
+    assert list(load_spec("alone.yaml").model.targets) == ["isaaclab"]
+
+
+PARTS = {
+    "scene.xml": '<mujoco><default><default class="j"><joint damping="1"/></default></default>'
+    '<include file="./arm.xml"/><actuator><include file="act.xml"/></actuator></mujoco>',
+    "arm.xml": mjcf('<joint class="j" name="elbow"/>'),
+    "act.xml": '<mujocoinclude><position joint="elbow" kp="10"/></mujocoinclude>',
+    "ball.xml": mjcf('<joint name="b" type="ball"/>'),
+    "other.xml": '<mujoco><!-- not arm.xml --><include file="ball.xml"/></mujoco>',
+}
+
+
+@pytest.mark.parametrize(
+    "part, whole",
+    [("arm.xml", "scene.xml"), ("act.xml", "scene.xml"), ("ball.xml", "other.xml"), ("other.xml", "")],
+)
+def test_a_part_names_its_whole(
+    folder: Path, part: str, whole: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file that is no robot alone names the one beside it that includes it."""
+    (folder / "sub").mkdir()
+    for name, text in PARTS.items():
+        (folder / "sub" / name).write_text(text, encoding="utf-8")
+    assert main(["import", f"sub/{part}"]) == 2
+    said = capsys.readouterr().err
+    assert ("it is a part of" in said) is bool(whole)
+    assert not whole or f"help: it is a part of sub/{whole}: import that\n" in said
+    assert main(["import", "sub/scene.xml"]) == 0
+
+
 def test_two_hundred_robots(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Of very many robots some are listed, and the one that is meant is found; nothing of the file is run."""
     robots = "".join(

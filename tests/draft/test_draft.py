@@ -27,11 +27,11 @@ TOLERANCE = 1e-9
 """Relative; computed numbers are written with 12 digits."""
 
 
-def drafted(folder: Path, text: str, name: str = "robot.xml") -> Imported:
+def drafted(folder: Path, text: str, name: str = "robot.xml", damping: str | None = None) -> Imported:
     """A robot file, imported."""
     path = folder / name
     path.write_text(text, encoding="utf-8")
-    return imported([path], folder)
+    return imported([path], folder, damping=damping)
 
 
 def groups(folder: Path, text: str, name: str = "robot.xml") -> dict[str, Any]:
@@ -331,10 +331,7 @@ def test_bare_mjcf(tmp_path: Path) -> None:
     group = found.data["actuators"]["joints"]
     assert (group["command"], group["kp"], group["kd"]) == ("position", "unknown", "unknown")
     assert bare(group["effort_limit"]) == "7 N*m"
-    assert (
-        "    # bearing friction, or the drive's kd? If it is kd, move it there and put 0 here"
-        in found.draft.text
-    )
+    assert "\n  # Joint damping, or the drive's kd? j: no kd, and joint damping" in found.draft.text
 
 
 URDF = """<robot name="arm">
@@ -398,8 +395,46 @@ def test_damping_meant_as_kd(tmp_path: Path, damping: float, kp: float, expected
     assert found.data["actuators"]["joints"]["kd"] == "unknown"
     assert "kd: unknown    # the file's servo has no kv: MuJoCo takes 0" in found.draft.text
     # 1 ms is the bound: 0.1 / 100 reaches it, 0.05 / 100 does not.
-    assert ("joint damping, or the drive's kd?" in found.draft.text) is expected
-    assert ("perhaps its joint damping is meant for it" in found.draft.text) is expected
+    assert ("Joint damping, or the drive's kd?" in found.draft.text) is expected
+
+
+TWO = mjcf(
+    '<joint name="left_knee" damping="2"/>\n<joint name="elbow" damping="3"/>\n<joint name="wrist" damping="0.5"/>',
+    '<position joint="left_knee" kp="100"/><position joint="elbow" kp="50"/><position joint="wrist" kp="9" kv="1"/>',
+)
+
+
+@pytest.mark.parametrize("answer", [None, "as-kd", "as-friction"])
+def test_damping_is_settled_once(tmp_path: Path, answer: str | None) -> None:
+    """One question for all groups, or one answer; a servo with a kv has its kd already."""
+    found = drafted(tmp_path, TWO, damping=answer)
+    # The servos in the way of groups: 2 and 3 N*m*s/rad are asked about, the wrist's 0.5 is not.
+    assert found.draft.text.count("or the drive's kd?") == (1 if answer is None else 0)
+    gains = {
+        name: (group["kd"], group["friction"]["viscous"])
+        for name, group in bare(found.data["actuators"]).items()
+    }
+    if answer == "as-kd":
+        assert gains == {
+            "knee": ("2 N*m*s/rad", "0 N*m*s/rad"),
+            "elbow": ("3 N*m*s/rad", "0 N*m*s/rad"),
+            "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
+        }
+    else:
+        assert gains == {
+            "knee": ("unknown", "2 N*m*s/rad"),
+            "elbow": ("unknown", "3 N*m*s/rad"),
+            "wrist": ("1 N*m*s/rad", "0.5 N*m*s/rad"),
+        }
+
+
+def test_completion_is_explained(tmp_path: Path) -> None:
+    """The schema of the first line is not there by itself: the head has the command that writes it."""
+    first, *head = drafted(tmp_path, mjcf('<joint name="j"/>')).draft.text.splitlines()
+    assert first == "# yaml-language-server: $schema=actspec-v1.schema.json"
+    assert (
+        "# For completion in an editor: `actspec schema > actspec-v1.schema.json` beside this file." in head
+    )
 
 
 def test_lines_of_the_file(tmp_path: Path) -> None:
@@ -441,10 +476,10 @@ def test_command_ranges(tmp_path: Path) -> None:
     joints = "\n".join(f'<joint name="{name}" range="-1 1"/>' for name in "abc")
     servos = "".join(f'<position joint="{name}" ctrlrange="-1 1"/>' for name in "abc")
     radians = mjcf(joints, servos, '<compiler angle="radian"/>')
-    assert groups(tmp_path, radians)["a_b_c"]["command_range"] == "joint"
+    assert groups(tmp_path, radians)["joints"]["command_range"] == "joint"
     text = radians.replace('joint="b" ctrlrange="-1 1"', 'joint="b" ctrlrange="-0.5 2"')
     text = text.replace('joint="c" ctrlrange="-1 1"', 'joint="c"')
-    group = groups(tmp_path, text)["a_b_c"]
+    group = groups(tmp_path, text)["joints"]
     assert group["joints"] == [".*"]
     assert "command_range" not in group
     assert group["overrides"] == {

@@ -95,7 +95,7 @@ def test_other_limb(tmp_path: Path) -> None:
     text = urdf({"hip": (20, 30), "calf": (40, 15)}).replace("calf", "elbow")
     found = imported(write(tmp_path, dog_urdf=text), tmp_path)
     assert found.draft.inferred == ()
-    assert list(found.data["actuators"]) == ["hip", "elbow"]
+    assert list(found.data["actuators"]) == ["hips", "elbows"]
 
 
 DC_CFG = """from isaaclab.actuators import DCMotorCfg

@@ -75,13 +75,22 @@ def test_patterns_of_any_names(names: list[str], data: st.DataObject) -> None:
 @pytest.mark.parametrize(
     "joints, expected",
     [
-        (["FL_calf_joint", "RR_calf_joint"], "calf"),
+        (["FL_calf_joint", "RR_calf_joint"], "calves"),
+        (["FL_calf_joint"], "calf"),
+        (["LL_HR", "LR_HR"], "hip_rotation"),
+        (["LL_HAA", "LR_HFE"], "hips"),
+        (["LL_KFE", "LR_KFE"], "knees"),
+        (["LL_FFE", "LR_FAA"], "ankles"),
+        (["LL_HR", "LL_KFE"], "legs"),
+        (["LL_1", "LR_2"], "joints"),
+        (["fl_kn", "hr_kn"], "knees"),
+        (["left_elbow", "right_elbow"], "elbows"),
         (["left_hip_pitch_joint", "right_hip_pitch_joint"], "hip_pitch"),
-        (["left_hip_pitch_joint", "right_hip_roll_joint"], "hip"),
+        (["left_hip_pitch_joint", "right_hip_roll_joint"], "hips"),
         (["FL_hip_joint", "FL_calf_joint"], "legs"),
         (["LeftShoulderYaw", "RightElbow"], "arms"),
         (["L_thumb_1", "L_index_2"], "hands"),
-        (["front_wheel", "rear_caster_wheel"], "wheel"),
+        (["front_wheel", "rear_caster_wheel"], "wheels"),
         (["torso_joint", "left_hip_joint"], "torso_hip"),
         (["joint1", "joint2"], "joints"),
         (["on"], "joints"),
@@ -100,7 +109,7 @@ def test_group_names_are_unique() -> None:
     taken: list[str] = []
     for _ in range(4):
         taken.append(group_name(["FL_calf_joint", "RR_calf_joint"], taken))
-    assert taken == ["calf", "joints", "calf_2", "calf_3"]
+    assert taken == ["calves", "joints", "calves_2", "calves_3"]
 
 
 # --- text -----------------------------------------------------------------------------------------

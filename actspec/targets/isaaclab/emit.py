@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 
 from actspec.diagnostics import Collector, EmitError, Span, listed
@@ -41,13 +42,18 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         collector,
     )
     _check_class(actuators, dialect, options, collector)
-    _check_limits(actuators, collector)
+    unlimited = [
+        a
+        for a in actuators.joints
+        if not a.effort_limit.known and not _has_usd_limit(a, options.of(IsaacLabTarget).actuator_class)
+    ]
+    _check_limits(unlimited, collector)
     networks = _networks(actuators, collector)
     step = actuators.physics_dt.require()
 
     def cfg(actuator: JointActuator, _: Collector) -> JointCfg | None:
         network = networks.get(actuator.group)
-        if not actuator.effort_limit.known or (actuator.level is Level.ACTUATOR_NET and network is None):
+        if actuator in unlimited or (actuator.level is Level.ACTUATOR_NET and network is None):
             return None
         return cfg_of(
             actuator, dialect, options.of(IsaacLabTarget).actuator_class, step, options.name, network
@@ -105,9 +111,13 @@ def _check_class(
         )
 
 
-def _check_limits(actuators: ActuatorSet, collector: Collector) -> None:
-    """Every joint has an effort limit."""
-    unlimited = [actuator for actuator in actuators.joints if not actuator.effort_limit.known]
+def _has_usd_limit(actuator: JointActuator, chosen: str) -> bool:
+    """Whether the solver's own drive clips a joint at the USD's limit where the cfg has none."""
+    return chosen == "implicit" and actuator.level is Level.IDEAL_PD
+
+
+def _check_limits(unlimited: Sequence[JointActuator], collector: Collector) -> None:
+    """No joint is without an effort limit."""
     for (group, span), members in grouped(unlimited, lambda a: (a.group, a.effort_limit.span or a.span)):
         collector.error(
             "ISL010",
@@ -225,6 +235,16 @@ def _warn(
             where=f"actuators.{open_gains[0].group}",
             span=open_gains[0].span,
             help="state kp and kd",
+        )
+    open_limits = [a for a in actuators.joints if not a.effort_limit.known]
+    if open_limits:
+        collector.warning(
+            "ISL034",
+            f"the effort limit of {len(open_limits)} joints is unknown, and Isaac Lab takes the USD's: "
+            f"{listed([a.joint for a in open_limits])}",
+            where=f"actuators.{open_limits[0].group}.effort_limit",
+            span=open_limits[0].effort_limit.span or open_limits[0].span,
+            help="state effort_limit",
         )
     renamed = [a.joint for a in actuators.joints if identifier(a.joint) != a.joint]
     if renamed:

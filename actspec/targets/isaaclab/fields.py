@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -45,7 +46,7 @@ class IsaacJoint(JointEmission):
     Attributes:
         dialect: Version that is written.
         network: The network and the physics steps between its taps; None without one.
-        limit: Effort limit [N*m or N].
+        limit: Effort limit [N*m or N]; infinity where it is unknown.
         gains_known: Whether the drive has all gains that it is to have.
         remarks: Comments above the fields.
 
@@ -65,7 +66,7 @@ class IsaacJoint(JointEmission):
         self.dialect = dialect
         self.network = network
         self.speed_unit = actuator.velocity_limit.unit
-        self.limit = actuator.effort_limit.require()
+        self.limit = actuator.effort_limit.require() if actuator.effort_limit.known else math.inf
         self.remarks: list[str] = []
 
     def _law(self) -> TorqueLaw:

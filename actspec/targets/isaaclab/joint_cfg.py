@@ -79,7 +79,7 @@ def cfg_of(
     """Choose the class and fields of one joint.
 
     Args:
-        actuator: What the spec asks for, with a known effort limit.
+        actuator: What the spec asks for, with a known effort limit, or a drive of the solver's, which has the USD's.
         dialect: Version that is written.
         actuator_class: `auto`, `implicit` or `custom`.
         step: Physics step [s].
@@ -137,7 +137,8 @@ def _implicit(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     limited = boxed(joint.law)
     clip = f"a clip at {format_quantity(joint.limit, joint.unit)}"
     why = "the solver's drive has one limit at all speeds"
-    if joint.actuator.command is Command.EFFORT:
+    known = joint.actuator.effort_limit.known
+    if joint.actuator.command is Command.EFFORT and known:
         clip, why = "none", "the solver limits its own drive, not a torque that is commanded"
         free = unclipped(joint.law)
         error = static_error(limited, free.torque)
@@ -149,7 +150,8 @@ def _implicit(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
             "torque_speed_curve", joint.curve_text(joint.law, joint.speed_unit), clip, why, error
         )
     names = joint.dialect.limits
-    fields = [CfgField(names.solver_effort, joint.limit, joint.note(joint.actuator.effort_limit))]
+    note = joint.note(joint.actuator.effort_limit) if known else "unknown: the USD's own"
+    fields = [CfgField(names.solver_effort, joint.limit if known else None, note, scalar=not known)]
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
     no_delay(joint, "the solver's drive has no delay")
     no_command_path(joint)

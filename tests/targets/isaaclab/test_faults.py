@@ -109,6 +109,18 @@ def test_effort_limit_is_never_left_to_a_default() -> None:
     assert said.startswith("ISL010 actuators.legs.effort_limit: a: effort_limit is unknown")
 
 
+@pytest.mark.parametrize("command", ["position", "effort"])
+def test_the_solver_has_a_limit_of_its_own(command: str) -> None:
+    """With the solver's own drives the USD's limit stays, and a warning says so; it is in no field."""
+    drive = "kp: 20 N*m/rad, kd: 0.5 N*m*s/rad" if command == "position" else "command: effort"
+    text = PLAIN.replace("kp: 20 N*m/rad, kd: 0.5 N*m*s/rad", drive)
+    done = compiled(text.replace("effort_limit: 9 N*m", "effort_limit: unknown"), "2.3", "implicit")
+    (item,) = [d for d in done.emission.diagnostics if d.code == "ISL034"]
+    assert item.message == "the effort limit of 1 joints is unknown, and Isaac Lab takes the USD's: a"
+    assert "effort_limit_sim=None,  # unknown: the USD's own" in done.text
+    assert "effort_limit_sim=9.0" in compiled(text, "2.3", "implicit").text
+
+
 def test_joints_of_a_group_share_a_message() -> None:
     """What is wrong with a group is said once, with its joints; a delay of years too."""
     three = PLAIN.replace("joints: [a]", "joints: [a, b, c]")

@@ -1,0 +1,57 @@
+"""Damping that a file keeps in the joint of a drive without kd: friction, or meant as kd? One answer for all joints."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from actspec.diagnostics import listed, one_line
+from actspec.draft.combine import Combined
+from actspec.ir import Command, JointActuator, Level, Origin, Quantity
+
+AS_KD = "as-kd"
+AS_FRICTION = "as-friction"
+
+LEAST_DAMPING = 1e-3
+"""Damping over kp from which joint damping may be meant as the drive's kd [s]. Chosen: a twentieth of kd/kp
+in the published gains of legged robots (0.02 s to 0.04 s)."""
+
+
+def is_asked(joint: JointActuator) -> bool:
+    """Whether joint damping may be meant as the kd that a drive lacks."""
+    viscous, kd = joint.friction_viscous.value, joint.kd
+    if joint.command is Command.EFFORT or joint.level is Level.ACTUATOR_NET or kd is None:
+        return False
+    if viscous is None or viscous <= 0.0 or (kd.origin is not Origin.DEFAULT and kd.value not in (None, 0.0)):
+        return False
+    kp = joint.kp.value if joint.kp is not None else None
+    return viscous >= LEAST_DAMPING * (kp or 0.0)
+
+
+def moved(combined: Combined) -> Combined:
+    """The robot with the damping in question as kd; 0 is left of it in the joint.
+
+    Args:
+        combined: What the files say.
+    """
+    joints = tuple(_moved(joint) if is_asked(joint) else joint for joint in combined.actuators.joints)
+    return replace(combined, actuators=replace(combined.actuators, joints=joints))
+
+
+def _moved(joint: JointActuator) -> JointActuator:
+    viscous = joint.friction_viscous
+    none = Quantity(
+        0.0, viscous.unit, Origin.AUTHORED, note=f"the file's joint damping is kd (--damping {AS_KD})"
+    )
+    return replace(joint, kd=viscous, friction_viscous=none)
+
+
+def question(joints: Sequence[JointActuator]) -> str:
+    """What to ask of those whose damping may be kd; "" where there is none."""
+    asked = [one_line(joint.joint) for joint in joints if is_asked(joint)]
+    if not asked:
+        return ""
+    return (
+        f"joint damping, or the drive's kd? {listed(asked, 4)}: no kd, and joint damping, which is friction.viscous "
+        f"here: no torque limit clamps it. `import --damping {AS_KD}` makes it kd, `--damping {AS_FRICTION}` leaves it"
+    )
