@@ -108,6 +108,22 @@ def compare_files(
     return tuple(compare_robots(dynamics[one], dynamics[other]) for one, other in pairs)
 
 
+def one_robot(case: Case, spec: int, other: int, robot: str | None) -> tuple[int, int]:
+    """Which robot of a spec and of a file, both at the beginning of a case, are one.
+
+    Args:
+        case: The spec, the file, and what else describes the robot.
+        spec: How many artifacts the spec has.
+        other: How many the file has.
+        robot: As in `compare_files`.
+
+    Raises: AuditError: it is not known which.
+    """
+    ours, theirs = list(range(spec)), list(range(spec, spec + other))
+    texts = (case.artifacts[ours[0]].path, case.artifacts[theirs[0]].path)
+    return _pairs(case, ours, theirs, robot, texts)[0]
+
+
 def read_all(paths: Sequence[str], texts: Mapping[str, str]) -> tuple[FileReading, ...]:
     """Read files of which each must be readable.
 
@@ -221,7 +237,7 @@ def _joint(
     if alike and old.control != new.control:
         yield Change(new.joint, "control", "drive", old.control, new.control, "", old.place, new.place)
     fields = [
-        name for name in FIELDS if alike or (_states(old, name, old_kind) and _states(new, name, new_kind))
+        name for name in FIELDS if alike or (states(old, name, old_kind) and states(new, name, new_kind))
     ]
     found = [_change(new.joint, item) for item in compare(new.figures, old.figures, fields, tolerance)]
     parts = [(change.old, change.new) for change in found if change.field in DAMPING_PARTS]
@@ -247,12 +263,18 @@ def _change(joint: str, item: Deviation) -> Change:
     return Change(joint, item.field, FIELDS[item.field].noun, item.expected, item.value, unit, *places)
 
 
-def _states(joint: JointDynamics, name: str, kind: FileKind) -> bool:
-    """Whether a file states what a figure of another kind of file can be compared with."""
+def states(joint: JointDynamics, name: str, kind: FileKind) -> bool:
+    """Whether a file states what a figure of another kind of file can be compared with.
+
+    Args:
+        joint: Of the file.
+        name: Field of `FIELDS`.
+        kind: What the file is.
+    """
     figure: Figure | None = joint.figures.get(name)
     if figure is None or figure.value is None:
         return False
-    if joint.control in ("none", "motor") and FIELDS[name].role in (Role.DRIVE, Role.TOTAL):
+    if joint.control in ("none", "motor") and FIELDS[name].role in (Role.DRIVE, Role.TOTAL, Role.COMMAND):
         return False
     return figure.stated or not (joint.control == "none" or kind is FileKind.URDF)
 

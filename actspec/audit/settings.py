@@ -139,6 +139,24 @@ def read_versions(data: Mapping[str, str], where: str, span: Span | None, out: C
     return Versions(**taken)
 
 
+def named_versions(targets: Sequence[str], out: Collector) -> Versions:
+    """The versions that a user names.
+
+    Args:
+        targets: `NAME==VERSION`.
+        out: Gets what is wrong with them.
+    """
+    given: dict[str, str] = {}
+    for target in targets:
+        name, equals, version = target.partition("==")
+        if not equals:
+            help = "for example isaaclab==2.3"
+            out.error("AUD010", f"must be NAME==VERSION, got {target!r}", where="--target", help=help)
+        elif given.setdefault(name, version) != version:
+            out.error("AUD010", f"two versions of {name}: {given[name]} and {version}", where="--target")
+    return read_versions(given, "--target", None, out)
+
+
 def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any]]]:
     folder = os.path.abspath(start)
     while not collector.failed:

@@ -13,8 +13,8 @@ from actspec.audit.finding import Confidence
 from actspec.audit.outcome import Report
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL
-from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings
-from actspec.cli.options import named_versions, overridden
+from actspec.audit.settings import NEVER, Settings, check_selectors, load_settings, named_versions
+from actspec.cli.options import overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FAILED,

@@ -9,7 +9,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from actspec.diagnostics import Collector
     from actspec.readings.versions import Versions
 
 
@@ -84,33 +83,13 @@ def add_format(command: argparse.ArgumentParser, *more: str) -> None:
     command.add_argument("--output-format", choices=formats, default="text", help="default: text")
 
 
-def named_versions(targets: Sequence[str], out: Collector) -> Versions:
-    """The versions that a user names.
-
-    Args:
-        targets: `NAME==VERSION`.
-        out: Gets what is wrong with them.
-    """
-    from actspec.audit.settings import read_versions
-
-    given: dict[str, str] = {}
-    for target in targets:
-        name, equals, version = target.partition("==")
-        if not equals:
-            help = "for example isaaclab==2.3"
-            out.error("AUD010", f"must be NAME==VERSION, got {target!r}", where="--target", help=help)
-        elif given.setdefault(name, version) != version:
-            out.error("AUD010", f"two versions of {name}: {given[name]} and {version}", where="--target")
-    return read_versions(given, "--target", None, out)
-
-
 def configured_versions(targets: Sequence[str]) -> Versions:
     """The versions of the settings file, with those that a user names in their place.
 
     Raises: AuditError: either is wrong.
     """
     from actspec.audit.rules import all_rules
-    from actspec.audit.settings import load_settings
+    from actspec.audit.settings import load_settings, named_versions
     from actspec.diagnostics import AuditError, Collector
 
     out = Collector()

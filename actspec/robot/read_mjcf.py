@@ -25,6 +25,7 @@ from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, 
 if TYPE_CHECKING:
     import mujoco
 
+    from actspec.robot.mjspec import CompiledModel
     from actspec.robot.xml_tree import Element, XmlDocument
 
 _STATED = {
@@ -78,9 +79,31 @@ def read_mjcf(
     if document is None:
         document = parse_document(tuple(files))
     compiled = compiled_model(document, ModelFormat.MJCF, shapes=shapes)
-    spec, model = compiled.spec, compiled.model
+    return _view(compiled, document, inertia=inertia, poses=poses)
 
-    main = Span(files[0].path)
+
+def read_model(model: mujoco.MjModel, path: str) -> RobotView:
+    """Read a model that a program has compiled: its numbers, without the inertia and without places.
+
+    Args:
+        model: Compiled.
+        path: What it is called in messages.
+
+    Raises: RobotError: a number in it is nan.
+    """
+    import mujoco
+
+    from actspec.robot.mjspec import CompiledModel
+    from actspec.robot.xml import parse_document
+
+    nothing = parse_document((ModelFile(path, "", b"<mujoco/>"),))
+    compiled = CompiledModel(mujoco.MjSpec(), model, None, (), ())
+    return _view(compiled, nothing, inertia=False, poses=0)
+
+
+def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, poses: int) -> RobotView:
+    spec, model = compiled.spec, compiled.model
+    main = Span(document.files[0].path)
     out = Collector()
     for text in compiled.said:
         out.warning("ROBOT112", f"MuJoCo warns: {text}", span=main)
@@ -113,8 +136,8 @@ def read_mjcf(
     if not _is_finite(model):
         _refuse_nan((*joints, *actuators), out)
     return RobotView(
-        name=spec.modelname,
-        path=files[0].path,
+        name=model.names.split(b"\0", 1)[0].decode(),
+        path=main.path,
         format=ModelFormat.MJCF,
         joints=joints,
         actuators=actuators,
@@ -123,7 +146,7 @@ def read_mjcf(
         keyframes=tuple(lists.name("mjOBJ_KEY", i) for i in range(model.nkey)),
         inertia=masses,
         inertia_reason=reason,
-        files=tuple(files),
+        files=document.files,
         diagnostics=tuple(out),
         eulerdamp="EULERDAMP" not in switched_off,
         actuation="ACTUATION" not in switched_off,

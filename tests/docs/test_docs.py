@@ -7,7 +7,7 @@ How a block is read:
 - `# gives CODE` in a spec: compiling it must give these diagnostics (information aside) and no other.
 - `text` right after a spec: exactly those diagnostics, without their place.
 - `xml` with `<mujoco`: leg.xml for the rest of its section. Else, after a spec: lines of the written model.
-- `python`: executed; what each `print` line prints stands behind it as a comment.
+- `python`: executed, unless its first line names a file; what each `print` line prints stands behind it as a comment.
 - `console`: run by bash, in order; a line `...` stands for any lines.
 - A fence with a file behind its language, ```` ```python leg_cfg.py ````: lines of that file as the spec above
   compiles to it; a line `...` stands for any lines. More words name another spec and one target:
@@ -88,7 +88,7 @@ class Block:
     @property
     def file(self) -> str | None:
         """The file that it is, if its first line names one."""
-        found = re.match(r"# ([\w./-]+\.(?:yaml|json))\n", self.text)
+        found = re.match(r"# ([\w./-]+\.(?:yaml|json|py))\n", self.text)
         return found[1] if found else None
 
 
@@ -225,7 +225,7 @@ def test_files_that_specs_name_are_valid(block: Block, folder: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", _of("python"), ids=lambda b: b.id)
+@pytest.mark.parametrize("block", [b for b in _of("python") if b.file is None], ids=lambda b: b.id)
 def test_python_prints_what_stands_behind_it(block: Block, folder: Path) -> None:
     """Python of the pages runs, and each print line's comment is its output."""
     _prepare(block, folder)
@@ -281,9 +281,10 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
     """The console blocks of a page, run in their order in a shell, print what the page shows."""
     bin_ = folder / "bin"
     bin_.mkdir()
-    shim = bin_ / "actspec"
-    shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m actspec.cli.main "$@"\n')
-    shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
+    for command, module in (("actspec", "actspec.cli.main"), ("pytest", "pytest")):
+        shim = bin_ / command
+        shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m {module} "$@"\n')
+        shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
     env = {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
     for block in (b for b in _of("console") if b.page == page):
         shown: list[tuple[str, list[str]]] = []

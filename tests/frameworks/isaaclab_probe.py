@@ -110,14 +110,18 @@ def live(job: dict) -> dict:
     from isaaclab.utils.string import callable_to_string, string_to_callable
 
     from actspec.isaaclab import actuators
+    from actspec.testing import compared
 
     found = {}
-    for key, cfg in actuators(job["live"]).items():
+    cfgs = actuators(job["live"])
+    beside = compared(job["live"], cfgs)
+    for key, cfg in cfgs.items():
         _, mine, build = builder(cfg, job["joints"], 1, float(job["usd"]))
         actuator = build()
         found[key] = {
             "cfg": type(cfg).__name__,
             "joints": mine,
+            "compared": [beside.count, beside.wrong()],
             "network_file": getattr(cfg, "network_file", None),
             "by_name": string_to_callable(callable_to_string(cfg.class_type)) is cfg.class_type,
             **{name: getattr(actuator, name)[0].tolist() for name in NUMBERS},

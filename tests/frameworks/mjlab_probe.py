@@ -91,9 +91,15 @@ def live(job: dict[str, Any]) -> dict[str, Any]:
     """What `actspec.mjlab` gives for a spec, in a Python that has both."""
     sys.path += job["paths"]
     from actspec.mjlab import articulation
+    from actspec.testing import compared
 
     found = articulation(job["live"])
-    return {"class": type(found).__name__, "actuators": [dataclass_of(cfg) for cfg in found.actuators]}
+    beside = compared(job["live"], found)
+    return {
+        "class": type(found).__name__,
+        "actuators": [dataclass_of(cfg) for cfg in found.actuators],
+        "compared": [beside.count, beside.wrong()],
+    }
 
 
 def dataclass_of(cfg: Any) -> list[Any]:

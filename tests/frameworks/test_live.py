@@ -94,6 +94,13 @@ def test_isaaclab_a1(frameworks: Frameworks, version: str) -> None:
     assert {key: legs[key] for key in expected} == {
         key: pytest.approx([value] * 12) for key, value in expected.items()
     }
+    # kp, kd, limit, line (2), armature, and viscous friction where the class has it; no version says what friction is.
+    count, wrong = legs["compared"]
+    assert count == 12 * (7 if version == "2.3" else 6)
+    assert len(wrong) == (0 if version == "2.3" else 1)
+    assert all(
+        "the drive gain kd is 0.51 N*m*s/rad (actuators['legs'].damping), 0.5 " in line for line in wrong
+    )
 
 
 def test_isaaclab_class_of_the_robot(frameworks: Frameworks, tmp_path: Path) -> None:
@@ -133,6 +140,8 @@ def test_mjlab_a1(frameworks: Frameworks) -> None:
         "armature": 0.01,
     }
     assert fields | expected == fields
+    # kp, kd, limit, line (2), armature, dry friction, viscous friction.
+    assert found["compared"] == [12 * 8, []]
 
 
 def test_mjlab_network(frameworks: Frameworks, tmp_path: Path) -> None:

@@ -29,7 +29,7 @@ LAYERS = (
     {"report"},
     {"api", "runtime"},
     {"live"},
-    {"mjlab", "isaaclab"},
+    {"mjlab", "isaaclab", "testing"},
     {"cli", "__main__", ""},
 )
 """Lowest first. A part imports lower layers, and its own as long as the parts form no circle. "" is `actspec`

@@ -1,0 +1,261 @@
+"""For the tests of projects that have a spec: their files and configurations hold its figures.
+
+from actspec.testing import assert_agrees
+def test_actuators():
+    assert_agrees("robots/go2.yaml", "assets/go2.xml")
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal, NoReturn
+
+from actspec.diagnostics import AuditError, Collector, listed
+from actspec.fields import FIELDS
+from actspec.readings.compare import COPIED, Deviation, Figure, compare, times
+from actspec.units import format_quantity
+
+if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet
+    from actspec.readings.artifact import FileReading
+    from actspec.readings.dynamics import RobotDynamics
+    from actspec.spec.validate import Spec
+
+__all__ = ["Comparison", "assert_agrees", "compared"]
+
+Joints = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A spec beside one file or object.
+
+    Attributes:
+        spec: What the spec is called.
+        other: What is held to it is called.
+        count: How many figures were compared, joints times fields.
+        differences: Joints, and a figure in which they alike differ from the spec.
+        missing: Joints of the spec that the other has not.
+        unknown: Joints, and a figure of the spec that the other does not state, so that it is not compared.
+    """
+
+    spec: str
+    other: str
+    count: int
+    differences: tuple[tuple[Joints, Deviation], ...]
+    missing: Joints
+    unknown: tuple[tuple[Joints, Deviation], ...]
+
+    def __str__(self) -> str:
+        return "\n".join((*self.wrong(), *self.left_out()))
+
+    def wrong(self) -> list[str]:
+        """A line for each figure that differs, and one for joints that are missing."""
+        lines = [f"{', '.join(joints)}: {_words(one)}" for joints, one in self.differences]
+        return [f"{', '.join(self.missing)}: not in {self.other}"] * bool(self.missing) + lines
+
+    def left_out(self) -> list[str]:
+        """A line for each figure that is not compared."""
+        return [
+            f"{', '.join(joints)}: the {_noun(one)} is not stated, {_shown(one.reference)} in the spec"
+            for joints, one in self.unknown
+        ]
+
+
+def assert_agrees(
+    spec: Spec | ActuatorSet | str | os.PathLike[str],
+    cfg_or_file: object,
+    *,
+    tolerance: float = COPIED,
+    joints: str | Sequence[str] = ".*",
+    fields: Sequence[str] = (),
+    missing: Literal["ignore", "error"] = "ignore",
+    robot: str | None = None,
+    target: str | Sequence[str] = (),
+) -> Comparison:
+    """Assert that a file or an object has the figures that a spec states.
+
+    A figure is compared where the spec states it and the file states it too, or runs it: a servo of an MJCF without
+    `forcerange` has no limit. Figures are those at the joint, gears applied, in SI units.
+
+    Args:
+        spec: A spec, its path, or what `actspec.resolve` made of it.
+        cfg_or_file: Path of an MJCF, URDF, cfg `.py`, deploy YAML or spec, which is read and never run; or an object:
+            Isaac Lab's `ArticulationCfg` or its `actuators`, mjlab's `EntityCfg`, `EntityArticulationInfoCfg` or
+            `Entity`, `mujoco.MjSpec` or `MjModel`.
+        tolerance: Largest relative difference of equal figures.
+        joints: Only these joints of the spec: a pattern, or several.
+        fields: Only these figures, by their names in a spec (`kp`, `effort_limit`, `friction.viscous`); default: all.
+        missing: What becomes of figures that the file does not state: `ignore`, they are in the result; or `error`.
+        robot: Name of the robot, where the file has several and it is not clear which one is meant.
+        target: What the file is for, `NAME==VERSION`, or several: `isaaclab==2.3` decides what its `friction` is.
+
+    Returns: What was compared, `str()` of which lists what was not.
+
+    Raises:
+        AssertionError: a figure differs, with both, their units and their places; a joint is missing; nothing at all
+            could be compared.
+        ActspecError: the spec or the file cannot be read, or it is not known which robot is meant.
+        TypeError: the object is none of those above.
+        ValueError: an unknown field, or a pattern of joints that is none.
+    """
+    __tracebackhide__ = True  # pytest shows the caller
+    if missing not in ("ignore", "error"):
+        raise ValueError(f"missing is 'ignore' or 'error', got {missing!r}")
+    found = compared(
+        spec, cfg_or_file, tolerance=tolerance, joints=joints, fields=fields, robot=robot, target=target
+    )
+    lines = found.wrong() + (found.left_out() if missing == "error" else [])
+    if lines:
+        head = f"{found.other} does not agree with {found.spec}"
+        raise AssertionError("\n  ".join((f"{head} ({found.count} figures compared):", *lines)))
+    if not found.count:
+        why = "\n  ".join(
+            (f"no figure of {found.other} can be compared with {found.spec}:", *found.left_out())
+        )
+        raise AssertionError(why)
+    return found
+
+
+def compared(
+    spec: Spec | ActuatorSet | str | os.PathLike[str],
+    cfg_or_file: object,
+    *,
+    tolerance: float = COPIED,
+    joints: str | Sequence[str] = ".*",
+    fields: Sequence[str] = (),
+    robot: str | None = None,
+    target: str | Sequence[str] = (),
+) -> Comparison:
+    """What `assert_agrees` asserts, as a value; arguments and errors are the same, without the AssertionError."""
+    from actspec.audit.build import case_of
+    from actspec.audit.difference import one_robot, read_all
+    from actspec.audit.settings import named_versions
+    from actspec.patterns import match_names
+    from actspec.readings.dynamics import dynamics_of
+
+    out = Collector()
+    versions = named_versions([target] if isinstance(target, str) else target, out)
+    out.raise_if_failed(AuditError)
+    names = _field_names(fields)
+    paths = [os.fspath(one) for one in (spec, cfg_or_file) if isinstance(one, (str, os.PathLike))]
+    read = {reading.path: reading for reading in read_all(tuple(dict.fromkeys(paths)), {})}
+    ours = _resolved(spec) if not isinstance(spec, (str, os.PathLike)) else read[os.fspath(spec)]
+    theirs = (
+        (read[os.fspath(cfg_or_file)],) if isinstance(cfg_or_file, (str, os.PathLike)) else _live(cfg_or_file)
+    )
+    case = case_of((ours, *theirs), versions, {}, ours.path)
+    pair = one_robot(case, len(ours.artifacts), len(theirs[0].artifacts), robot)
+    mine, other = (dynamics_of(case.artifacts[i], case.rows_of(i)) for i in pair)
+    every = tuple(mine.joints)
+    chosen: list[str] = []
+    for pattern in [joints] if isinstance(joints, str) else joints:
+        chosen += match_names(pattern, every) or _no_joint(pattern, every, mine.file)
+    return _comparison(mine, other, tuple(dict.fromkeys(chosen)), names, tolerance)
+
+
+def _no_joint(pattern: str, joints: Joints, spec: str) -> NoReturn:
+    raise ValueError(f"no joint of {spec} matches {pattern!r}, it has {listed(joints)}")
+
+
+def _resolved(spec: Spec | ActuatorSet) -> FileReading:
+    """A loaded or resolved spec as a reading."""
+    from actspec.api import resolve
+    from actspec.audit.read import artifact_of
+    from actspec.ir import ActuatorSet
+    from actspec.readings.artifact import FileKind, FileReading
+
+    actuators = spec if isinstance(spec, ActuatorSet) else resolve(spec)
+    span = actuators.joints[0].span if actuators.joints else None
+    path = span.path if span is not None else actuators.robot
+    return FileReading(path, FileKind.SPEC, None, (artifact_of(path, actuators),))
+
+
+def _live(thing: object) -> tuple[FileReading, ...]:
+    """An object as readings.
+
+    Raises:
+        TypeError: there is no reader for it.
+    """
+    from actspec.readings.live import read_live
+
+    found = read_live(thing)
+    if not found:
+        raise TypeError(
+            "a path, a cfg of Isaac Lab or mjlab, or a model of MuJoCo can be compared with a spec, got"
+            f" {type(thing).__name__}"
+        )
+    return found
+
+
+def _field_names(asked: Sequence[str]) -> tuple[str, ...]:
+    """Fields of `FIELDS` that a spec has a key for; of these the asked ones."""
+    every = {name: field.spec for name, field in FIELDS.items() if field.spec}
+    wrong = [name for name in asked if name not in every.values()]
+    if wrong:
+        known = ", ".join(dict.fromkeys(every.values()))
+        raise ValueError(f"a spec has no figure {wrong[0]!r}; it has {known}")
+    return tuple(name for name, key in every.items() if not asked or key in asked)
+
+
+def _comparison(
+    spec: RobotDynamics,
+    other: RobotDynamics,
+    joints: Joints,
+    fields: tuple[str, ...],
+    tolerance: float,
+) -> Comparison:
+    from actspec.audit.difference import states
+
+    count = 0
+    found: dict[object, tuple[list[str], Deviation]] = {}
+    left: dict[object, tuple[list[str], Deviation]] = {}
+    for joint in joints:
+        mine, theirs = spec.joints[joint], other.joints.get(joint)
+        stated = [name for name in fields if name in mine.figures and mine.figures[name].stated]
+        stated = [name for name in stated if mine.figures[name].value is not None]
+        if theirs is None:
+            continue
+        shared = [name for name in stated if states(theirs, name, other.kind)]
+        count += len(shared)
+        for one in compare(theirs.figures, mine.figures, shared, tolerance):
+            found.setdefault((one.field, one.value, one.expected), ([], one))[0].append(joint)
+        for name in stated:
+            if name not in shared:
+                one = Deviation(name, None, mine.figures[name])
+                left.setdefault((name, one.expected), ([], one))[0].append(joint)
+    return Comparison(
+        spec.file,
+        _called(other),
+        count,
+        tuple((tuple(names), one) for names, one in found.values()),
+        tuple(joint for joint in joints if joint not in other.joints),
+        tuple((tuple(names), one) for names, one in left.values()),
+    )
+
+
+def _called(robot: RobotDynamics) -> str:
+    """The file, with the robot's name where the file's does not say it."""
+    stem = os.path.splitext(os.path.basename(robot.file))[0]
+    return robot.file if robot.name in ("", stem) else f"{robot.file} ({robot.name})"
+
+
+def _words(one: Deviation) -> str:
+    """`the effort limit is 23.5 N*m (cfg.py:12:3), 45.43 N*m (go2.yaml:40:9) in the spec (x0.517)`."""
+    ratio = times(one.value, one.expected)
+    return f"the {_noun(one)} is {_shown(one.figure)}, {_shown(one.reference)} in the spec{ratio}"
+
+
+def _noun(one: Deviation) -> str:
+    return FIELDS[one.field].noun
+
+
+def _shown(figure: Figure | None) -> str:
+    if figure is None:
+        return "not stated"
+    value = figure.value
+    text = "unlimited" if value == math.inf else format_quantity(value, figure.unit)
+    return f"{text} ({figure.place})"

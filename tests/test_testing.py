@@ -1,0 +1,204 @@
+"""`actspec.testing`: a spec beside files and live objects, with the places of what differs."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+from typing import Any
+
+import mujoco
+import pytest
+
+import actspec
+from actspec.diagnostics import AuditError
+from actspec.testing import assert_agrees, compared
+
+MODEL = """<mujoco model="leg">
+  <compiler angle="radian"/>
+  <worldbody><body>
+    <joint name="hip" axis="0 1 0" armature="0.01" frictionloss="0.2" damping="0.05"/>
+    <geom size="0.1"/>
+    <body pos="0 0 -0.3"><joint name="knee" axis="0 1 0" armature="0.01" frictionloss="0.2" damping="0.05"/>
+    <geom size="0.05"/></body>
+  </body></worldbody>
+  <actuator>
+    <position name="hip" joint="hip" kp="40" kv="2" forcerange="-30 30"/>
+    <position name="knee" joint="knee" kp="10" kv="0.5" gear="2" forcerange="-15 15"/>
+  </actuator>
+</mujoco>
+"""
+# Gear 2: kp 2^2 x 10 = 40, kd 2^2 x 0.5 = 2, limit 2 x 15 = 30 at the knee.
+
+SPEC = """actspec: 1
+robot:
+  name: leg
+  model: leg.xml
+actuators:
+  leg:
+    joints: [".*"]
+    level: ideal_pd
+    command: position
+    kp: 40 N*m/rad
+    kd: 2 N*m*s/rad
+    effort_limit: 30 N*m
+    armature: 0.01 kg*m^2
+    friction: {coulomb: 0.2 N*m, viscous: 0.05 N*m*s/rad}
+"""
+
+
+@pytest.fixture
+def leg(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with the model and its spec, to work in."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "leg.xml").write_text(MODEL)
+    (tmp_path / "leg.yaml").write_text(SPEC)
+    return tmp_path
+
+
+def test_a_file_that_agrees(leg: Path) -> None:
+    """Both joints have the six figures of the spec, behind gear 1 and behind gear 2."""
+    found = assert_agrees("leg.yaml", "leg.xml")
+    assert (found.spec, found.other, found.count) == ("leg.yaml", "leg.xml", 2 * 6)
+    assert str(found) == ""
+
+
+def test_a_difference_names_both_sides(leg: Path) -> None:
+    """What the file has and what the spec has, with units and places; 45 / 30 = 1.5, 2 x 15 -> 2 x 22.775 = 45.55."""
+    (leg / "leg.xml").write_text(MODEL.replace("-15 15", "-22.775 22.775").replace('kp="40"', 'kp="4"'))
+    with pytest.raises(AssertionError) as error:
+        assert_agrees("leg.yaml", "leg.xml")
+    assert str(error.value).splitlines() == [
+        "leg.xml does not agree with leg.yaml (12 figures compared):",
+        "  hip: the stiffness kp is 4 N*m/rad (leg.xml:10:5), 40 N*m/rad (leg.yaml:10:9) in the spec (x0.1)",
+        "  knee: the effort limit is 45.55 N*m (leg.xml:11:5), 30 N*m (leg.yaml:12:19) in the spec (x1.52)",
+    ]
+
+
+@pytest.mark.parametrize(("tolerance", "agrees"), [(1e-3, True), (1e-5, False)])
+def test_tolerance_is_relative(leg: Path, tolerance: float, agrees: bool) -> None:
+    """39.99 is 2.5e-4 off 40."""
+    (leg / "leg.xml").write_text(MODEL.replace('kp="40"', 'kp="39.99"'))
+    assert (compared("leg.yaml", "leg.xml", tolerance=tolerance).differences == ()) is agrees
+
+
+def test_a_servo_without_a_limit_is_unlimited(leg: Path) -> None:
+    """A limit that a servo's file leaves out is none, and not unknown."""
+    (leg / "leg.xml").write_text(MODEL.replace(' forcerange="-30 30"', ""))
+    (line,) = compared("leg.yaml", "leg.xml").wrong()
+    assert line == "hip: the effort limit is unlimited (leg.xml:10:5), 30 N*m (leg.yaml:12:19) in the spec"
+
+
+MOTORS = MODEL.replace("<position", "<motor").replace(' kp="40" kv="2"', "").replace(' kp="10" kv="0.5"', "")
+
+
+def test_what_is_not_stated_is_listed(leg: Path) -> None:
+    """Behind motors the gains and the delay are a controller's: 2 x 4 figures are left, 3 are listed."""
+    (leg / "leg.xml").write_text(MOTORS)
+    (leg / "leg.yaml").write_text(SPEC + "    delay: 10 ms\n")
+    found = assert_agrees("leg.yaml", "leg.xml")
+    assert found.count == 2 * 4
+    assert str(found).splitlines() == [
+        "hip, knee: the stiffness kp is not stated, 40 N*m/rad (leg.yaml:10:9) in the spec",
+        "hip, knee: the drive gain kd is not stated, 2 N*m*s/rad (leg.yaml:11:9) in the spec",
+        "hip, knee: the delay is not stated, 0.01 s (leg.yaml:15:12) in the spec",
+    ]
+    with pytest.raises(AssertionError, match=r"\n  hip, knee: the delay is not stated, 0\.01 s"):
+        assert_agrees("leg.yaml", "leg.xml", missing="error")
+    assert_agrees("leg.yaml", "leg.xml", missing="error", fields=["armature", "friction.viscous"])
+
+
+def test_nothing_compared_is_a_failure(leg: Path) -> None:
+    """A test that compares nothing must not be green."""
+    (leg / "leg.xml").write_text(MOTORS)
+    with pytest.raises(
+        AssertionError, match=r"^no figure of leg\.xml can be compared with leg\.yaml:\n  hip, "
+    ):
+        assert_agrees("leg.yaml", "leg.xml", fields=["kp"])
+
+
+def test_a_joint_that_is_missing(leg: Path) -> None:
+    """A deploy file of one joint."""
+    (leg / "leg_deploy.yaml").write_text("joint_names: [hip, ankle]\nkp: [40, 7]\nkd: [2, 7]\n")
+    with pytest.raises(AssertionError, match=r"\n  knee: not in leg_deploy\.yaml$"):
+        assert_agrees("leg.yaml", "leg_deploy.yaml")
+    assert assert_agrees("leg.yaml", "leg_deploy.yaml", joints="hip").count == 2
+
+
+def test_what_the_spec_does_not_state_is_not_compared(leg: Path) -> None:
+    """The spec takes the armature of its model, 0.01; the file with 0.05 contradicts nobody."""
+    (leg / "leg.yaml").write_text(SPEC.replace("    armature: 0.01 kg*m^2\n", ""))
+    (leg / "other.xml").write_text(MODEL.replace("0.01", "0.05"))
+    assert assert_agrees("leg.yaml", "other.xml").count == 2 * 5
+
+
+def test_configurations_are_read_and_not_run(leg: Path) -> None:
+    """kd 4 / 2 = 2 is folded; what the file does besides is not done."""
+    text = (
+        "from isaaclab.actuators import IdealPDActuatorCfg\nopen('ran', 'w')\n"
+        "LEG = {'leg': IdealPDActuatorCfg(joint_names_expr=['.*'], stiffness=40.0, damping=4 / 2, effort_limit=31)}\n"
+    )
+    (leg / "leg_cfg.py").write_text(text)
+    (line,) = compared("leg.yaml", "leg_cfg.py").wrong()
+    assert line.startswith("hip, knee: the effort limit is 31 N*m (leg_cfg.py:3:")
+    assert not (leg / "ran").exists()
+
+
+@pytest.mark.parametrize("kind", ["model", "spec", "entity"])
+def test_live_models(leg: Path, kind: str) -> None:
+    """Compiled models and models that are being built, with gears applied as in the file."""
+
+    class Entity:
+        spec = mujoco.MjSpec.from_string(MODEL)
+
+    thing = {"model": mujoco.MjModel.from_xml_string(MODEL), "spec": Entity.spec, "entity": Entity()}[kind]
+    spec = actspec.resolve("leg.yaml")
+    assert assert_agrees(spec, thing).count == 2 * 6
+    if kind == "model":
+        thing.dof_frictionloss[1] = 0.35
+        (line,) = compared(spec, thing).wrong()
+        assert (
+            line
+            == "knee: the dry friction is 0.35 N*m (MjModel), 0.2 N*m (leg.yaml:14:25) in the spec (x1.75)"
+        )
+
+
+@dataclasses.dataclass
+class IdealPDActuatorCfg:
+    """As Isaac Lab's, field for field; the real class is held to the spec in tests/frameworks/test_live.py."""
+
+    joint_names_expr: list[str]
+    stiffness: Any
+    damping: Any
+    effort_limit: Any = None
+    armature: Any = dataclasses.field(default_factory=lambda: dataclasses.MISSING)
+    class_type: type = dict
+
+
+def test_live_configurations(leg: Path) -> None:
+    """A place is the way to the number; what is None or missing is not stated."""
+    cfg = {"leg": IdealPDActuatorCfg([".*"], {"hip": 40.0, "knee": 60.0}, 2.0)}
+    found = compared(actspec.load("leg.yaml"), cfg)
+    assert found.count == 2 * 2
+    assert found.wrong() == [
+        "knee: the stiffness kp is 60 N*m/rad (actuators['leg'].stiffness), 40 N*m/rad (leg.yaml:10:9) in the spec"
+        " (x1.5)"
+    ]
+    assert len(found.unknown) == 4
+
+
+def test_wrong_arguments(leg: Path) -> None:
+    """Each is an error of its own, before or beside any comparison."""
+    with pytest.raises(TypeError, match=r"got set$"):
+        assert_agrees("leg.yaml", {"leg.xml"})
+    with pytest.raises(ValueError, match=r"a spec has no figure 'stiffness'; it has kp, kd, "):
+        assert_agrees("leg.yaml", "leg.xml", fields=["stiffness"])
+    with pytest.raises(ValueError, match=r"is not a regular expression"):
+        assert_agrees("leg.yaml", "leg.xml", joints="(")
+    with pytest.raises(ValueError, match=r"no joint of leg\.yaml matches 'ankle', it has hip, knee"):
+        assert_agrees("leg.yaml", "leg.xml", joints=["hip", "ankle"])
+    with pytest.raises(ValueError, match=r"missing is 'ignore' or 'error', got 'fail'"):
+        assert_agrees("leg.yaml", "leg.xml", missing="fail")  # type: ignore[arg-type]
+    with pytest.raises(AuditError, match="must be NAME==VERSION, got 'isaaclab'"):
+        assert_agrees("leg.yaml", "leg.xml", target="isaaclab")
+    with pytest.raises(AuditError, match="cannot be read"):
+        assert_agrees("leg.yaml", "none.xml")
