@@ -340,11 +340,11 @@ class ActuatorSet:
     joints: tuple[JointActuator, ...]
     unmanaged: tuple[str, ...]
     physics_dt: Quantity
-    decimation: int | None
-    delta_action: DeltaAction | None
-    accept: tuple[tuple[str, str], ...]
-    sources: tuple[Source, ...]
-    spec_sha256: str
+    decimation: int | None = None
+    delta_action: DeltaAction | None = None
+    accept: tuple[tuple[str, str], ...] = ()
+    sources: tuple[Source, ...] = ()
+    spec_sha256: str = ""
     diagnostics: tuple[Diagnostic, ...] = ()
     default_pose: tuple[str, ...] = ()
     approximations: tuple[Approximation, ...] = ()

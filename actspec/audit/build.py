@@ -58,8 +58,8 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
 def _rows(
     artifacts: Sequence[Artifact], robots: Sequence[Robot], versions: Versions
 ) -> tuple[LedgerRow, ...]:
+    from actspec.readings.config import rows_of_config
     from actspec.readings.ledger import rows_of_robot, rows_of_spec
-    from actspec.readings.ledger_config import rows_of_config
 
     rows: list[LedgerRow] = []
     for index, artifact in enumerate(artifacts):

@@ -126,9 +126,7 @@ def combine(readings: Sequence[RobotReading]) -> Combined:
         physics_dt=step,
         decimation=next((s.decimation for s in sets if s.decimation is not None), None),
         delta_action=next((s.delta_action for s in sets if s.delta_action is not None), None),
-        accept=(),
         sources=tuple(sources_of(readings, keys, sets)),
-        spec_sha256="",
     )
     left = tuple(alone[name] for name in order if name in alone)
     return Combined(

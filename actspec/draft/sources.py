@@ -14,7 +14,7 @@ from actspec.draft.text import scalar
 from actspec.ir import ActuatorSet, AsymmetricCurve, Command, JointActuator, Level, Origin, Quantity, Source
 from actspec.lift.lifted import Lifted
 from actspec.readings.artifact import Artifact, FileKind, Framework
-from actspec.readings.config_figures import control_of_group
+from actspec.readings.config import control_of_group
 from actspec.readings.versions import Versions
 from actspec.simulators import DEFAULT_VERSIONS
 from actspec.units import format_quantity

@@ -17,7 +17,7 @@ from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
-from actspec.readings.config_figures import control_of_group, selected
+from actspec.readings.config import control_of_group, selected
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.quantities import stated, unknown
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
@@ -112,10 +112,6 @@ def lift_config(
             unmanaged=tuple(item.joint for item in alone),
             physics_dt=own_step,
             decimation=_decimation(config),
-            delta_action=None,
-            accept=(),
-            sources=(),
-            spec_sha256="",
             diagnostics=config.notes,
         ),
         tuple(alone),

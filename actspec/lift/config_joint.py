@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
+from actspec.diagnostics import Span
 from actspec.ir import (
     AsymmetricCurve,
     Command,
@@ -17,7 +18,7 @@ from actspec.ir import (
     Randomization,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
-from actspec.readings.config_figures import Found, control_of_group, figures_of, is_own_class, lags_of
+from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
 from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
@@ -183,7 +184,7 @@ class ConfigJoint:
         unit = self._units.torque
         found = self._figure("effort_limit", unit, self._no_limit())
         if found.value is not None and found.value >= NONE_FROM:
-            return unknown(unit, f"{format_quantity(found.value, unit)} is no limit", found.span)
+            return real_limit(found)
         solver = self._figures.get("solver_effort_limit")
         if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
             names = ("effort_limit_sim", "joint_effort_limit")
@@ -252,19 +253,12 @@ class ConfigJoint:
             return Delay(unknown("s", why, high.span), 0.0, 0.0, sampling)
         if most == 0.0 == least:
             return None
-        steps = f"{most:g}" if least == most else f"{least:g} to {most:g}"
         if not _is_range(least, most):
-            self.notes.append(f"delay: {steps} physics steps, which is none")
+            self.notes.append(f"delay: {_counted(least, most)} physics steps, which is none")
             return None
-        if step is None:
-            why = f"{steps} physics steps, whose length no file states"
-            self.notes.append(f"delay: {why}")
-            return Delay(unknown("s", why, high.span), 0.0, 0.0, sampling)
-        ends, formula = (tidy(least * step), tidy(most * step)), f"{steps} steps x {step:g} s"
-        if least == most:
-            return Delay(stated(ends[1], "s", high.span, formula=formula), *ends, "episode")
-        self.notes += losses
-        return Delay(unknown("s", f"a range: {formula}", high.span), *ends, sampling)
+        delay, notes = delay_of_steps(least, most, step, high.span, sampling)
+        self.notes += notes or (losses if least < most else [])
+        return delay
 
     def _delay_in_seconds(self) -> Delay | None:
         nominal, low, high = (
@@ -313,6 +307,39 @@ class ConfigJoint:
 
 
 _ARTICLE: Mapping[Command, str] = {Command.VELOCITY: "a speed", Command.EFFORT: "a torque"}
+
+
+def real_limit(found: Quantity) -> Quantity:
+    """A limit; unknown where it is one of the numbers that stand for none."""
+    if found.value is None or found.value < NONE_FROM:
+        return found
+    return unknown(found.unit, f"{format_quantity(found.value, found.unit)} is no limit", found.span)
+
+
+def delay_of_steps(
+    least: float, most: float, step: float | None, span: Span, sampling: str = "episode"
+) -> tuple[Delay, list[str]]:
+    """A lag in physics steps as a delay in seconds, and what is to be remarked.
+
+    Args:
+        least: Steps.
+        most: Steps, at least as many.
+        step: Length of one [s]; None: no file states it.
+        span: Where the lag is written.
+        sampling: When one is drawn, of a range.
+    """
+    steps = _counted(least, most)
+    if step is None:
+        why = f"{steps} physics steps, whose length no file states"
+        return Delay(unknown("s", why, span), 0.0, 0.0, sampling), [f"delay: {why}"]
+    ends, formula = (tidy(least * step), tidy(most * step)), f"{steps} steps x {step:g} s"
+    if least == most:
+        return Delay(stated(ends[1], "s", span, formula=formula), *ends, "episode"), []
+    return Delay(unknown("s", f"a range: {formula}", span), *ends, sampling), []
+
+
+def _counted(least: float, most: float) -> str:
+    return f"{most:g}" if least == most else f"{least:g} to {most:g}"
 
 
 def _is_range(low: float, high: float) -> bool:

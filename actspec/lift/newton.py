@@ -15,12 +15,11 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Span, one_line, shortened
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Network, Quantity
-from actspec.lift.config_joint import NONE_FROM
+from actspec.lift.config_joint import NONE_FROM, delay_of_steps, real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaLayer, UsdaPrim
 from actspec.robot.view import JointView
-from actspec.units import format_quantity
 
 ACTUATOR = "NewtonActuator"
 TARGETS = "newton:targets"
@@ -97,11 +96,6 @@ def lift_newton(
             joints=tuple(actuators),
             unmanaged=tuple(item.joint for item in alone),
             physics_dt=head,
-            decimation=None,
-            delta_action=None,
-            accept=(),
-            sources=(),
-            spec_sha256="",
         ),
         tuple(alone),
         notes,
@@ -338,11 +332,7 @@ class NewtonDrive:
 
     def _velocity_limit(self) -> Quantity:
         found = self._own("newton:velocityLimit", self._units.speed, _DEGREE)
-        return found if found.value is None or found.value < NONE_FROM else self._unlimited(found)
-
-    def _unlimited(self, found: Quantity) -> Quantity:
-        assert found.span is not None
-        return unknown(found.unit, f"{format_quantity(found.value, found.unit)} is no limit", found.span)
+        return real_limit(found)
 
     def _stated(self, name: str, unit: str) -> Quantity | None:
         """A number of the actuator; None where it is not in force."""
@@ -381,21 +371,16 @@ class NewtonDrive:
         clamps = [found for name in names if (found := self._stated(name, unit)) is not None]
         if not clamps:
             return unknown(unit, "the overlay has no limit")
-        least = min(clamps, key=Quantity.require)
-        return least if least.require() < NONE_FROM else self._unlimited(least)
+        return real_limit(min(clamps, key=Quantity.require))
 
     def _delay(self) -> Delay | None:
         found = _attribute(self._prim, "newton:delaySteps")
         steps = self._number(found)
         if found is None or steps is None or steps == 0.0:
             return None
-        if self._physics_dt is None or steps < 0.0:
-            note = f"{steps:g} physics steps, whose length no file states"
-            self.notes.append(f"delay: {note}")
-            return Delay(unknown("s", note, found.span), 0.0, 0.0, "episode")
-        value = tidy(steps * self._physics_dt)
-        formula = f"{steps:g} steps x {self._physics_dt:g} s"
-        return Delay(stated(value, "s", found.span, formula=formula), value, value, "episode")
+        delay, note = delay_of_steps(steps, steps, self._physics_dt if steps > 0.0 else None, found.span)
+        self.notes += note
+        return delay
 
     def _bias(self, kp: Quantity | None) -> Quantity:
         """What a constant torque of a position drive amounts to at its encoder."""

@@ -308,13 +308,14 @@ class JointReading:
         return self._together(name, unit_of(name, self.joint.kind), self.servos)
 
     def _together(self, name: str, unit: str, drives: Sequence[DriveReading]) -> Quantity:
+        """A figure of several drives; unknown where one is, and without end where one has none."""
         parts: list[Quantity] = [getattr(drive, name) for drive in drives]
         if len(parts) == 1:
             return parts[0]
+        lead = next((p for end in (None, math.inf) for p in parts if p.value == end), None)
+        if lead is not None:
+            return lead
         said = [part for part in parts if part.span is not None]
-        hidden = next((part for part in parts if part.value is None), None)
-        if hidden is not None:
-            return hidden
         if len(said) <= 1:
             return (*said, *parts, assumed(0.0, unit, "the file has no drive"))[0]
         known = [part for part in said if part.value]
@@ -322,7 +323,7 @@ class JointReading:
         first = known[0] if known else said[0]
         assert first.span is not None
         return stated(
-            tidy(sum(part.value or 0.0 for part in parts)), unit, first.span, formula=formula or first.formula
+            tidy(sum(part.require() for part in parts)), unit, first.span, formula=formula or first.formula
         )
 
     @property
@@ -379,30 +380,18 @@ class JointReading:
             end = math.inf if joint.effort_range is None else joint.effort_range[1]
             return stated(end, unit, self.place("effort"))
         own = self.joint_bound
-        return least((own, self._bounds("bound"))) if self.acting and own.value is not None else own
+        return (
+            least((own, self._together("bound", unit, self.acting)))
+            if self.acting and own.value is not None
+            else own
+        )
 
     @property
     def force_bound(self) -> Quantity:
         """Largest torque that force ranges allow, the joint's and the drives', clamps of controls left out."""
-        return least((self.joint_bound, self._bounds("force_bound"))) if self.acting else self.joint_bound
-
-    def _bounds(self, name: str) -> Quantity:
-        bounds: list[Quantity] = [getattr(drive, name) for drive in self.acting]
-        if len(bounds) == 1:
-            return bounds[0]
-        value, unit = total([bound.value for bound in bounds]), self.units.torque
-        hidden = next((bound for bound in bounds if bound.value is None), None)
-        if hidden is not None:
-            return hidden
-        assert value is not None
-        if not math.isfinite(value):
-            return next(
-                (b for b in bounds if b.value == value), assumed(math.inf, unit, "the file has no limit")
-            )
-        assert bounds[0].span is not None
-        return stated(
-            tidy(value), unit, bounds[0].span, formula=" + ".join(b.formula or f"{b.value:g}" for b in bounds)
-        )
+        own = self.joint_bound
+        drives = self._together("force_bound", own.unit, self.acting) if self.acting else own
+        return least((own, drives))
 
     @property
     def total_damping(self) -> float | None:

@@ -20,10 +20,9 @@ from actspec.readings.artifact import (
     RandomizedRange,
 )
 from actspec.readings.compare import Figure
-from actspec.readings.config_figures import IN_FIGURES, figures_of
+from actspec.readings.config import IN_FIGURES, figures_of, rows_of_config
 from actspec.readings.dynamics import JointDynamics, dynamics_of
 from actspec.readings.ledger import LedgerRow, rows_of_robot, rows_of_spec
-from actspec.readings.ledger_config import rows_of_config
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.usda import MAX_BYTES, MISSING, Asset, UsdaAttribute, UsdaLayer, read_usda

@@ -10,7 +10,7 @@ import pytest
 from actspec.ir import Command, JointActuator, JointKind, Level, Origin
 from actspec.lift import Lifted, lift_config
 from actspec.readings.artifact import Artifact, Setting
-from actspec.readings.ledger_config import rows_of_config
+from actspec.readings.config import rows_of_config
 from actspec.readings.python.read import read_python
 from actspec.readings.read import read_file
 from actspec.readings.versions import Versions

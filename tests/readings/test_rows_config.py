@@ -13,9 +13,8 @@ import pytest
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.config_figures import control_of
+from actspec.readings.config import control_of, rows_of_config
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.ledger_config import rows_of_config
 from actspec.readings.python.read import read_python
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView, ModelFormat, PoseInertia, RobotView

@@ -15,7 +15,7 @@ from actspec.readings.artifact import (
     NetworkReading,
     RobotConfig,
 )
-from actspec.readings.config_figures import control_of
+from actspec.readings.config import control_of
 
 MJLAB_HISTORY = 3
 """mjlab's default `history_length`. Source: mjlab 1.6.0, actuator/learned_actuator.py."""

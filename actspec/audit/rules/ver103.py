@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework
-from actspec.readings.config_figures import control_of
+from actspec.readings.config import control_of
 from actspec.readings.versions import is_native
 from actspec.simulators import before, release
 from actspec.simulators.isaaclab import OLD_NAMES_GONE

@@ -9,7 +9,7 @@ from collections.abc import Callable, Mapping
 
 from actspec.diagnostics import Span
 from actspec.readings.artifact import Framework, RobotConfig
-from actspec.readings.config_figures import VOLTS
+from actspec.readings.config import VOLTS
 from actspec.readings.python.isaaclab import is_mjlab
 from actspec.readings.python.settings import (
     UNFOLDED,
