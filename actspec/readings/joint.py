@@ -379,19 +379,19 @@ class JointReading:
                 return unknown(unit, "the file has no limit")
             end = math.inf if joint.effort_range is None else joint.effort_range[1]
             return stated(end, unit, self.place("effort"))
-        own = self.joint_bound
-        return (
-            least((own, self._together("bound", unit, self.acting)))
-            if self.acting and own.value is not None
-            else own
-        )
+        return self._with_drives("bound")
 
     @property
     def force_bound(self) -> Quantity:
         """Largest torque that force ranges allow, the joint's and the drives', clamps of controls left out."""
+        return self._with_drives("force_bound")
+
+    def _with_drives(self, name: str) -> Quantity:
+        """The least of the joint's own limit and of a bound of all acting drives together."""
         own = self.joint_bound
-        drives = self._together("force_bound", own.unit, self.acting) if self.acting else own
-        return least((own, drives))
+        if not self.acting or own.value is None:
+            return own
+        return least((own, self._together(name, own.unit, self.acting)))
 
     @property
     def total_damping(self) -> float | None:

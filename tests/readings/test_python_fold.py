@@ -46,7 +46,13 @@ EXPRESSIONS = {
     "unpacked dict": ("{**{'a': 1, 'b': 2}, 'b': 3}", {"a": 1, "b": 3}),
     "joined dicts": ("{'a': 1} | {'a': 2}", {"a": 2}),
     "dict of words": ("dict(a=1, b=2)", {"a": 1, "b": 2}),
+    "dict of pairs": ("dict([('a', 1), ('b', 2)], b=3)", {"a": 1, "b": 3}),
     "item of a dict": ("{'a': 1, 'b': 2}['b']", 2),
+    "item by a tuple": ("{('L', 'hip'): 1, ('R', 'hip'): 2}['R', 'hip']", 2),
+    "tuples as keys": (
+        "{s + j: k for (s, j), k in {('L', 'hip'): 1, ('R', 'hip'): 2}.items()}",
+        {"Lhip": 1, "Rhip": 2},
+    ),
     "item from the end": ("[1, 2, 3][-1]", 3),
     "slice": ("[1, 2, 3, 4][1:3]", (2, 3)),
     "known test": ("1 if 2 > 1 else 3", 1),

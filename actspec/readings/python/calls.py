@@ -32,6 +32,9 @@ from actspec.readings.python.values import (
     truth,
 )
 
+MAX_KEY = 8
+"""Values in a tuple that is a dict's key. Chosen: names of a side and a joint are two."""
+
 _NOWHERE = Span("")
 
 Args = Sequence[Value]
@@ -153,7 +156,7 @@ def elements(data: Data, budget: Budget) -> list[Value] | Unknown:
     if isinstance(data, Seq) and budget.spend(len(data.items)):
         return list(data.items)
     if isinstance(data, Table) and data.open is None and budget.spend(len(data.items)):
-        return [Value(key, value.span) for key, value in data.items.items()]
+        return [_key_value(key, value.span) for key, value in data.items.items()]
     if isinstance(data, Obj) and "NamedTuple" in class_names(data.cls):
         return list(data.fields.values())
     return Unknown("iterated over")
@@ -163,7 +166,17 @@ def key_of(data: Data) -> Key | Unknown:
     """Data as a dict's key."""
     if isinstance(data, (str, int, float, type(None))):
         return data
+    if isinstance(data, Seq) and data.kind == "tuple" and len(data.items) <= MAX_KEY:
+        parts = [one.data for one in data.items]
+        scalars = [part for part in parts if isinstance(part, (str, int, float, type(None)))]
+        if len(scalars) == len(parts):
+            return tuple(scalars)
     return Unknown(reason_of(data) or "a key that is neither text nor number")
+
+
+def _key_value(key: Key, span: Span) -> Value:
+    """A dict's key as a value."""
+    return Value(Seq([Value(part, span) for part in key], "tuple") if isinstance(key, tuple) else key, span)
 
 
 def builtin(name: str, args: Args, named: Named, value: Value, budget: Budget) -> Data:
@@ -237,7 +250,15 @@ def _dict(args: Args, named: Named, budget: Budget) -> Data:
         if isinstance(first, Table):
             table = Table(dict(first.items), first.open)
         else:
-            return Unknown(reason_of(first) or "dict() of what is no dict")
+            pairs = [one.data for one in first.items] if isinstance(first, Seq) else []
+            if not all(isinstance(pair, Seq) and len(pair.items) == 2 for pair in pairs) or not pairs:
+                return Unknown(reason_of(first) or "dict() of what is no dict")
+            for pair in pairs:
+                assert isinstance(pair, Seq)
+                key = key_of(pair.items[0].data)
+                if isinstance(key, Unknown):
+                    return key
+                table.items[key] = pair.items[1]
     table.items.update(named)
     return table
 
@@ -310,7 +331,7 @@ def table_method(
             return Unknown(table.open or "iterated over", among=possible(table.items.values()))
         if name == "values":
             return Seq(list(table.items.values()), "tuple")
-        keys = [Value(key, value.span) for key, value in table.items.items()]
+        keys = [_key_value(key, value.span) for key, value in table.items.items()]
         if name == "keys":
             return Seq(keys, "tuple")
         pairs = [[key, value] for key, value in zip(keys, table.items.values(), strict=True)]

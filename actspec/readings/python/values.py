@@ -236,7 +236,7 @@ class Scope:
 
 
 Scalar: TypeAlias = bool | int | float | str | None
-Key: TypeAlias = Scalar
+Key: TypeAlias = Scalar | tuple[Scalar, ...]
 Data: TypeAlias = Scalar | Seq | Table | Obj | Cls | Func | Bound | Module | External | Unknown
 
 
