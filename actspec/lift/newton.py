@@ -10,10 +10,10 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.diagnostics import Span, one_line, shortened
+from actspec.diagnostics import one_line
 from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Network, Quantity
 from actspec.lift.config_joint import NONE_FROM, delay_of_steps, real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
@@ -23,9 +23,6 @@ from actspec.robot.view import JointView
 
 ACTUATOR = "NewtonActuator"
 TARGETS = "newton:targets"
-_KINDS = {"PhysicsRevoluteJoint": JointKind.HINGE, "PhysicsPrismaticJoint": JointKind.SLIDE}
-_AXES = {"angular": JointKind.HINGE, "linear": JointKind.SLIDE}
-
 PD, PID, NEURAL = "NewtonPDControlAPI", "NewtonPIDControlAPI", "NewtonNeuralControlAPI"
 MAX_EFFORT, DC_MOTOR = "NewtonMaxEffortClampingAPI", "NewtonDCMotorClampingAPI"
 BY_POSITION, DELAY = "NewtonPositionBasedClampingAPI", "NewtonActuatorDelayAPI"
@@ -48,16 +45,9 @@ READ: dict[str, tuple[str, ...]] = {
 _DEGREE = math.pi / 180.0
 _STAGE = "the stage's own"
 
-_OURS = "Written by actspec "
-_STEP = re.compile(r"Every physics step of (\d+(?:\.\d+)?(?:e[-+]?\d+)?) ms:")
-
 
 def lift_newton(
-    layer: UsdaLayer,
-    joints: Sequence[JointView | str] | None = None,
-    *,
-    prims: Mapping[str, str] | None = None,
-    physics_dt: float | None = None,
+    layer: UsdaLayer, joints: Sequence[JointView], prims: Mapping[str, str], physics_dt: float
 ) -> Lifted:
     """What an overlay says of a robot's actuators.
 
@@ -65,56 +55,28 @@ def lift_newton(
 
     Args:
         layer: The overlay.
-        joints: The robot's joints, in its order, names alone where no robot file has them; None: those that the
-            overlay names itself.
-        prims: Joint to the path of its prim; None: a joint is called as its prim is.
-        physics_dt: The simulation's step [s], of which delays are multiples; None: what the head says, to its six
-            digits, where actspec wrote it.
+        joints: The robot's joints, in its order.
+        prims: Joint to the path of its prim.
+        physics_dt: The simulation's step [s], of which delays are multiples.
     """
-    found, remarks = newton_joints(layer, joints, prims)
-    head = _head_step(layer)
-    step = head.value if physics_dt is None else physics_dt
     actuators: list[JointActuator] = []
     alone: list[LeftAlone] = []
-    notes: dict[str, tuple[str, ...]] = {}
-    for joint in found:
+    for joint in newton_joints(layer, joints, prims):
         why = unsupported(joint)
-        if why is not None:
+        if why is None:
+            actuators.append(NewtonDrive(joint, os.path.dirname(layer.path), physics_dt).actuator())
+        else:
             prim = joint.actuators[0] if joint.actuators else joint.prim
             alone.append(LeftAlone(joint.name, why, None if prim is None else prim.span))
-            continue
-        drive = NewtonDrive(joint, os.path.dirname(layer.path), step)
-        actuators.append(drive.actuator())
-        if drive.notes:
-            notes[joint.name] = tuple(dict.fromkeys(drive.notes))
-    whole = (*remarks, *_unfollowed(layer))
-    if whole:
-        notes[""] = whole
     return Lifted(
         ActuatorSet(
             robot=next((path.split("/")[1] for path in layer.prims), ""),
             joints=tuple(actuators),
             unmanaged=tuple(item.joint for item in alone),
-            physics_dt=head,
+            physics_dt=unknown("s", "the format has no time step"),
         ),
         tuple(alone),
-        notes,
     )
-
-
-def _unfollowed(layer: UsdaLayer) -> Iterator[str]:
-    for word in layer.unfollowed:
-        yield f"{word} are not followed: what they bring in is not here"
-
-
-def _head_step(layer: UsdaLayer) -> Quantity:
-    """The step that our own head names."""
-    if any(line.startswith(_OURS) for line in layer.head):
-        for line in layer.head:
-            match = _STEP.match(line)
-            if match:
-                return stated(tidy(float(match[1]) / 1e3), "s", Span(layer.path, 1))
-    return unknown("s", "the format has no time step")
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,100 +84,47 @@ class NewtonJoint:
     """One joint of an overlay.
 
     Attributes:
-        name: Of the joint.
-        view: The joint in the robot's file; None: not at hand.
-        kind: Hinge or slide; None: neither the file nor the robot says.
+        view: The joint in the robot's file.
         prim: The joint's own prim; None: the overlay has none.
         actuators: The actuators that target it, in the file's order.
     """
 
-    name: str
-    view: JointView | None
-    kind: JointKind | None
+    view: JointView
     prim: UsdaPrim | None
     actuators: tuple[UsdaPrim, ...]
 
+    @property
+    def name(self) -> str:
+        """Of the joint."""
+        return self.view.name
+
 
 def newton_joints(
-    layer: UsdaLayer, joints: Sequence[JointView | str] | None, prims: Mapping[str, str] | None
-) -> tuple[tuple[NewtonJoint, ...], tuple[str, ...]]:
-    """The joints of an overlay, and remarks on what of it is no joint's.
+    layer: UsdaLayer, joints: Sequence[JointView], prims: Mapping[str, str]
+) -> tuple[NewtonJoint, ...]:
+    """The joints of an overlay, each with the actuators that are in force there.
 
     Args:
         layer: The overlay.
         joints: As in `lift_newton`.
         prims: Likewise.
     """
-    targeted, remarks = _targeted(layer)
-    views = {joint if isinstance(joint, str) else joint.name: joint for joint in joints or ()}
-    views = {
-        name: view
-        for name, view in views.items()
-        if isinstance(view, str) or view.kind in (JointKind.HINGE, JointKind.SLIDE)
-    }
-    paths = _named(layer, targeted) if prims is None else dict(prims)
-    found = []
-    for name in views or paths:
-        path = paths.get(name, "")
-        view = views.get(name)
-        joint = None if view is None or isinstance(view, str) else view
-        prim = layer.prims.get(path)
-        kind = joint.kind if joint is not None else None if prim is None else _kind(prim)
-        found.append(NewtonJoint(name, joint, kind, prim, tuple(targeted.pop(path, ()))))
-    strays = [f"actuators at {shortened(path)}, which is none of the joints" for path in targeted]
-    return tuple(found), (*remarks, *strays)
-
-
-def _targeted(layer: UsdaLayer) -> tuple[dict[str, list[UsdaPrim]], list[str]]:
-    """Joints' paths to the actuators that are in force there."""
-    found: dict[str, list[UsdaPrim]] = {}
-    remarks = []
+    targeted: dict[str, list[UsdaPrim]] = {}
     for prim in layer.prims.values():
-        if prim.type != ACTUATOR or not prim.active:
-            continue
-        if prim.specifier != "def":
-            remarks.append(f"{shortened(prim.path)} is no def: left to the stage, if it has one")
-            continue
         attribute = prim.attributes.get(TARGETS)
         targets = attribute.value if attribute is not None and isinstance(attribute.value, tuple) else ()
-        if not targets:
-            remarks.append(f"{shortened(prim.path)} has no target, which Newton refuses")
-            continue
-        if len(targets) > 1:
-            remarks.append(f"{shortened(prim.path)} has {len(targets)} targets: Newton takes the first")
-        found.setdefault(str(targets[0]), []).append(prim)
-    return found, remarks
-
-
-def _named(layer: UsdaLayer, targeted: Mapping[str, Sequence[UsdaPrim]]) -> dict[str, str]:
-    """Names of the joints to their paths: the last name, or the whole path where two end alike."""
-    paths = dict.fromkeys([prim.path for prim in layer.prims.values() if _is_joint(prim)] + list(targeted))
-    last = [path.rpartition("/")[2] for path in paths]
-    return {name if last.count(name) == 1 else path: path for name, path in zip(last, paths, strict=True)}
-
-
-def _is_joint(prim: UsdaPrim) -> bool:
-    return prim.type in _KINDS or any(
-        api == "NewtonJointAPI" or api.startswith("PhysicsDriveAPI:") for api in prim.apis
+        # What is no def is left to the stage, and of several targets Newton takes the first.
+        if prim.type == ACTUATOR and prim.active and prim.specifier == "def" and targets:
+            targeted.setdefault(str(targets[0]), []).append(prim)
+    paths = [(joint, prims.get(joint.name, "")) for joint in joints]
+    return tuple(
+        NewtonJoint(joint, layer.prims.get(path), tuple(targeted.get(path, ()))) for joint, path in paths
     )
-
-
-def _kind(prim: UsdaPrim) -> JointKind | None:
-    """What a prim's type says, else the axis of its drive."""
-    if prim.type in _KINDS:
-        return _KINDS[prim.type]
-    kinds = {_AXES[axis] for axis in _axes(prim) if axis in _AXES}
-    return kinds.pop() if len(kinds) == 1 else None
-
-
-def _axes(prim: UsdaPrim) -> Iterator[str]:
-    yield from (api.partition(":")[2] for api in prim.apis if api.startswith("PhysicsDriveAPI:"))
-    yield from (name.split(":")[1] for name in prim.attributes if name.startswith("drive:"))
 
 
 def unsupported(joint: NewtonJoint) -> str | None:
     """Why a spec cannot say what the overlay does at a joint; None when it can."""
-    if joint.view is not None and joint.view.mimic is not None:
+    if joint.view.mimic is not None:
         return f"follows '{one_line(joint.view.mimic)}' (mimic)"
     if not joint.actuators:
         return "no NewtonActuator"
@@ -251,32 +160,25 @@ def _attribute(prim: UsdaPrim, name: str) -> UsdaAttribute | None:
 
 
 class NewtonDrive:
-    """One joint that a spec can describe.
+    """One joint that a spec can describe."""
 
-    Attributes:
-        notes: What a spec cannot hold, or says otherwise; complete once the actuator is made.
-    """
-
-    def __init__(self, joint: NewtonJoint, folder: str, physics_dt: float | None) -> None:
-        self.notes: list[str] = []
+    def __init__(self, joint: NewtonJoint, folder: str, physics_dt: float) -> None:
         self._joint = joint
         self._prim = joint.actuators[0]
         self._folder = folder
         self._physics_dt = physics_dt
-        self._kind = joint.kind or JointKind.HINGE
+        self._kind = joint.view.kind
         self._units = units_of(self._kind)
 
     def actuator(self) -> JointActuator:
         """The joint's actuator."""
-        units, joint, view = self._units, self._joint, self._joint.view
+        units, joint = self._units, self._joint
         network = self._network()
         kp, kd, command = self._gains(network)
         stall, speed = self._line()
         level = Level.IDEAL_PD if stall is None else Level.DC_MOTOR
         if network is not None:
             level = Level.ACTUATOR_NET
-        limit = self._effort_limit()
-        self._note(limit)
         return JointActuator(
             joint=joint.name,
             kind=self._kind,
@@ -286,7 +188,7 @@ class NewtonDrive:
             command=command,
             kp=kp,
             kd=kd,
-            effort_limit=limit,
+            effort_limit=self._effort_limit(),
             velocity_limit=self._velocity_limit(),
             stall_torque=stall,
             no_load_speed=speed,
@@ -299,23 +201,16 @@ class NewtonDrive:
             delay=self._delay(),
             encoder_bias=self._bias(kp),
             default_position=unknown(units.position),
-            position_range=None if view is None else view.range,
+            position_range=joint.view.range,
             network=network,
             span=self._prim.span,
         )
 
     def _number(self, found: UsdaAttribute | None) -> float | None:
         """An attribute's number; None where it has none."""
-        if found is None or found.value is None:
+        if found is None or found.type not in NUMERIC or not isinstance(found.value, int | float):
             return None
-        if found.type not in NUMERIC or not isinstance(found.value, int | float):
-            self.notes.append(f"{found.name} is of type {found.type}: Newton takes a number")
-            return None
-        if math.isnan(found.value):
-            return None
-        if found.value < 0.0 and found.name != "newton:constEffort":
-            self.notes.append(f"{found.name} is {found.value:g}: Newton takes no negative number")
-        return float(found.value)
+        return None if math.isnan(found.value) else float(found.value)
 
     def _own(self, name: str, unit: str, factor: float = 1.0) -> Quantity:
         """A number of the joint's prim; of a hinge `factor` is what one of its units is in `unit`."""
@@ -351,7 +246,6 @@ class NewtonDrive:
         if kp.value:
             return kp, kd, Command.POSITION
         command = Command.VELOCITY if kd.value else Command.EFFORT
-        self.notes.append(f"stiffness 0: the command is a {'speed' if kd.value else 'torque'}")
         return None, kd if kd.value else None, command
 
     def _line(self) -> tuple[Quantity | None, Quantity | None]:
@@ -378,9 +272,7 @@ class NewtonDrive:
         steps = self._number(found)
         if found is None or steps is None or steps == 0.0:
             return None
-        delay, note = delay_of_steps(steps, steps, self._physics_dt if steps > 0.0 else None, found.span)
-        self.notes += note
-        return delay
+        return delay_of_steps(steps, steps, self._physics_dt if steps > 0.0 else None, found.span)[0]
 
     def _bias(self, kp: Quantity | None) -> Quantity:
         """What a constant torque of a position drive amounts to at its encoder."""
@@ -399,23 +291,3 @@ class NewtonDrive:
         if found is None or not isinstance(found.value, Asset):
             return Network("", None, self._prim.span)
         return Network(os.path.normpath(os.path.join(self._folder, found.value.path)), None, found.span)
-
-    def _note(self, limit: Quantity) -> None:
-        """What does nothing, and what acts beside the actuator."""
-        for name in self._prim.attributes:
-            apis = READ.get(name, ())
-            if apis and not any(api in self._prim.apis for api in apis):
-                self.notes.append(f"{name} does nothing without {' or '.join(apis)}")
-        self.notes += [f"{api} is not read" for api in self._prim.apis if api not in _KNOWN]
-        if self._joint.kind is None:
-            self.notes.append("the kind of the joint is not stated: it is taken as a hinge")
-        head = f"drive:{'angular' if self._kind is JointKind.HINGE else 'linear'}:physics:"
-        attributes = {} if self._joint.prim is None else self._joint.prim.attributes
-        for part in ("stiffness", "damping"):
-            if self._number(attributes.get(head + part)):
-                self.notes.append(f"the stage's own drive acts beside the actuator ({head}{part})")
-        force = self._number(attributes.get(f"{head}maxForce"))
-        if force is not None and force < (math.inf if limit.value is None else limit.value):
-            self.notes.append(
-                f"{head}maxForce clips at {force:g} {self._units.torque} too, where it is in force"
-            )

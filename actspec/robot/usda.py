@@ -1,7 +1,7 @@
 """Layers of USD's text form (`.usda`), as far as overlays of a robot's stage go, read by `usd-core`.
 
-One layer is read as it stands, and no stage is made of it: references, payloads, sublayers and inherits are listed in
-`UsdaLayer.unfollowed` and no other file is opened. Variants, time samples and connections are refused. USD crashes on
+One layer is read as it stands, and no stage is made of it: references, payloads, sublayers and inherits are not
+followed, and no other file is opened. Variants, time samples and connections are refused. USD crashes on
 text that is nested deeply enough, so it reads in another process.
 Source: usd-core 26.11.
 """
@@ -34,15 +34,6 @@ MISSING = "USDA004"
 
 NUMERIC = ("float", "double", "half", "timecode", "int", "int64", "uint", "uint64", "uchar")
 """Types of one number."""
-
-_COMPOSITION = {
-    "references": "references",
-    "payload": "payload",
-    "inheritPaths": "inherits",
-    "specializes": "specializes",
-    "relocates": "relocates",
-}
-"""Fields that bring in other prims to their words."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +99,10 @@ class UsdaLayer:
     Attributes:
         path: The file as the user named it.
         prims: By path, in the file's order.
-        head: Comments before anything else, without their marks.
-        unfollowed: Words of the layer that bring in others: `subLayers`, `references`.
     """
 
     path: str
     prims: Mapping[str, UsdaPrim]
-    head: tuple[str, ...] = ()
-    unfollowed: tuple[str, ...] = ()
 
 
 def read_usda(data: bytes, path: str) -> UsdaLayer:
@@ -181,15 +168,13 @@ def layer_of(data: bytes, path: str) -> UsdaLayer:
         raise _syntax(str(err), text, path) from err
     places = dict(_places(text, path))
     prims: dict[str, UsdaPrim] = {}
-    unfollowed: dict[str, None] = {"subLayers": None} if layer.subLayerPaths else {}
     stack = [(spec, True) for spec in reversed(list(layer.rootPrims))]
     while stack:
         spec, on = stack.pop()
         prim = _prim(spec, on, path, places)
         prims[prim.path] = prim
-        unfollowed.update((word, None) for key, word in _COMPOSITION.items() if spec.HasInfo(key))
         stack += [(child, prim.active) for child in reversed(list(spec.nameChildren))]
-    return UsdaLayer(path, prims, tuple(_head(text)), tuple(unfollowed))
+    return UsdaLayer(path, prims)
 
 
 def _prim(spec: Any, on: bool, path: str, places: Mapping[tuple[str, str], Span]) -> UsdaPrim:
@@ -239,13 +224,6 @@ def _value(value: Any, kind: str) -> Value:
         return tuple(_value(item, kind) for item in value)
     except TypeError:  # a quaternion, a time code
         return str(value)
-
-
-def _head(text: str) -> Iterator[str]:
-    for line in text.splitlines()[1:]:
-        if not line.startswith("#"):
-            return
-        yield line[1:].strip()
 
 
 _TOKEN = re.compile(

@@ -314,13 +314,13 @@ def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robo
         return FileFigures(path, str(err))
     prims = {name: path_text(parts) for name, parts in layout.joints.items()}
     views = [view for actuator in actuators.joints if (view := robot.joint(actuator.joint)) is not None]
-    whole = lift_newton(layer, views, prims=prims, physics_dt=actuators.physics_dt.require())
+    whole = lift_newton(layer, views, prims, actuators.physics_dt.require())
     lifted = whole.actuators
     figures: dict[str, dict[str, Figure]] = {
         name: {field: figure for field, figure in found.items() if field in OVERLAY_FIELDS}
         for name, found in spec_figures(lifted, path).items()
     }
-    joints, _ = newton_joints(layer, views, prims)
+    joints = newton_joints(layer, views, prims)
     raw = {joint.name: dict(_overlay_raw(joint)) for joint in joints}
     for name, prim, active in _own_actuators(layer, robot, layout):
         raw.setdefault(name, {})[f"active of {prim}"] = active

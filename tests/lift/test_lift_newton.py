@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,6 @@ import pytest
 from actspec.ir import Command, JointActuator, JointKind, Level, Origin, Quantity
 from actspec.lift import Lifted, lift_newton
 from actspec.robot.usda import layer_of
-from actspec.robot.view import RobotView
 from tests.compiling import view_of
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -46,10 +46,16 @@ def actuator(
     )
 
 
-def lifted(*prims: str, head: str = "", **options: object) -> Lifted:
+PATHS = {"hip": "/leg/hip", "rod": "/leg/rod"}
+
+
+def lifted(
+    *prims: str, names: tuple[str, ...] = ("hip",), paths: Mapping[str, str] = PATHS, dt: float = 0.005
+) -> Lifted:
     """What is made of an overlay of the robot `/leg`, whose prims begin in line 3."""
-    text = f'#usda 1.0{head}\nover "leg" {{\n{"".join(prims)}}}\n'
-    return lift_newton(layer_of(text.encode(), "usd/leg.usda"), **options)  # type: ignore[arg-type]
+    layer = layer_of(f'#usda 1.0\nover "leg" {{\n{"".join(prims)}}}\n'.encode(), "usd/leg.usda")
+    joints = view_of(MODEL).joints
+    return lift_newton(layer, [joint for joint in joints if joint.name in names], paths, dt)
 
 
 def only(found: Lifted) -> JointActuator:
@@ -62,11 +68,6 @@ def said(quantity: Quantity | None) -> tuple[float | None, str, str]:
     """Value, unit and origin."""
     assert quantity is not None
     return quantity.value, quantity.unit, quantity.origin.value
-
-
-def robot() -> RobotView:
-    """A robot whose hip and rod are those of the overlay."""
-    return view_of(MODEL)
 
 
 def test_hinge() -> None:
@@ -86,15 +87,15 @@ def test_hinge() -> None:
     assert joint.velocity_limit.value == 15.70796
     assert said(joint.effort_limit) == (None, "N*m", "unknown")
     assert found.left_alone == ()
-    assert found.notes == {
-        "hip": ("drive:angular:physics:maxForce clips at 20 N*m too, where it is in force",)
-    }
+    assert joint.position_range == (-1.0, 2.0)
     assert (found.actuators.robot, found.actuators.physics_dt.value) == ("leg", None)
 
 
 def test_slide() -> None:
     """A slide has no angle in it."""
-    joint = only(lifted(ROD, actuator("float newton:kp = 900\nfloat newton:kd = 40", joint="rod")))
+    joint = only(
+        lifted(ROD, actuator("float newton:kp = 900\nfloat newton:kd = 40", joint="rod"), names=("rod",))
+    )
     assert joint.kind is JointKind.SLIDE
     assert said(joint.kp) == (900.0, "N/m", "model")
     assert said(joint.friction_viscous) == (5.0, "N*s/m", "model")
@@ -191,21 +192,11 @@ def test_clamps(
 )
 def test_command(attributes: str, command: Command, gains: tuple[float | None, float | None]) -> None:
     """A drive without stiffness follows a speed, one without gains a torque; what is not written is Newton's 0."""
-    found = lifted(actuator(attributes))
-    joint = only(found)
+    joint = only(lifted(actuator(attributes)))
     assert joint.command is command
     assert (joint.kp and joint.kp.value, joint.kd and joint.kd.value) == gains
     if command is Command.POSITION:
         assert joint.kd is not None and joint.kd.origin is Origin.DEFAULT
-    told = [note for note in found.notes["hip"] if note.startswith("newton:kp")]
-    assert told == NOTES.get(attributes, [])
-
-
-NOTES = {
-    "float newton:kp = -5": ["newton:kp is -5: Newton takes no negative number"],
-    "foo newton:kp = 5": ["newton:kp is of type foo: Newton takes a number"],
-}
-"""What is told of such gains."""
 
 
 def test_bias() -> None:
@@ -214,33 +205,14 @@ def test_bias() -> None:
     assert (joint.encoder_bias.value, joint.encoder_bias.formula) == (0.02, "1.2 / 60 (stiffness)")
 
 
-HEAD = "\n# Written by actspec 0.1.0 for Newton 1.8.\n# Every physics step of 2.5 ms: control.joint_f.zero_()"
-
-
-@pytest.mark.parametrize(
-    ("head", "given", "seconds"),
-    [
-        (HEAD, None, 0.0075),
-        (HEAD, 0.004, 0.012),
-        ("", 0.004, 0.012),
-        ("", None, None),
-        ("\n# Every physics step of 2.5 ms: of somebody else", None, None),
-    ],
-    ids=["head", "given wins", "given", "nobody", "not ours"],
-)
-def test_delay(head: str, given: float | None, seconds: float | None) -> None:
-    """Three steps are as long as the step is, which the caller says, or the head where actspec wrote it."""
-    found = lifted(
-        actuator("float newton:kp = 5\nint newton:delaySteps = 3", PD, "NewtonActuatorDelayAPI"),
-        head=head,
-        physics_dt=given,
-    )
-    delay = only(found).delay
-    assert delay is not None and delay.nominal.value == seconds
-    assert (delay.low, delay.high) == (seconds or 0.0, seconds or 0.0)
-    told = "delay: 3 physics steps, whose length no file states" in found.notes.get("hip", ())
-    assert told == (seconds is None)
-    assert found.actuators.physics_dt.value == (0.0025 if head == HEAD else None)
+def test_delay() -> None:
+    """Three steps of 4 ms."""
+    delay = only(
+        lifted(
+            actuator("float newton:kp = 5\nint newton:delaySteps = 3", PD, "NewtonActuatorDelayAPI"), dt=0.004
+        )
+    ).delay
+    assert delay is not None and (delay.nominal.value, delay.low, delay.high) == (0.012, 0.012, 0.012)
 
 
 @pytest.mark.parametrize(
@@ -249,11 +221,8 @@ def test_delay(head: str, given: float | None, seconds: float | None) -> None:
     ids=["0", "no schema"],
 )
 def test_no_delay(attributes: str, apis: tuple[str, ...]) -> None:
-    """No step is no delay, and so are steps without the schema, which is told."""
-    found = lifted(actuator(f"float newton:kp = 5\n{attributes}", *apis), physics_dt=0.005)
-    assert only(found).delay is None
-    told = "newton:delaySteps does nothing without NewtonActuatorDelayAPI" in found.notes["hip"]
-    assert told == (len(apis) == 1)
+    """No step is no delay, and so are steps without the schema."""
+    assert only(lifted(actuator(f"float newton:kp = 5\n{attributes}", *apis))).delay is None
 
 
 def test_network() -> None:
@@ -270,9 +239,6 @@ def test_network() -> None:
     assert joint.network is not None
     assert Path(joint.network.file).parts == ("usd", "nets", "a.onnx")
     assert (joint.kp, joint.kd, joint.effort_limit.value) == (None, None, 9.0)
-    assert found.notes == {
-        "hip": ("newton:kp does nothing without NewtonPDControlAPI or NewtonPIDControlAPI",)
-    }
 
 
 @pytest.mark.parametrize(
@@ -313,25 +279,17 @@ def test_pid_without_an_integral_is_a_pd() -> None:
 
 
 @pytest.mark.parametrize(
-    ("prims", "note"),
+    "text",
     [
-        (
-            (actuator("", begin="over NewtonActuator"),),
-            "/leg/drive is no def: left to the stage, if it has one",
-        ),
-        (('def NewtonActuator "drive" {}\n',), "/leg/drive has no target, which Newton refuses"),
-        (
-            (actuator("", begin="class NewtonActuator"),),
-            "/leg/drive is no def: left to the stage, if it has one",
-        ),
+        actuator("", begin="over NewtonActuator"),
+        'def NewtonActuator "drive" {}\n',
+        actuator("", begin="class NewtonActuator"),
     ],
     ids=["over", "no target", "class"],
 )
-def test_actuators_that_are_none(prims: tuple[str, ...], note: str) -> None:
-    """What Newton does not take for an actuator is told, and drives nothing."""
-    found = lifted(*prims)
-    assert found.actuators.joints == ()
-    assert found.notes[""] == (note,)
+def test_actuators_that_are_none(text: str) -> None:
+    """What Newton does not take for an actuator drives nothing."""
+    assert [alone.why for alone in lifted(text).left_alone] == ["no NewtonActuator"]
 
 
 def test_switched_off() -> None:
@@ -340,63 +298,28 @@ def test_switched_off() -> None:
     assert [alone.why for alone in lifted(HIP, scope).left_alone] == ["no NewtonActuator"]
 
 
-def test_the_stages_own_drive_is_told() -> None:
-    """Gains of the joint's own drive act beside the actuator's."""
-    text = HIP.replace("stiffness = 0", "stiffness = 3")
-    found = lifted(text, actuator("float newton:kp = 3"))
-    assert (
-        "the stage's own drive acts beside the actuator (drive:angular:physics:stiffness)"
-        in found.notes["hip"]
-    )
-
-
-def test_nothing_is_followed() -> None:
-    """A layer that only brings in others has no actuators, and says why."""
-    found = lifted(head="\n(subLayers = [@a.usda@, @b.usda@])")
-    assert found.actuators.joints == ()
-    assert found.notes == {"": ("subLayers are not followed: what they bring in is not here",)}
-
-
 def test_joints_of_a_robot() -> None:
     """A robot's joints come in its order, with their kind and range, whatever their prims are called."""
-    prims = {"rod": "/leg/x", "hip": "/leg/hip"}
     found = lifted(
         actuator("float newton:kp = 5", joint="x", name="one"),
         actuator("float newton:kp = 6", name="two"),
         actuator("float newton:kp = 7", name="three", joint="wheel"),
-        joints=robot().joints,
-        prims=prims,
+        names=("hip", "rod"),
+        paths={"rod": "/leg/x", "hip": "/leg/hip"},
     )
     assert [(a.joint, a.kind, a.group, a.position_range) for a in found.actuators.joints] == [
         ("hip", JointKind.HINGE, "two", (-1.0, 2.0)),
         ("rod", JointKind.SLIDE, "one", (-0.1, 0.2)),
     ]
-    assert found.notes == {"": ("actuators at /leg/wheel, which is none of the joints",)}
 
 
-def test_joints_by_name_alone() -> None:
-    """Without a robot's file the kind is the drive's axis, else a hinge, which is told; two of one name keep paths."""
-    prims = (ROD, actuator("float newton:kp = 5", joint="rod"), actuator("float newton:kp = 6", name="h"))
-    found = lifted(*prims, joints=["hip", "rod", "knee"])
-    assert [(a.joint, a.kind) for a in found.actuators.joints] == [
-        ("hip", JointKind.HINGE),
-        ("rod", JointKind.SLIDE),
-    ]
-    assert found.notes == {"hip": ("the kind of the joint is not stated: it is taken as a hinge",)}
-    assert [(alone.joint, alone.span) for alone in found.left_alone] == [("knee", None)]
-    twice = lifted(actuator("", joint="a/hip"), actuator("", joint="b/hip", name="two"))
-    assert [a.joint for a in twice.actuators.joints] == ["/leg/a/hip", "/leg/b/hip"]
-
-
-def test_stage_of_its_own() -> None:
-    """A whole stage has its joints as prims of their types; several targets are told, and the first is the joint."""
+def test_first_of_several_targets() -> None:
+    """Newton takes the first."""
     found = lifted(
-        'def PhysicsPrismaticJoint "rod" {\n}\n',
-        'def PhysicsRevoluteJoint "hip" {\n}\n',
         actuator("float newton:kp = 5", joint="rod>, </leg/hip")
         .replace("= </", "= [</")
         .replace("hip>", "hip>]"),
+        names=("hip", "rod"),
     )
-    assert (only(found).joint, only(found).kind) == ("rod", JointKind.SLIDE)
-    assert found.notes[""] == ("/leg/drive has 2 targets: Newton takes the first",)
+    assert only(found).joint == "rod"
     assert [alone.joint for alone in found.left_alone] == ["hip"]

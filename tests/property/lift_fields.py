@@ -229,7 +229,7 @@ HOLDS: dict[str, dict[str, Entry]] = {
         "position_range": OF_THE_ROBOT,
         "network": Held(),
         "randomize": RANDOMIZED,
-        "physics_dt": Held(),
+        "physics_dt": TASK,
         "decimation": TASK,
     },
 }

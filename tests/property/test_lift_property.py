@@ -165,7 +165,7 @@ def test_deploy(place: Any, groups: list[Drive], policy: Any) -> None:
 @given(groups=robots(), version=st.sampled_from(["1.2", "1.3", "1.4", "1.8"]))
 @many("newton")
 def test_newton(groups: list[Drive], version: str) -> None:
-    """Newton's overlay: joints by the paths of their prims; their kind and the step are in the text."""
+    """Newton's overlay: joints by the paths of their prims."""
     pytest.importorskip("pxr", reason="usd-core is not installed")
     actuators, robot = resolved(groups)
     names = [actuator.joint for actuator in actuators.joints]
@@ -175,7 +175,8 @@ def test_newton(groups: list[Drive], version: str) -> None:
         actuators, robot, kind="newton", version=version, root="/World/bot", joint_paths=stated
     )
     layer = layer_of(emission.files[0].data, "bot_newton.usda")
-    lifted = lift_newton(layer, names, prims=paths)
+    views = [joint for joint in robot.joints if joint.name in paths]
+    lifted = lift_newton(layer, views, paths, STEP)
     assert lifted.left_alone == ()
     check("newton", actuators, lifted.actuators, emission.approximations, SINGLE)
 
