@@ -8,11 +8,13 @@ from __future__ import annotations
 import os
 from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cache
 
 from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
+from actspec.audit.exclude import Exclude, glob_matches
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.ignores import (
     REMARKS,
@@ -28,8 +30,8 @@ from actspec.audit.outcome import CONFIDENCES, Means, Report, Reported, Suppress
 from actspec.audit.read import pending_files
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import ALL, is_selected, strength
-from actspec.audit.settings import Settings, glob_matches
+from actspec.audit.selection import ALL, DIAGNOSTICS, is_selected, strength
+from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import FAULT, PendingFiles, without_fragments
@@ -53,7 +55,10 @@ def audit(
     Raises: AuditError: the baseline cannot be read.
     """
     if not isinstance(files, PendingFiles):
-        with pending_files(files) as pending:
+        exclude = Exclude(
+            tuple((glob, settings.folder) for glob in settings.exclude), settings.force_exclude, spec
+        )
+        with pending_files(files, exclude=exclude) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
     readings = without_fragments(files.finish(progress))
     case = case_of(readings, settings.versions, settings.options, spec)
@@ -94,7 +99,7 @@ def judge(
     names = {name: rule for rule in everything if rule.code in ran for name in called[rule.code]}
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
-    problems += [item for item in dict.fromkeys(about) if _is_wanted(item, settings)]
+    problems += dict.fromkeys(about)
     kept, suppressed = _in_order(after.kept), list(after.suppressed)
     kept = _split(
         kept,
@@ -108,7 +113,9 @@ def judge(
         suppressed += known
         problems += _stale(stale, case, ran, settings.baseline or "", folder)
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
-    return Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
+    report = Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
+    quiet = frozenset(item for item in report.diagnostics() if not _is_wanted(item, settings))
+    return replace(report, problems=tuple(item for item in problems if item not in quiet), quiet=quiet)
 
 
 def _is_asked_for(rule: type[Rule], settings: Settings) -> bool:
@@ -244,10 +251,13 @@ def _split(
 
 
 def _is_wanted(item: Diagnostic, settings: Settings) -> bool:
-    """Whether the settings ask for a diagnostic about a remark."""
-    names = (item.code, REMARKS[item.code])
-    asked = is_selected(item.code, names[1:], settings.select, settings.ignore)
-    return asked and item.span is not None and not _ignored_by_setting(item.span.path, names, settings)
+    """Whether the settings ask for a diagnostic. Of those about files, none is left out by what is selected."""
+    if item.severity is Severity.ERROR:
+        return True
+    names = (item.code, REMARKS.get(item.code) or DIAGNOSTICS.get(item.code, item.code))
+    select = settings.select if item.code in REMARKS else (ALL,)
+    asked = is_selected(item.code, names[1:], select, settings.ignore)
+    return asked and not (item.span and _ignored_by_setting(item.span.path, names, settings))
 
 
 def _ignored_by_setting(file: str, names: Sequence[str], settings: Settings) -> bool:

@@ -73,6 +73,7 @@ class Report:
         suppressed: Findings that were set aside, in the same order.
         skipped: Rules that had no input.
         problems: Errors of actspec itself (a rule that broke off), and notes such as stale baseline entries.
+        quiet: Of `diagnostics` those that the settings ignore.
     """
 
     case: Case
@@ -81,6 +82,7 @@ class Report:
     suppressed: tuple[Suppressed, ...] = ()
     skipped: tuple[Skipped, ...] = ()
     problems: tuple[Diagnostic, ...] = ()
+    quiet: frozenset[Diagnostic] = frozenset()
 
     @property
     def misnamed(self) -> bool:
@@ -118,7 +120,8 @@ class Report:
                 if file.readable or file.names_nothing or item.severity is not Severity.ERROR
             )
             found += _from_text(file)
-        return (*found, *_unpaired(self.case), *self.problems)
+        said = (*found, *_unpaired(self.case), *self.problems)
+        return tuple(item for item in said if item not in self.quiet)
 
     def for_people(self, least: Severity = Severity.INFO) -> tuple[Diagnostic, ...]:
         """What of it people read: mere information is for programs, but not what nobody looked at.

@@ -84,10 +84,11 @@ def pending_files(
     keep_matrices: bool | None = None,
     skip_other: bool = False,
     jobs: int | None = None,
+    exclude: Callable[[str, bool], bool] | None = None,
 ) -> read.PendingFiles:
     """Begin to read files; see `readings.read.PendingFiles`. Specs are resolved."""
     return read.PendingFiles(
-        paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=read_file
+        paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=read_file, exclude=exclude
     )
 
 

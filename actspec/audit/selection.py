@@ -2,12 +2,31 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 
 from actspec.audit.rule import Rule
 from actspec.diagnostics import nearest
 
 ALL = "ALL"
+
+DIAGNOSTICS = {
+    "AUD007": "stale-baseline-entry",
+    "AUD011": "fix-not-made",
+    "AUD013": "judged-from-text-alone",
+    "AUD015": "not-compared",
+    "CFG001": "unknown-without-running",
+    "DEPLOY001": "list-length",
+    "DEPLOY002": "list-without-names",
+}
+"""What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
+
+
+def is_diagnostic(selector: str) -> bool:
+    """Whether a selector names what is said of files beside findings."""
+    if re.fullmatch(r"ROBOT\d{0,3}", selector):
+        return True
+    return any(strength(selector, *entry) > 1 for entry in DIAGNOSTICS.items())
 
 
 def strength(selector: str, code: str, *names: str) -> int:

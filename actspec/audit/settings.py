@@ -4,24 +4,17 @@ from __future__ import annotations
 
 import os
 import re
-import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, TypeVar
 
 from actspec.audit.finding import Confidence
 from actspec.audit.ignores import REMARKS
 from actspec.audit.rule import Rule
-from actspec.audit.selection import ALL, guess, strength
+from actspec.audit.selection import ALL, guess, is_diagnostic, strength
+from actspec.audit.settings_file import SHARED_FILE, find_settings
 from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
-from actspec.files import FAULTS, read_regular, why
 from actspec.readings.versions import Versions
-
-OWN_FILE = "actspec.toml"
-SHARED_FILE = "pyproject.toml"
-
-MOST_BYTES = 1 << 20
-"""Chosen: a settings file is written by hand."""
 
 BACKENDS = ("physx", "ovphysx", "newton")
 """Source: `Versions.backend`."""
@@ -50,6 +43,8 @@ class Settings:
         options: Rule code to its options.
         versions: What the files are meant for.
         baseline: File with known findings; None: there is none.
+        exclude: Globs below `folder` of files and folders that are passed over; see `actspec.audit.exclude`.
+        force_exclude: Whether those that are named are passed over too.
         folder: Folder that globs are relative to.
     """
 
@@ -63,6 +58,8 @@ class Settings:
     options: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     versions: Versions = field(default_factory=Versions)
     baseline: str | None = None
+    exclude: tuple[str, ...] = ()
+    force_exclude: bool = False
     folder: str = "."
 
 
@@ -78,10 +75,7 @@ def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start:
     Raises: AuditError: with everything that is wrong with the file.
     """
     collector = Collector()
-    if config is not None:
-        found: tuple[str, dict[str, Any]] | None = (config, _read(config, collector))
-    else:
-        found = next(_candidates(start, collector), None)
+    found = find_settings(config, start, collector)
     collector.raise_if_failed(AuditError)
     if found is None:
         return Settings()
@@ -98,7 +92,8 @@ def check_selectors(
     """Report selectors that name no rule."""
     for selector in selectors:
         known = ((rule.code, *rule.names()) for rule in rules)
-        if not any(strength(selector, *names) for names in (*known, *REMARKS.items())):
+        told = is_diagnostic(selector)
+        if not told and not any(strength(selector, *names) for names in (*known, *REMARKS.items())):
             near = guess(selector, rules)
             families = sorted({rule.code.rstrip("0123456789") for rule in rules})
             out.error(
@@ -157,66 +152,6 @@ def named_versions(targets: Sequence[str], out: Collector) -> Versions:
     return read_versions(given, "--target", None, out)
 
 
-def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any]]]:
-    folder = os.path.abspath(start)
-    while not collector.failed:
-        own = _shown(os.path.join(folder, OWN_FILE))
-        if os.path.isfile(own):
-            yield own, _read(own, collector)
-        shared = _shown(os.path.join(folder, SHARED_FILE))
-        if os.path.isfile(shared):
-            data = _read(shared, collector, quietly=True)
-            tool = data.get("tool")
-            if isinstance(tool, dict) and "actspec" in tool:
-                yield shared, data
-        parent = os.path.dirname(folder)
-        if parent == folder:
-            return
-        folder = parent
-
-
-def _shown(path: str) -> str:
-    """A path as the user would write it from the working folder."""
-    try:
-        return os.path.relpath(path)
-    except ValueError:  # another drive
-        return path
-
-
-def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str, Any]:
-    """A TOML file; empty after an error, which is collected.
-
-    Args:
-        path: The file.
-        collector: For errors.
-        quietly: A file that is not TOML is somebody else's trouble unless it speaks of actspec.
-    """
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
-
-    try:
-        data = read_regular(path, MOST_BYTES)
-    except FAULTS as err:
-        collector.error("AUD001", f"the settings cannot be read: {why(err)}", span=Span(path))
-        return {}
-    try:
-        return tomllib.loads(data.decode("utf-8"))
-    except UnicodeDecodeError as err:
-        line = data.count(b"\n", 0, err.start) + 1
-        message, span = f"the file is not UTF-8, got the byte 0x{data[err.start]:02x}", Span(path, line)
-    except tomllib.TOMLDecodeError as err:
-        at = re.search(r" \(at line (\d+), column (\d+)\)$", str(err))
-        span = Span(path, int(at[1]), int(at[2])) if at else Span(path)
-        message = f"this is not TOML: {str(err)[: at.start()] if at else err}"
-    except RecursionError:
-        message, span = "arrays or tables are nested too deeply", Span(path)
-    if not quietly or b"actspec" in data:
-        collector.error("AUD001", message, span=span)
-    return {}
-
-
 class _Reader:
     """Settings out of parsed TOML; every error goes to the collector."""
 
@@ -255,6 +190,8 @@ class _Reader:
             "rules": ("options", self._options),
             "versions": ("versions", self._versions),
             "baseline": ("baseline", self._baseline),
+            "exclude": ("exclude", self._texts),
+            "force-exclude": ("force_exclude", self._yes_or_no),
         }
         self._known(data, tuple(readers), where)
         taken: dict[str, Any] = {}
@@ -296,6 +233,17 @@ class _Reader:
             return ()
         check_selectors(value, self.rules, where, Span(self.path), self.out)
         return tuple(value)
+
+    def _texts(self, value: Any, where: str) -> tuple[str, ...]:
+        if isinstance(value, list) and all(isinstance(item, str) for item in value):
+            return tuple(value)
+        self._error("AUD004", f"must be a list of globs, got {_got(value)}", where)
+        return ()
+
+    def _yes_or_no(self, value: Any, where: str) -> bool:
+        if not isinstance(value, bool):
+            self._error("AUD004", f"must be true or false, got {_got(value)}", where)
+        return value is True
 
     def _per_file(self, value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
         table = self._table(value, where)
@@ -372,53 +320,3 @@ def _got(value: Any) -> str:
     if isinstance(value, dict):
         return "a table"
     return shortened(repr(value))
-
-
-def glob_matches(glob: str, path: str) -> bool:
-    """Whether a path (with `/`) fits a glob; a glob without `/` is held against the last part alone.
-
-    `*` and `?` stand for anything but `/`, `**` for anything.
-    """
-    if "/" not in glob:
-        path = path.rpartition("/")[2]
-    # All places of the glob at once, character by character: a regular expression of many stars takes forever.
-    found = re.findall(r"\*\*/|\*\*|.", glob, re.DOTALL)
-    parts = [part for one in found for part in (("", one) if one == "**/" else (one,))]
-    places = _with_skips({0}, parts)
-    for char in path:
-        places = _with_skips(
-            {after for place in places if place < len(parts) for after in _after(place, parts[place], char)},
-            parts,
-        )
-    return len(parts) in places
-
-
-def _with_skips(places: set[int], parts: Sequence[str]) -> set[int]:
-    """Places in a glob, and those that are reached from them without a character."""
-    found: set[int] = set()
-    waiting = list(places)
-    while waiting:
-        place = waiting.pop()
-        if place in found:
-            continue
-        found.add(place)
-        if place == len(parts):
-            continue
-        if parts[place] == "":  # before `**/`: folders, or none
-            waiting += [place + 1, place + 2]
-        elif parts[place] in ("*", "**"):
-            waiting.append(place + 1)
-    return found
-
-
-def _after(place: int, part: str, char: str) -> Iterator[int]:
-    """Places in a glob after a character."""
-    if part == "**/":
-        yield place
-        if char == "/":
-            yield place + 1
-    elif part in ("*", "**"):
-        if char != "/" or part == "**":
-            yield place
-    elif part == char or (part == "?" and char != "/"):
-        yield place + 1

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 
+from actspec.audit.exclude import Exclude
 from actspec.audit.read import pending_files
+from actspec.audit.settings_file import excluded
 from actspec.cli.options import add_versions, describe
 from actspec.readings.read import PendingFiles
 from actspec.report import FORMATS
@@ -32,6 +34,18 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--skip-other",
         action="store_true",
         help="skip files that have nothing to audit, as in a folder: for hooks",
+    )
+    command.add_argument(
+        "--exclude",
+        metavar="GLOBS",
+        action="append",
+        type=_codes,
+        help="pass over these files and folders of folders, beside `exclude` of the settings",
+    )
+    command.add_argument(
+        "--force-exclude",
+        action="store_true",
+        help="pass over excluded files that are named too: for hooks",
     )
     command.add_argument("--spec", metavar="FILE", help="the spec that the other files are held to")
     rules = command.add_argument_group("rules")
@@ -107,7 +121,16 @@ def _begin(arguments: argparse.Namespace) -> PendingFiles:
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
     # Without threads of numpy's linear algebra this process can be forked; it needs none.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    return pending_files(paths, skip_other=arguments.skip_other, jobs=arguments.jobs)
+    globs, folder, force = excluded(arguments.config)
+    exclude = Exclude(
+        (
+            *((glob, folder) for glob in globs),
+            *((glob, ".") for group in arguments.exclude or () for glob in group),
+        ),
+        force or arguments.force_exclude,
+        arguments.spec,
+    )
+    return pending_files(paths, skip_other=arguments.skip_other, jobs=arguments.jobs, exclude=exclude)
 
 
 def _codes(text: str) -> list[str]:

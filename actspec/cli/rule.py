@@ -10,7 +10,7 @@ from actspec.audit.ignores import REMARKS
 from actspec.audit.pages import INDEX, index, page, record
 from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
-from actspec.audit.selection import selected, strength
+from actspec.audit.selection import DIAGNOSTICS, selected, strength
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
@@ -43,12 +43,22 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json({"format": "actspec-rules/1", "rules": [record(rule) for rule in rules]})
     else:
-        remarks = {} if arguments.all else REMARKS
+        said = {} if arguments.all else {**REMARKS, **DIAGNOSTICS}
         texts = [
-            f"{code} {name}\n\nThis is no rule: it is reported about remarks such as `actspec: ignore[LIM101]` in "
-            "audited files. docs/audit.md says when.\n"
-            for code, name in remarks.items()
+            f"{code} {name}\n\nThis is no rule: it is reported about "
+            + (
+                "remarks such as `actspec: ignore[LIM101]` in audited files"
+                if code in REMARKS
+                else "files as a whole"
+            )
+            + ". docs/audit.md says when.\n"
+            for code, name in said.items()
             if any(strength(selector, code, name) > 1 for selector in arguments.rule)
+        ]
+        texts += [
+            f"{selector}\n\nThis is no rule: it is reported about robot files. docs/checks.md says when.\n"
+            for selector in arguments.rule
+            if selector.startswith("ROBOT")
         ]
         sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
     return EXIT_CLEAN

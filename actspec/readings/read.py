@@ -198,6 +198,7 @@ class PendingFiles:
         skip_other: bool = False,
         jobs: int | None = None,
         read: Callable[[str, bool, str | None], FileReading] = read_file,
+        exclude: Callable[[str, bool], bool] | None = None,
     ) -> None:
         """Begin to read.
 
@@ -212,10 +213,20 @@ class PendingFiles:
             skip_other: Pass over named files that have nothing to audit, as over those in a folder.
             jobs: Processes that read; default: one a core.
             read: What each is read with; a function of a module.
+            exclude: As in `expand`.
         """
-        self._paths = tuple(paths)
         self._skip_other = skip_other
-        self._files = expand(paths, skip_other=skip_other)
+        self._excluded: list[str] = []
+
+        def passes_over(path: str, named: bool) -> bool:
+            if exclude is None or not exclude(path, named):
+                return False
+            self._excluded.append(path)
+            return True
+
+        self._files = expand(paths, skip_other=skip_other, exclude=passes_over)
+        # A folder of which something is left out on purpose may have nothing else.
+        self._paths = tuple(path for path in paths if not any(_is_below(one, path) for one in self._excluded))
         if keep_matrices is None:
             keep_matrices = any(file.path.lower().endswith((*PYTHON, *YAML)) for file in self._files)
         self._tasks = [(file.path, keep_matrices) for file in self._files]
@@ -258,7 +269,12 @@ class PendingFiles:
         return tuple(_chosen(self._paths, self._files, found, self._skip_other))
 
 
-def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile, ...]:
+def expand(
+    paths: Sequence[str],
+    *,
+    skip_other: bool = False,
+    exclude: Callable[[str, bool], bool] = lambda path, named: False,
+) -> tuple[NamedFile, ...]:
     """Put the files of a folder in its place: those with a known ending, by name, folders below it too.
 
     Hidden files and folders are passed over, links to folders are not followed, and a file that was
@@ -267,20 +283,32 @@ def expand(paths: Sequence[str], *, skip_other: bool = False) -> tuple[NamedFile
     Args:
         paths: Files and folders, as the user names them.
         skip_other: Pass over named files with another ending too.
+        exclude: Whether to pass over a file or folder, by its path and whether it was named.
     """
     found: dict[str, NamedFile] = {}
     for path in paths:
+        if exclude(path, True):
+            continue
         if not os.path.isdir(path):
             if not skip_other or _has_known_ending(path) or not os.path.exists(path):
                 found.setdefault(path, NamedFile(path))
             continue
         for folder, folders, names in os.walk(path):
-            folders[:] = sorted(name for name in folders if not name.startswith("."))
+            folders[:] = sorted(
+                name
+                for name in folders
+                if not name.startswith(".") and not exclude(os.path.join(folder, name), False)
+            )
             for name in sorted(names):
-                if _has_known_ending(name) and not name.startswith("."):
-                    full = os.path.join(folder, name)
+                full = os.path.join(folder, name)
+                if _has_known_ending(name) and not name.startswith(".") and not exclude(full, False):
                     found.setdefault(full, NamedFile(full, path))
     return tuple(found.values())
+
+
+def _is_below(path: str, folder: str) -> bool:
+    """Whether a path is a folder's, or of something in it."""
+    return path == folder or path.startswith(os.path.join(folder, ""))
 
 
 def _has_known_ending(path: str) -> bool:

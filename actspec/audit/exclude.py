@@ -1,0 +1,106 @@
+"""Which files an audit passes over, and which ones a glob names.
+
+A folder that is excluded is not looked into. What is named on the command line is audited all the same, unless that is
+refused: a hook is handed every file of a commit.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Exclude:
+    """Whether a file or folder is passed over.
+
+    Attributes:
+        globs: Globs, each with the folder that it is relative to.
+        force: Whether what is named on the command line is passed over too.
+        never: A path that is not.
+    """
+
+    globs: tuple[tuple[str, str], ...] = ()
+    force: bool = False
+    never: str | None = None
+
+    def __call__(self, path: str, named: bool) -> bool:
+        """Whether to pass over.
+
+        Args:
+            path: File or folder, as the user named it or below a folder that was named.
+            named: Whether it was named; else the folders above it are not excluded.
+        """
+        if not self.globs or path == self.never or (named and not self.force):
+            return False
+        full = os.path.abspath(path)
+        # Links to files are known by their own names.
+        full = os.path.join(os.path.realpath(os.path.dirname(full)), os.path.basename(full))
+        return any(_excludes(glob, folder, full, above=named) for glob, folder in self.globs)
+
+
+def _excludes(glob: str, folder: str, path: str, *, above: bool) -> bool:
+    glob = os.path.normpath(glob).replace(os.sep, "/")
+    while True:
+        try:
+            relative = os.path.relpath(path, os.path.realpath(folder)).replace(os.sep, "/")
+        except ValueError:  # another drive
+            return False
+        if glob_matches(glob, path.replace(os.sep, "/") if os.path.isabs(glob) else relative):
+            return True
+        # Folders above the settings have names that say nothing about what is below.
+        if not above or relative.startswith("..") or "/" not in relative:
+            return False
+        path = os.path.dirname(path)
+
+
+def glob_matches(glob: str, path: str) -> bool:
+    """Whether a path (with `/`) fits a glob; a glob without `/` is held against the last part alone.
+
+    `*` and `?` stand for anything but `/`, `**` for anything.
+    """
+    if "/" not in glob:
+        path = path.rpartition("/")[2]
+    # All places of the glob at once, character by character: a regular expression of many stars takes forever.
+    found = re.findall(r"\*\*/|\*\*|.", glob, re.DOTALL)
+    parts = [part for one in found for part in (("", one) if one == "**/" else (one,))]
+    places = _with_skips({0}, parts)
+    for char in path:
+        places = _with_skips(
+            {after for place in places if place < len(parts) for after in _after(place, parts[place], char)},
+            parts,
+        )
+    return len(parts) in places
+
+
+def _with_skips(places: set[int], parts: Sequence[str]) -> set[int]:
+    """Places in a glob, and those that are reached from them without a character."""
+    found: set[int] = set()
+    waiting = list(places)
+    while waiting:
+        place = waiting.pop()
+        if place in found:
+            continue
+        found.add(place)
+        if place == len(parts):
+            continue
+        if parts[place] == "":  # before `**/`: folders, or none
+            waiting += [place + 1, place + 2]
+        elif parts[place] in ("*", "**"):
+            waiting.append(place + 1)
+    return found
+
+
+def _after(place: int, part: str, char: str) -> Iterator[int]:
+    """Places in a glob after a character."""
+    if part == "**/":
+        yield place
+        if char == "/":
+            yield place + 1
+    elif part in ("*", "**"):
+        if char != "/" or part == "**":
+            yield place
+    elif part == char or (part == "?" and char != "/"):
+        yield place + 1

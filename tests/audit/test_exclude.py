@@ -1,0 +1,173 @@
+"""Files that are passed over: by globs below the settings, of folders as a whole, and named ones on demand."""
+
+from __future__ import annotations
+
+import os
+import sys
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.engine import audit
+from actspec.audit.exclude import Exclude
+from actspec.audit.settings import Settings
+from actspec.cli.main import main
+from actspec.diagnostics import Severity
+from actspec.readings.read import expand
+
+FILES = ("a.xml", "third_party/b.xml", "third_party/deep/c.xml", "own/third_party/d.xml", "own/e.urdf")
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in FILES:
+        path = Path("robots", name)
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text("<mujoco/>")
+
+
+def left(*globs: str, named: tuple[str, ...] = ("robots",), force: bool = False, folder: str = ".") -> str:
+    """The letters of the files that stay."""
+    exclude = Exclude(tuple((glob, folder) for glob in globs), force)
+    return "".join(os.path.basename(file.path)[0] for file in expand(named, exclude=exclude))
+
+
+@pytest.mark.parametrize(
+    ("glob", "letters"),
+    [
+        pytest.param("third_party", "ae", id="a name, at any depth"),
+        pytest.param("third_party/", "ae", id="a name with a slash"),
+        pytest.param("robots/third_party", "ade", id="a path, with all below it"),
+        pytest.param("./robots/third_party", "ade", id="a path from here"),
+        pytest.param("robots/third_party/**", "ade", id="all below a folder"),
+        pytest.param("robots/third_party/*", "ade", id="what stands in a folder, with all below it"),
+        pytest.param("robots/third_party/*.xml", "acde", id="files of a folder"),
+        pytest.param("robots/**/third_party", "ae", id="a folder at any depth"),
+        pytest.param("third_party/**", "abcde", id="from the folder of the settings"),
+        pytest.param("*.xml", "e", id="an ending"),
+        pytest.param("[abc].xml", "abcde", id="no classes of characters"),
+    ],
+)
+def test_globs(glob: str, letters: str) -> None:
+    """A glob without a slash is a name; one with a slash begins at the folder of the settings."""
+    found = left(glob)
+    assert "".join(sorted(found)) == letters
+
+
+def test_globs_begin_at_the_settings(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Wherever the command runs; also with the absolute path of what is audited, and as an absolute glob."""
+    root = os.getcwd()
+    monkeypatch.chdir("robots/own")
+    assert "".join(sorted(left("robots/third_party", named=("..",), folder="../.."))) == "ade"
+    named = (os.path.join(root, "robots"),)
+    assert "".join(sorted(left("robots/third_party", named=named, folder="../.."))) == "ade"
+    assert "".join(sorted(left(f"{root}/robots/third_party", named=("..",)))) == "ade"
+
+
+@pytest.mark.parametrize(
+    ("named", "letters"),
+    [
+        (("robots/third_party/b.xml",), "b"),
+        (("robots/third_party",), "bc"),
+        (("robots", "robots/third_party/b.xml"), "abe"),
+    ],
+    ids=["file", "folder", "beside its folder"],
+)
+def test_what_is_named_is_audited_unless_forced(named: tuple[str, ...], letters: str) -> None:
+    """The folders above a named file count only with `force`."""
+    assert "".join(sorted(left("third_party", named=named))) == letters
+    forced = left("third_party", named=named, force=True)
+    assert "".join(sorted(forced)) == ("ae" if "robots" in named else "")
+
+
+def test_folders_above_the_settings_have_names_too(tmp_path: Path) -> None:
+    """A project may lie in a folder that is called as one that it excludes."""
+    (tmp_path / "build/p").mkdir(parents=True)
+    (tmp_path / "build/p/x.xml").write_text("<mujoco/>")
+    assert left("build", named=(str(tmp_path / "build/p/x.xml"),), force=True, folder="build/p") == "x"
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="needs links")
+def test_a_link_is_known_by_its_own_name() -> None:
+    """Not by where it leads."""
+    Path("robots/link.xml").symlink_to("third_party/b.xml")
+    assert "".join(sorted(left("third_party"))) == "ael"
+    assert "".join(sorted(left("link.xml"))) == "abcde"
+
+
+def test_an_excluded_folder_is_not_looked_into(monkeypatch: pytest.MonkeyPatch) -> None:
+    """There may be a hundred thousand files in it."""
+    looked: list[str] = []
+    walk = os.walk
+    monkeypatch.setattr(os, "walk", lambda path: (looked.append(entry[0]) or entry for entry in walk(path)))
+    left("third_party")
+    assert looked == ["robots", "robots/own"]
+
+
+def test_nothing_left_is_no_wrong_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """A folder without robots is a slip; one of which all is excluded is none."""
+    settings = Settings(exclude=("*.xml", "*.urdf"))
+    assert audit(["robots"], settings).complete
+    assert main(["audit", "robots", "--exclude", "*.xml,*.urdf"]) == 0
+    assert (
+        main(["audit", "--force-exclude", "--exclude", "third_party", "--", "robots/third_party/b.xml"]) == 0
+    )
+    assert capsys.readouterr().out == "no findings in 0 files\n" * 2
+
+
+def test_settings_and_options_add_up(capsys: pytest.CaptureFixture[str]) -> None:
+    """`exclude` of the file and of the command line; the settings' `force-exclude` too."""
+    Path("actspec.toml").write_text('[audit]\nexclude = ["third_party"]\n')
+    assert main(["audit", "robots", "--exclude", "own"]) == 0
+    assert capsys.readouterr().out == "no findings in 1 file\n"
+    Path("pyproject.toml").write_text(
+        '[tool.actspec.audit]\nexclude = ["third_party"]\nforce-exclude = true\n'
+    )
+    assert main(["audit", "robots/third_party/b.xml", "--config", "pyproject.toml"]) == 0
+    assert main(["audit", "robots/third_party/b.xml"]) == 0
+    assert capsys.readouterr().out == "no findings in 0 files\nno findings in 1 file\n"
+
+
+def test_the_spec_is_never_excluded(capsys: pytest.CaptureFixture[str]) -> None:
+    """What the files are held to is named on purpose."""
+    arguments = ["audit", "robots", "--spec", "robots/a.xml", "--exclude", "*.xml", "--force-exclude"]
+    assert main(arguments) == 2
+    assert "this is not an actspec spec" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ('exclude = "third_party"', "audit.exclude: must be a list of globs, got 'third_party'"),
+        ("exclude = [1]", "audit.exclude: must be a list of globs, got [1]"),
+        ("force-exclude = 1", "audit.force-exclude: must be true or false, got 1"),
+    ],
+)
+def test_wrong_settings(text: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """They are named, though files are read before."""
+    Path("actspec.toml").write_text(f"[audit]\n{text}\n")
+    assert main(["audit", "robots"]) == 2
+    assert told in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("settings", "shown"),
+    [
+        (Settings(), ["ROBOT123"]),
+        (Settings(select=("LIM101",)), ["ROBOT123"]),
+        (Settings(ignore=("ROBOT123",)), []),
+        (Settings(ignore=("ROBOT",)), []),
+        (Settings(per_file_ignores=(("robots/own/**", ("ROBOT123",)),)), []),
+        (Settings(per_file_ignores=(("robots/third_party/**", ("ROBOT123",)),)), ["ROBOT123"]),
+    ],
+    ids=["none", "selected others", "code", "family", "file", "other file"],
+)
+def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[str]) -> None:
+    """A speed of -1 rad/s in a URDF is reported by the reader, whatever rules are selected."""
+    Path("robots/own/e.urdf").write_text(
+        '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
+        '<child link="b"/><limit lower="-1" upper="1" effort="1" velocity="-1"/></joint></robot>'
+    )
+    report = audit(["robots/own/e.urdf"], settings)
+    assert [item.code for item in report.for_people(Severity.WARNING)] == shown
