@@ -1,16 +1,30 @@
-"""`actspec validate`: check specs without a simulator; the robot is not opened."""
+"""`actspec validate`: check specs without a simulator; of the robot's file the text is read, for its joints."""
 
 from __future__ import annotations
 
 import argparse
 import os
+from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_format, add_specs, add_variant, describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, ActspecError, Diagnostic, listed, one_line
+from actspec.diagnostics import (
+    EXIT_CLEAN,
+    EXIT_FAILED,
+    ActspecError,
+    Collector,
+    Diagnostic,
+    ResolveError,
+    RobotError,
+    listed,
+    one_line,
+)
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
 from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
+
+if TYPE_CHECKING:
+    from actspec.spec.validate import Spec
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -50,10 +64,10 @@ def run(arguments: argparse.Namespace) -> int:
             summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
             if model.variants and arguments.variant is None:
                 summary += f", variants {listed(sorted({*model.variants, *filter(None, [model.variant])}))}"
-            summary += _skipped(model.robot.model, os.path.dirname(path))
+            summary += _joints_checked(spec)
         except ActspecError as err:
-            failed = True
-            diagnostics = err.diagnostics
+            failed, summary = True, ""
+            diagnostics += err.diagnostics
         if arguments.output_format == "json":
             records.append(
                 {
@@ -81,12 +95,28 @@ def _is_other(path: str) -> bool:
         return False
 
 
-def _skipped(model: str, folder: str) -> str:
-    """What was not checked: patterns need the robot's joints, which validate does not read."""
-    if model == "none":
-        return ""
-    if model.startswith("package://"):
-        return " (patterns are not checked against the robot; `actspec compile --check` checks them)"
-    if not os.path.isfile(os.path.join(folder, model)):
-        return f" (its model {model!r} was not found: patterns are not checked)"
+def _joints_checked(spec: Spec) -> str:
+    """Hold the spec's patterns to the joints that the text of its model names.
+
+    Returns: What could not be checked, for behind the summary; "" where the patterns select the joints.
+
+    Raises:
+        ResolveError: a pattern matches nothing, or a joint is in two groups or in none.
+    """
+    from actspec.resolution.stated import bind
+    from actspec.robot.load import find_model, joints_of_text, listed_robot
+    from actspec.spec.document import Breaches
+
+    model = spec.model.robot.model
+    try:
+        if model == "none":
+            robot = listed_robot(spec)
+        else:
+            robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
+    except RobotError as err:
+        reason = one_line(err.diagnostics[0].message)
+        return f" (patterns are not checked against the joints of {one_line(model)}: {reason})"
+    out = Collector()
+    bind(spec, robot, Breaches(spec.document.spans, out))
+    out.raise_if_failed(ResolveError)
     return ""

@@ -15,6 +15,7 @@ from actspec.robot.view import JointView, ModelFormat, RobotView
 if TYPE_CHECKING:
     from importlib.metadata import Distribution
 
+    from actspec.robot.xml_tree import XmlDocument
     from actspec.spec.validate import Spec
 
 
@@ -80,8 +81,44 @@ def load_robot(path: str) -> RobotView:
         from actspec.robot.read_urdf import read_urdf
 
         return read_urdf(files, document)
-    message = f"the root element is <{tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
-    raise RobotError.of("ROBOT104", message, document.span(document.root))
+    raise _no_robot(document)
+
+
+_OPAQUE = ("replicate", "attach", "composite", "flexcomp")
+"""Elements of an MJCF that make joints which its text does not name."""
+
+
+def joints_of_text(path: str) -> RobotView:
+    """The joints and actuators of a robot file as its text names them; nothing is compiled, there is no inertia.
+
+    Args:
+        path: File on disk.
+
+    Raises: RobotError: the file cannot be read, or only a compilation tells its joints.
+    """
+    from actspec.robot.xml import open_document
+
+    document = open_document(path)
+    tag, reason = document.root.tag, "read for its joints alone"
+    if tag == "robot":
+        from actspec.robot.read_urdf import read_urdf
+
+        return read_urdf(document.files, document, refusal=reason)
+    if tag != "mujoco":
+        raise _no_robot(document)
+    pending = [document.root]
+    for element in pending:
+        if element.tag in _OPAQUE:
+            raise RobotError.of("ROBOT104", f"its <{element.tag}> makes joints that its text does not name")
+        pending += element.children
+    from actspec.robot.read_mjcf_text import read_mjcf_text
+
+    return read_mjcf_text(document, reason)
+
+
+def _no_robot(document: XmlDocument) -> RobotError:
+    message = f"the root element is <{document.root.tag}>: neither an MJCF (<mujoco>) nor a URDF (<robot>)"
+    return RobotError.of("ROBOT104", message, document.span(document.root))
 
 
 def _find_installed(reference: str) -> str:

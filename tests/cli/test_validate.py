@@ -1,0 +1,140 @@
+"""`actspec validate` holds a spec to the joints that the text of its model names, or says why it did not."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from actspec.cli.main import main
+
+ROOT = Path(__file__).resolve().parents[2]
+
+MJCF = """<mujoco>
+  <default><default class="leg"><joint type="hinge"/></default></default>
+  <worldbody>
+    <body><freejoint name="base"/><geom size="1"/>
+      <body childclass="leg"><joint name="hip"/><geom size="1"/>
+        <body><joint name="knee"/><geom size="1"/><body><joint name="tail"/><geom size="1"/></body></body>
+      </body>
+    </body>
+  </worldbody>
+  <actuator><motor joint="hip"/><motor joint="knee"/></actuator>
+</mujoco>
+"""
+URDF = """<robot name="leg"><link name="a"/><link name="b"/><link name="c"/>
+  <joint name="hip" type="revolute"><parent link="a"/><child link="b"/>
+    <limit lower="0" upper="1" effort="1" velocity="1"/></joint>
+  <joint name="knee" type="continuous"><parent link="b"/><child link="c"/></joint>
+</robot>
+"""
+
+
+def spec(model: str, *groups: str, more: str = "") -> str:
+    """A spec of groups, each with a pattern."""
+    text = f"actspec: 1\nrobot: {{name: leg, model: {model}{more}}}\nactuators:\n"
+    return text + "".join(
+        f"  g{at}: {{joints: ['{pattern}'], level: ideal_pd, command: effort}}\n"
+        for at, pattern in enumerate(groups)
+    )
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with models."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "leg.xml").write_text(MJCF, encoding="utf-8")
+    (tmp_path / "leg.urdf").write_text(URDF, encoding="utf-8")
+    (tmp_path / "herd.xml").write_text(
+        MJCF.replace(
+            "<worldbody>", '<worldbody><replicate count="2"><body><geom size="1"/></body></replicate>'
+        ),
+        encoding="utf-8",
+    )
+    (tmp_path / "broken.xml").write_text("<mujoco>", encoding="utf-8")
+    return tmp_path
+
+
+@pytest.mark.parametrize("model", ["leg.xml", "leg.urdf"])
+@pytest.mark.parametrize(
+    "groups, said",
+    [
+        (["hip", "kne"], "leg.yaml:5:17: BIND001 actuators.g1.joints[0]: the pattern 'kne' matches no joint"),
+        (
+            ["hip|knee", "knee"],
+            "leg.yaml:5:17: BIND002 actuators.g1.joints[0]: the joint 'knee' is in two groups",
+        ),
+        (["hip"], "leg.yaml:3:1: BIND005 actuators: 1 joint of"),
+    ],
+    ids=["matches nothing", "in two groups", "in none"],
+)
+def test_joints_of_the_text(
+    folder: Path, model: str, groups: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """What a compile would find of patterns and joints is found, at its place."""
+    (folder / "leg.yaml").write_text(spec(model, *groups), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and said in err
+    if groups[1:] == ["kne"]:
+        assert "did you mean 'knee'?" in err
+
+
+@pytest.mark.parametrize("model", ["leg.xml", "leg.urdf"])
+def test_a_spec_that_fits(folder: Path, model: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Every joint in one group: nothing but the summary."""
+    (folder / "leg.yaml").write_text(spec(model, "hip", "knee"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 0
+    assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
+
+
+def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Without a model the spec's own joints are those to match."""
+    (folder / "leg.yaml").write_text(spec("none", "hip", more=", joints: [hip, knee]"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    assert "BIND005 actuators: 1 joint of 'leg' in no group: knee" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    "model, why",
+    [
+        ("missing.xml", "there is no model 'missing.xml'"),
+        (
+            "package://no-such-distribution/a.xml",
+            "the model 'package://no-such-distribution/a.xml' is not installed",
+        ),
+        ("herd.xml", "its <replicate> makes joints that its text does not name"),
+        ("broken.xml", "the file ends before <mujoco>"),
+    ],
+)
+def test_what_it_could_not_read(
+    folder: Path, model: str, why: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A model that cannot be read cheaply leaves the spec valid, and the summary says what was not checked."""
+    (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    start = f"leg.yaml: valid: leg, 1 group (patterns are not checked against the joints of {model}: "
+    assert out.startswith(start) and why in out and err == ""
+
+
+def test_as_json(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Programs get the same."""
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip"), encoding="utf-8")
+    assert main(["validate", "leg.yaml", "--output-format", "json"]) == 2
+    (record,) = json.loads(capsys.readouterr().out)["files"]
+    assert record["valid"] is False
+    assert "BIND005" in [item["code"] for item in record["diagnostics"]]
+
+
+def test_no_simulator_is_imported() -> None:
+    """The model's text is enough: start-up stays what it was."""
+    code = (
+        "import sys; from actspec.cli.main import main; main(['validate', 'robots/a1.yaml']);"
+        "print([m for m in ('mujoco', 'numpy', 'lxml') if m in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert done.stdout == "robots/a1.yaml: valid: unitree_a1, 1 group\n[]\n"
