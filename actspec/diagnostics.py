@@ -156,6 +156,10 @@ class Collector:
         """Add a piece of information."""
         self.add(Diagnostic(code, Severity.INFO, message, where, span, help))
 
+    def at(self, where: str = "", span: Span | None = None) -> Place:
+        """What is reported of one place goes here."""
+        return Place(self, where, span)
+
     @property
     def failed(self) -> bool:
         """Whether an error is among the items."""
@@ -172,6 +176,33 @@ class Collector:
 
     def __iter__(self) -> Iterator[Diagnostic]:
         return iter(self.items)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A part of a spec or a model, and who collects what is reported of it.
+
+    Attributes:
+        collector: Takes the diagnostics.
+        where: The part, for people: `actuators.legs.kp`, or a joint.
+        span: Where it is written; None: nowhere.
+    """
+
+    collector: Collector
+    where: str = ""
+    span: Span | None = None
+
+    def error(self, code: str, message: str, help: str | None = None) -> None:
+        """Add an error."""
+        self.collector.error(code, message, where=self.where, span=self.span, help=help)
+
+    def warning(self, code: str, message: str, help: str | None = None) -> None:
+        """Add a warning."""
+        self.collector.warning(code, message, where=self.where, span=self.span, help=help)
+
+    def info(self, code: str, message: str, help: str | None = None) -> None:
+        """Add a piece of information."""
+        self.collector.info(code, message, where=self.where, span=self.span, help=help)
 
 
 def one_line(text: str) -> str:

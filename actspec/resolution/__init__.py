@@ -117,12 +117,10 @@ def _check_finite(actuator: JointActuator, collector: Collector) -> None:
     """Refuse numbers that left the range of floats on their way to the joint."""
     for name, quantity in actuator.quantities():
         if quantity.value is not None and not math.isfinite(quantity.value):
-            collector.error(
+            collector.at(f"actuators.{actuator.group}", quantity.span or actuator.span).error(
                 "RES011",
                 f"{actuator.joint}: {name} is out of the range of numbers: {quantity.formula}",
-                where=f"actuators.{actuator.group}",
-                span=quantity.span or actuator.span,
-                help="look for a figure with a wrong exponent or unit",
+                "look for a figure with a wrong exponent or unit",
             )
 
 

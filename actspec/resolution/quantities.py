@@ -108,5 +108,5 @@ class Reports:
     def tell(self, collector: Collector) -> None:
         """Hand everything noted to the collector."""
         for (code, message, where, span, help), named in self.joints.items():
-            collector.error(code, f"{listed(named)}: {message}", where=where, span=span, help=help)
+            collector.at(where, span).error(code, f"{listed(named)}: {message}", help)
         self.joints.clear()

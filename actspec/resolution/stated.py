@@ -446,12 +446,10 @@ class JointInputs:
             )
         apart = conflict(authored, fitted)
         if apart is not None:
-            self.breaches.collector.warning(
+            self.breaches.collector.at(dotted(self.stated.path(field)), self.span(field)).warning(
                 "RES010",
                 f"{self.joint.name}: {field}: {apart}",
-                where=dotted(self.stated.path(field)),
-                span=self.span(field),
-                help="the authored value is used; to use the fitted one write "
+                "the authored value is used; to use the fitted one write "
                 f"`{word or field.split('.')[-1]}: identified`",
             )
 

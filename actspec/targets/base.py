@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from actspec.diagnostics import Diagnostic, Span
+from actspec.diagnostics import Collector, Diagnostic, Place, Span
 from actspec.ir import Approximation
 
 __all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions", "relative_path"]
@@ -67,6 +67,10 @@ class TargetOptions:
     def span(self, option: str) -> Span | None:
         """Where an option is written; None: nowhere."""
         return None if self.spans is None else self.spans.get(option)
+
+    def at(self, option: str, collector: Collector) -> Place:
+        """An option, and who collects what is reported of it."""
+        return collector.at(self.where(option), self.span(option))
 
 
 def relative_path(path: str, folder: str) -> str:

@@ -80,11 +80,10 @@ def choose_targets(
         else:
             known = [*named, *(kind for kind in KINDS if kind not in named)]
             guess = nearest(name, known)
-            collector.error(
+            collector.at("--target").error(
                 "CLI001",
                 f"no target is named '{one_line(name)}'",
-                where="--target",
-                help=f"did you mean '{guess}'?" if guess else f"targets of the spec: {', '.join(named)}",
+                f"did you mean '{guess}'?" if guess else f"targets of the spec: {', '.join(named)}",
             )
             continue
         if equals:
@@ -172,12 +171,10 @@ def check_accepted(
         guess = nearest(field, list(lost[target]))
         whose = "the spec itself" if target == SPEC_ITSELF else f"the target '{target}'"
         others = f"its losses are {listed(lost[target])}" if lost[target] else "it loses nothing"
-        collector.warning(
+        collector.at(f"accept.{key}", spec.document.spans.key(("accept", key))).warning(
             "SPEC164",
             f"{whose} has no approximation of this name: nothing is accepted by it",
-            where=f"accept.{key}",
-            span=spec.document.spans.key(("accept", key)),
-            help=f"did you mean '{target}.{guess}'?" if guess else f"remove it; {others}",
+            f"did you mean '{target}.{guess}'?" if guess else f"remove it; {others}",
         )
 
 

@@ -175,12 +175,10 @@ def lay_out(emitted: Sequence[tuple[TargetOptions, Emission]], built: str | None
             for file in files:
                 path = os.path.join(folder, file)
                 if not os.path.isfile(path):
-                    collector.error(
+                    collector.at(f"targets.{options.name}", Span(path)).error(
                         "VFY001",
                         "there is no such file, and the spec compiles to it",
-                        where=f"targets.{options.name}",
-                        span=Span(path),
-                        help=f"write it with `actspec compile -o {built}`, or leave the target out with --target",
+                        f"write it with `actspec compile -o {built}`, or leave the target out with --target",
                     )
         found.append(TargetFiles(options, folder, options.folder, files, emission.approximations))
     collector.raise_if_failed(VerifyError)

@@ -242,31 +242,23 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
         if name is None:
             continue
         if name in seen:
-            collector.error(
-                "DEP002",
-                f"'{shortened(name)}' is named twice",
-                where=where,
-                span=span,
-                help="name every joint that the spec manages once",
+            collector.at(where, span).error(
+                "DEP002", f"'{shortened(name)}' is named twice", "name every joint that the spec manages once"
             )
         elif name not in managed:
             guess = nearest(name, managed)
-            collector.error(
+            collector.at(where, span).error(
                 "DEP001",
                 f"'{shortened(name)}' is not a joint that the spec manages",
-                where=where,
-                span=span,
-                help=f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",
+                f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",
             )
         seen.add(name)
     missing = [name for name in managed if name not in seen]
     if missing:
-        collector.error(
+        options.at("joint_order", collector).error(
             "DEP003",
             f"{len(missing)} of {len(managed)} managed joints missing: {listed(missing)}",
-            where=options.where("joint_order"),
-            span=options.span("joint_order"),
-            help="name every joint that the spec manages once",
+            "name every joint that the spec manages once",
         )
 
 

@@ -6,8 +6,8 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, EmitError, Span, listed
-from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Level
+from actspec.diagnostics import Collector, EmitError, listed
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Level
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.spec.models import IsaacLabTarget
@@ -16,7 +16,7 @@ from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_name, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
-from actspec.targets.kit.network import NetworkWithManifest, read_network, tap_stride
+from actspec.targets.kit.network import NetworkWithManifest, read_network
 from actspec.targets.kit.python_text import grouped, identifier
 
 CLASSES = ("auto", "implicit", "custom")
@@ -35,12 +35,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         EmitError: the target cannot be written, with every reason.
     """
     collector = Collector()
-    dialect = dialect_of(
-        lambda: dialect_for(options),
-        "ISL001",
-        options,
-        collector,
-    )
+    dialect = dialect_of(lambda: dialect_for(options), "ISL001", options, collector)
     _check_class(actuators, dialect, options, collector)
     unlimited = [
         a
@@ -51,13 +46,12 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     networks = _networks(actuators, collector)
     step = actuators.physics_dt.require()
 
-    def cfg(actuator: JointActuator, _: Collector) -> JointCfg | None:
+    def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
         network = networks.get(actuator.group)
         if actuator in unlimited or (actuator.level is Level.ACTUATOR_NET and network is None):
             return None
-        return cfg_of(
-            actuator, dialect, options.of(IsaacLabTarget).actuator_class, step, options.name, network
-        )
+        chosen = options.of(IsaacLabTarget).actuator_class
+        return cfg_of(actuator, dialect, chosen, step, options.name, own, network)
 
     cfgs = joint_by_joint(actuators, cfg, ("ISL011",), collector)
     collector.raise_if_failed(EmitError)
@@ -81,33 +75,21 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
 def _check_class(
     actuators: ActuatorSet, dialect: IsaacLabDialect, options: TargetOptions, collector: Collector
 ) -> None:
-    where, span = options.where("class"), options.span("class")
+    place = options.at("class", collector)
     chosen = options.of(IsaacLabTarget).actuator_class
     if chosen not in CLASSES:
-        collector.error(
-            "ISL002",
-            f"no actuator class is named '{chosen}'",
-            where=where,
-            span=span,
-            help=f"write {', '.join(CLASSES)}",
-        )
+        place.error("ISL002", f"no actuator class is named '{chosen}'", f"write {', '.join(CLASSES)}")
         raise EmitError(collector.sorted())
     if chosen == "custom" and not dialect.custom:
-        collector.error(
+        place.error(
             "ISL003",
             f"Isaac Lab {dialect.text} runs its actuators natively and refuses classes of one's own",
-            where=where,
-            span=span,
-            help='write class: auto, or version: "2.3"',
+            'write class: auto, or version: "2.3"',
         )
     networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
     if chosen == "implicit" and networks:
-        collector.error(
-            "ISL004",
-            f"the solver's own drive cannot run a network: {listed(networks)}",
-            where=where,
-            span=span,
-            help="write class: auto",
+        place.error(
+            "ISL004", f"the solver's own drive cannot run a network: {listed(networks)}", "write class: auto"
         )
 
 
@@ -119,34 +101,26 @@ def _has_usd_limit(actuator: JointActuator, chosen: str) -> bool:
 def _check_limits(unlimited: Sequence[JointActuator], collector: Collector) -> None:
     """No joint is without an effort limit."""
     for (group, span), members in grouped(unlimited, lambda a: (a.group, a.effort_limit.span or a.span)):
-        collector.error(
+        collector.at(f"actuators.{group}.effort_limit", span).error(
             "ISL010",
             f"{listed(member.joint for member in members)}: effort_limit is unknown, and Isaac Lab must have a "
             "number: without one, versions before 2.3.1 do not clip at all and later ones clip at the USD's",
-            where=f"actuators.{group}.effort_limit",
-            span=span,
-            help="state effort_limit",
+            "state effort_limit",
         )
 
 
 def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[NetworkWithManifest, int]]:
     """The network of each group, with the physics steps between its taps."""
-    step = actuators.physics_dt.require()
     found: dict[str, tuple[NetworkWithManifest, int]] = {}
     # Files that the target writes itself.
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
-    firsts: dict[str, JointActuator] = {}
-    for actuator in actuators.joints:
-        if actuator.level is Level.ACTUATOR_NET:
-            firsts.setdefault(actuator.group, actuator)
-    for group, actuator in firsts.items():
-        file = read_network(actuator.network, f"actuators.{group}", actuator.span, collector)
+    learned = (actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
+    for group, members in grouped(learned, lambda actuator: actuator.group):
+        file = read_network(members[0], collector)
         if file is None:
             continue
-        where = f"actuators.{group}.network"
-        span = (actuator.network.span if actuator.network is not None else None) or actuator.span
-        stride = tap_stride(file.manifest, step, where, span, collector)
-        _check_network(file, stride, actuators, group, where, span, collector)
+        stride = file.stride(actuators.physics_dt.require())
+        _check_network(file, stride, members)
         if names.setdefault(file.name, file.data) != file.data:
             file = replace(file, name=f"{identifier(group)}_{file.name}")
             names[file.name] = file.data
@@ -155,33 +129,17 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     return found
 
 
-def _check_network(
-    file: NetworkWithManifest,
-    stride: int | None,
-    actuators: ActuatorSet,
-    group: str,
-    where: str,
-    span: Span | None,
-    collector: Collector,
-) -> None:
-    """What Isaac Lab's classes take for granted."""
+def _check_network(file: NetworkWithManifest, stride: int | None, members: Sequence[JointActuator]) -> None:
+    """What Isaac Lab's classes take for granted of a group's network."""
     manifest = file.manifest
-    commands = {a.command for a in actuators.joints if a.group == group} - {Command.POSITION}
-    for command in commands:
-        collector.error(
-            "ISL022",
-            f"the network's classes take the error of a position, got command {command.value}",
-            where=f"actuators.{group}.command",
-            span=span,
-            help="write command: position, or leave this target out",
-        )
+    takes = "the network's classes take the error of a position"
+    for command in {actuator.command for actuator in members}:
+        file.check_command(members[0].group, command, "ISL022", takes)
     if manifest.kind == "gru":
-        collector.error(
+        file.place.error(
             "ISL020",
             "Isaac Lab has classes for mlp and lstm, the network is a gru",
-            where=where,
-            span=span,
-            help="train an lstm, or leave this target out",
+            "train an lstm, or leave this target out",
         )
     if manifest.kind == "lstm":
         scales = (manifest.position_scale, manifest.velocity_scale, manifest.torque_scale)
@@ -195,26 +153,18 @@ def _check_network(
         if stride not in (None, 1):
             wrong.append(f"a tap_period of {stride} physics steps")
         if wrong:
-            collector.error(
+            file.place.error(
                 "ISL021",
                 "ActuatorNetLSTM takes the error and the velocity of each physics step unscaled; the manifest has "
                 f"{listed(wrong)}",
-                where=where,
-                span=span,
-                help="put the scales into the network, and train at the physics step",
+                "put the scales into the network, and train at the physics step",
             )
-    strange = [
-        a.joint
-        for a in actuators.joints
-        if a.group == group and manifest.joints and a.joint not in manifest.joints
-    ]
+    strange = [a.joint for a in members if manifest.joints and a.joint not in manifest.joints]
     if strange:
-        collector.warning(
+        file.place.warning(
             "NET008",
             f"the network was not trained on {listed(strange)}",
-            where=where,
-            span=span,
-            help=f"its manifest names {listed(manifest.joints)}",
+            f"its manifest names {listed(manifest.joints)}",
         )
 
 
@@ -228,13 +178,11 @@ def _warn(
     warn_unknown_armature(actuators, "ISL030", "Isaac Lab takes the USD's", collector)
     open_gains = [d.actuator for d in cfgs if any(f.value is None for f in d.fields)]
     if open_gains:
-        collector.warning(
+        collector.at(f"actuators.{open_gains[0].group}", open_gains[0].span).warning(
             "ISL031",
             f"gains of {len(open_gains)} joints are unknown, and Isaac Lab takes the USD's: "
             f"{listed([a.joint for a in open_gains])}",
-            where=f"actuators.{open_gains[0].group}",
-            span=open_gains[0].span,
-            help="state kp and kd",
+            "state kp and kd",
         )
     open_limits = [a for a in actuators.joints if not a.effort_limit.known]
     if open_limits:
@@ -248,13 +196,13 @@ def _warn(
         )
     renamed = [a.joint for a in actuators.joints if identifier(a.joint) != a.joint]
     if renamed:
-        collector.warning(
+        collector.at(
+            renamed[0], next((joint.span for joint in robot.joints if joint.name == renamed[0]), None)
+        ).warning(
             "ISL032",
             f"USD importers rename joints whose names are not valid USD prim names, and the cfg has the model's names: "
             f"{listed(renamed)}",
-            where=renamed[0],
-            span=next((joint.span for joint in robot.joints if joint.name == renamed[0]), None),
-            help="rename them in the model, or check the names in the USD",
+            "rename them in the model, or check the names in the USD",
         )
     networks = [a.joint for a in actuators.joints if a.level is Level.ACTUATOR_NET]
     if networks and dialect.row.native:

@@ -6,6 +6,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
@@ -40,11 +41,10 @@ class CfgField:
     file: bool = False
 
 
-class IsaacJoint(JointEmission):
-    """A joint and a dialect, with the losses and remarks that gather as fields are chosen.
+class IsaacJoint(JointEmission[IsaacLabDialect]):
+    """A joint with the losses and remarks that gather as fields are chosen.
 
     Attributes:
-        dialect: Version that is written.
         network: The network and the physics steps between its taps; None without one.
         limit: Effort limit [N*m or N]; infinity where it is unknown.
         gains_known: Whether the drive has all gains that it is to have.
@@ -59,11 +59,11 @@ class IsaacJoint(JointEmission):
         dialect: IsaacLabDialect,
         step: float,
         target: str,
+        collector: Collector,
         network: tuple[NetworkWithManifest, int] | None,
     ) -> None:
         self.gains_known = all(gain is None or gain.known for gain in (actuator.kp, actuator.kd))
-        super().__init__(actuator, step, target)
-        self.dialect = dialect
+        super().__init__(actuator, dialect, step, target, collector)
         self.network = network
         self.speed_unit = actuator.velocity_limit.unit
         self.limit = actuator.effort_limit.require() if actuator.effort_limit.known else math.inf

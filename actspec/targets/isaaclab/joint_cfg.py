@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level
 from actspec.laws import TorqueLaw
 from actspec.simulators.isaaclab import IsaacLabDialect
@@ -74,6 +75,7 @@ def cfg_of(
     actuator_class: str,
     step: float,
     target: str,
+    collector: Collector,
     network: tuple[NetworkWithManifest, int] | None,
 ) -> JointCfg:
     """Choose the class and fields of one joint.
@@ -84,11 +86,12 @@ def cfg_of(
         actuator_class: `auto`, `implicit` or `custom`.
         step: Physics step [s].
         target: Name of the target, for approximations.
+        collector: Takes errors.
         network: The network and the physics steps between its taps, for level actuator_net.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = IsaacJoint(actuator, dialect, step, target, network)
+    joint = IsaacJoint(actuator, dialect, step, target, collector, network)
     if actuator.level is Level.ACTUATOR_NET:
         cls, fields = _net(joint)
     elif actuator_class == "implicit":
@@ -209,12 +212,11 @@ def _net(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
         _one_line(joint, line, "ActuatorNetLSTM" if lstm else "ActuatorNetMLP")
     fields = [CfgField("network_file", file.name, scalar=True, file=True)]
     if not lstm:
-        order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
         fields += [
             CfgField("pos_scale", manifest.position_scale, scalar=True),
             CfgField("vel_scale", manifest.velocity_scale, scalar=True),
             CfgField("torque_scale", manifest.torque_scale, scalar=True),
-            CfgField("input_order", order, scalar=True),
+            CfgField("input_order", file.input_order, scalar=True),
             CfgField("input_idx", [tap * stride for tap in manifest.taps], "physics steps back", scalar=True),
         ]
     if manifest.initial_history == "first_sample" and not lstm and any(manifest.taps):

@@ -193,14 +193,12 @@ def _friction(
         undrawable, lambda draw: (draw.actuator.group, draw.field, draw.nominal)
     ):
         first = members[0]
-        collector.error(
+        collector.at(f"actuators.{group}.randomize.{field}", first.parts[0].span).error(
             "RND010",
             f"{listed(draw.actuator.joint for draw in members)}: Isaac Sim {dialect.sim_text} draws static, dynamic "
             f"and viscous friction from one range, so only a factor can be written, and the nominal {field} is "
             + ("unknown" if nominal is None else f"0 {first.unit}"),
-            where=f"actuators.{group}.randomize.{field}",
-            span=first.parts[0].span,
-            help=f"state {field}, or leave isaaclab out of `for`",
+            f"state {field}, or leave isaaclab out of `for`",
         )
     losses.shared(found)
     remark = (

@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Callable, Collection
 from dataclasses import replace
-from typing import TypeVar
+from typing import Generic, TypeVar
 
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
@@ -100,21 +100,23 @@ class JointLosses:
             self.approximate("velocity_limit", asked, emitted, why, None)
 
 
-class JointEmission(JointLosses):
-    """A joint with its law; each target adds its dialect.
+class JointEmission(JointLosses, Generic[T]):
+    """A joint with its law, on its way into one version of a simulator.
 
     Attributes:
+        dialect: Version that is written.
         step: Physics step [s].
-        where: The group's place in the spec.
+        collector: Takes errors.
         law: What the target is held to; of a network, the clip of its torque.
 
     Raises: ValueError: the law lacks a number; it says which.
     """
 
-    def __init__(self, actuator: JointActuator, step: float, target: str) -> None:
+    def __init__(
+        self, actuator: JointActuator, dialect: T, step: float, target: str, collector: Collector
+    ) -> None:
         super().__init__(actuator, target)
-        self.step = step
-        self.where = f"actuators.{actuator.group}"
+        self.dialect, self.step, self.collector = dialect, step, collector
         self.law: TorqueLaw = self._law()
 
     def _law(self) -> TorqueLaw:
@@ -291,7 +293,7 @@ def dialect_of(row: Callable[[], T], code: str, options: TargetOptions, collecto
         return row()
     except UnknownVersion as err:
         where, span = options.where(err.key), options.span(err.key)
-        collector.error(code, err.message, where=where, span=span, help=err.help)
+        collector.at(where, span).error(code, err.message, err.help)
         raise EmitError(collector.sorted()) from None
 
 
@@ -319,7 +321,7 @@ def joint_by_joint(
         try:
             part = make(actuator, own)
         except ValueError as err:
-            own.error(next(iter(shared)), str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+            own.at(f"actuators.{actuator.group}", actuator.span).error(next(iter(shared)), str(err))
         for item in own:
             if item.code in shared:
                 message = item.message.removeprefix(f"{actuator.joint}: ")
@@ -343,12 +345,12 @@ def warn_unknown_armature(actuators: ActuatorSet, code: str, simulator: str, col
     """
     unknown = [actuator for actuator in actuators.joints if actuator.armature.value is None]
     if unknown:
-        collector.warning(
+        collector.at(
+            f"actuators.{unknown[0].group}.armature", unknown[0].armature.span or unknown[0].span
+        ).warning(
             code,
             f"the armature of {len(unknown)} joints is unknown, and {simulator}: {listed([a.joint for a in unknown])}",
-            where=f"actuators.{unknown[0].group}.armature",
-            span=unknown[0].armature.span or unknown[0].span,
-            help="state armature, or rotor_inertia and gear_ratio of the motor",
+            "state armature, or rotor_inertia and gear_ratio of the motor",
         )
 
 

@@ -9,9 +9,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span, SpecError
+from actspec.diagnostics import Collector, Place, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import Command, JointActuator, Level, Network
+from actspec.ir import Command, JointActuator, Level
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
@@ -29,62 +29,98 @@ class NetworkWithManifest:
         name: Base name of its file.
         data: The file's bytes; never loaded here.
         manifest: Inputs, order, scales, period.
+        place: Where the spec names it.
     """
 
     name: str
     data: bytes
     manifest: NetworkManifest
+    place: Place
+
+    @property
+    def input_order(self) -> str:
+        """Which input is first, in the words of the simulators: `pos_vel` or `vel_pos`."""
+        return "pos_vel" if self.manifest.inputs == "position_velocity" else "vel_pos"
+
+    def check_command(self, group: str, command: Command, code: str, takes: str) -> None:
+        """Refuse a command that is no position.
+
+        Args:
+            group: The network's group.
+            command: What is commanded.
+            code: Of the error.
+            takes: Who takes positions: `Newton's network takes position errors`.
+        """
+        if command is not Command.POSITION:
+            replace(self.place, where=f"actuators.{group}.command").error(
+                code,
+                f"{takes}, got command {command.value}",
+                "write command: position, or leave this target out",
+            )
+
+    def stride(self, step: float) -> int | None:
+        """Physics steps between two taps; None after an error.
+
+        Args:
+            step: Physics step h [s].
+        """
+        # The period T at which the network was trained.
+        period = self.manifest.tap_period.value
+        if period is None:
+            self.place.error(
+                "NET007",
+                "tap_period is unknown, so the time between two taps is unknown",
+                "write the time between two samples of the training log",
+            )
+            return None
+        stride = round(period / step)
+        if stride < 1 or abs(stride * step - period) > 1e-6 * period:
+            near = max(1, stride) * step
+            self.place.error(
+                "NET007",
+                f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
+                f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
+            )
+            return None
+        return stride
 
 
-def read_network(
-    network: Network | None, where: str, span: Span | None, collector: Collector
-) -> NetworkWithManifest | None:
-    """Read a network and its manifest; None after an error.
+def read_network(actuator: JointActuator, collector: Collector) -> NetworkWithManifest | None:
+    """Read a joint's network and its manifest; None after an error.
 
     Args:
-        network: The two files; None is an error too.
-        where: Path of the group in the spec.
-        span: Where the group is written.
+        actuator: Of level actuator_net; that it names no network is an error too.
         collector: Takes the errors.
     """
+    network, place = actuator.network, collector.at(f"actuators.{actuator.group}", actuator.span)
     if network is None:
-        collector.error(
-            "NET001",
-            "level actuator_net has no network",
-            where=where,
-            span=span,
-            help="write network: {file: ..., manifest: ...}",
-        )
+        help = "write network: {file: ..., manifest: ...}"
+        place.error("NET001", "level actuator_net has no network", help)
         return None
-    where, span = f"{where}.network", network.span or span
+    place = replace(place, where=f"{place.where}.network", span=network.span or place.span)
     if network.manifest is None:
-        collector.error(
+        place.error(
             "NET002",
             "the network has no manifest, and its file alone does not state order, scales and period of its inputs",
-            where=where,
-            span=span,
-            help="write network: {file: ..., manifest: ...}; `actspec schema network` has the manifest's keys",
+            "write network: {file: ..., manifest: ...}; `actspec schema network` has the manifest's keys",
         )
         return None
-    data = _bytes(network.file, where, span, collector)
-    manifest = _manifest(network.manifest, where, span, collector)
+    data, manifest = _bytes(network.file, place), _manifest(network.manifest, place)
     if data is None or manifest is None:
         return None
     found = hashlib.sha256(data).hexdigest()
     if manifest.sha256 is not None and manifest.sha256 != found:
-        collector.error(
+        place.error(
             "NET005",
             f"the network is not the one that its manifest describes: sha256 {found[:12]}..., "
             f"the manifest has {manifest.sha256[:12]}...",
-            where=where,
-            span=span,
-            help="name the manifest that was written with this network",
+            "name the manifest that was written with this network",
         )
         return None
-    return NetworkWithManifest(os.path.basename(network.file), data, manifest)
+    return NetworkWithManifest(os.path.basename(network.file), data, manifest, place)
 
 
-def _bytes(path: str, where: str, span: Span | None, collector: Collector) -> bytes | None:
+def _bytes(path: str, place: Place) -> bytes | None:
     shown = f"'{os.path.basename(path)}'"
     try:
         return read_regular(path, MAX_NETWORK)
@@ -96,17 +132,12 @@ def _bytes(path: str, where: str, span: Span | None, collector: Collector) -> by
         message = f"there is no file {shown}"
     except (OSError, ValueError) as err:
         message = f"{shown} cannot be read: {getattr(err, 'strerror', None) or 'bad path'}"
-    collector.error(
-        "NET003",
-        message,
-        where=where,
-        span=span,
-        help="network.file names the network itself (TorchScript), relative to the spec's folder",
-    )
+    help = "network.file names the network itself (TorchScript), relative to the spec's folder"
+    place.error("NET003", message, help)
     return None
 
 
-def _manifest(path: str, where: str, span: Span | None, collector: Collector) -> NetworkManifest | None:
+def _manifest(path: str, place: Place) -> NetworkManifest | None:
     """JSON is YAML: read as strictly as a spec, with places."""
     from actspec.spec.document import load_document
     from actspec.spec.results import NetworkManifest
@@ -117,64 +148,20 @@ def _manifest(path: str, where: str, span: Span | None, collector: Collector) ->
     except SpecError as err:
         for item in err.diagnostics:
             placed = item.span is not None and item.span.line
-            collector.error(
-                "NET004",
-                f"the manifest cannot be read: {item.message}",
-                where=item.where or where,
-                span=item.span if placed else span,
-                # Of the file as a whole the reader speaks as of a spec.
-                help=item.help if placed else "`actspec schema network` has the manifest's keys",
-            )
+            # Of the file as a whole the reader speaks as of a spec.
+            help = item.help if placed else "`actspec schema network` has the manifest's keys"
+            at = replace(place, where=item.where or place.where, span=item.span if placed else place.span)
+            at.error("NET004", f"the manifest cannot be read: {item.message}", help)
         return None
-    manifest = checked(NetworkManifest, document, collector)
+    manifest = checked(NetworkManifest, document, place.collector)
     if manifest is None:
         return None
     scales = {name: getattr(manifest, name) for name in ("position_scale", "velocity_scale", "torque_scale")}
     wrong = [name for name, value in scales.items() if not math.isfinite(value)]
     for name in wrong:
-        collector.error(
-            "NET006",
-            f"must be finite, got {scales[name]}",
-            where=name,
-            span=document.spans.value((name,)),
-        )
+        at = replace(place, where=name, span=document.spans.value((name,)))
+        at.error("NET006", f"must be finite, got {scales[name]}")
     return None if wrong else manifest
-
-
-def tap_stride(
-    manifest: NetworkManifest, step: float, where: str, span: Span | None, collector: Collector
-) -> int | None:
-    """Physics steps between two taps; None after an error.
-
-    Args:
-        manifest: With the period T at which the network was trained.
-        step: Physics step h [s].
-        where: Path of the network in the spec.
-        span: Where it is written.
-        collector: Takes the error.
-    """
-    period = manifest.tap_period.value
-    if period is None:
-        collector.error(
-            "NET007",
-            "tap_period is unknown, so the time between two taps is unknown",
-            where=where,
-            span=span,
-            help="write the time between two samples of the training log",
-        )
-        return None
-    stride = round(period / step)
-    if stride < 1 or abs(stride * step - period) > 1e-6 * period:
-        near = max(1, stride) * step
-        collector.error(
-            "NET007",
-            f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
-            where=where,
-            span=span,
-            help=f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
-        )
-        return None
-    return stride
 
 
 def network_clip(actuator: JointActuator) -> JointActuator:
@@ -205,11 +192,9 @@ def network_files(
             continue
         name, data = network
         if found.setdefault(name, data) != data:
-            collector.error(
+            collector.at(f"actuators.{actuator.group}.network", actuator.span).error(
                 code,
                 f"two networks are called '{name}' and {differ}",
-                where=f"actuators.{actuator.group}.network",
-                span=actuator.span,
-                help="rename one: both are written into one folder",
+                "rename one: both are written into one folder",
             )
     return [EmittedFile(name, data) for name, data in found.items()]

@@ -92,11 +92,10 @@ def _short_names(actuators: ActuatorSet, robot: RobotView, collector: Collector)
     managed = {actuator.joint for actuator in actuators.joints}
     for same in short.values():
         if len(same) > 1 and not managed.isdisjoint(same):
-            collector.error(
+            collector.at(same[0]).error(
                 "MJL008",
                 f"mjlab identifies a joint by what is behind the last '/', which is the same for {listed(same)}",
-                where=same[0],
-                help="rename the joints in the model",
+                "rename the joints in the model",
             )
     return {name: name.rsplit("/", 1)[-1] for name in full}
 
@@ -107,12 +106,10 @@ def _check_springdamper(actuator: JointActuator, robot: RobotView, collector: Co
         return
     asked = ((actuator.friction_viscous, joint.damping), (actuator.armature, joint.armature))
     if any(stated(quantity) and quantity.value != own for quantity, own in asked):
-        collector.error(
+        collector.at(joint.name, joint.span).error(
             "MJL009",
             "the joint has a springdamper in force, which overwrites viscous_damping and follows the armature",
-            where=joint.name,
-            span=joint.span,
-            help="take it out of the model, or use the model that the mujoco target writes",
+            "take it out of the model, or use the model that the mujoco target writes",
         )
 
 

@@ -21,7 +21,7 @@ from actspec.simulators import text_of
 from actspec.simulators.mjlab import COMMON_FIELDS, MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
-from actspec.targets.kit.network import read_network, tap_stride
+from actspec.targets.kit.network import read_network
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.units import format_quantity
 
@@ -81,7 +81,7 @@ def cfg_of(
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = MjlabJoint(actuator, view, dialect, step, target, collector)
+    joint = JointEmission(actuator, dialect, step, target, collector)
     law = joint.law
     network: tuple[str, bytes] | None = None
     if joint.learned:
@@ -105,7 +105,7 @@ def cfg_of(
         # mjlab divides by the stiffness of a position actuator, and its older velocity one clamps the speed.
         kind = "IdealPdActuatorCfg"
         fields = [*gain_fields(joint, always=True), *limit_fields(joint, law.effort_limit)]
-    fields += passive_fields(joint)
+    fields += passive_fields(joint, view)
     delay = delay_fields(joint)
     no_command_path(joint)
     if joint.collector.failed:
@@ -140,31 +140,7 @@ def number(name: str, quantity: Quantity, what: str = "") -> CfgField:
     return CfgField(name, py(quantity.require()), ", ".join(about))
 
 
-class MjlabJoint(JointEmission):
-    """A joint with its losses, and a dialect.
-
-    Attributes:
-        view: The robot's joint; None where the spec names no model.
-        dialect: mjlab version that is written.
-        collector: Takes errors.
-
-    Raises: ValueError: the law lacks a number; it says which.
-    """
-
-    def __init__(
-        self,
-        actuator: JointActuator,
-        view: JointView | None,
-        dialect: MjlabDialect,
-        step: float,
-        target: str,
-        collector: Collector,
-    ) -> None:
-        super().__init__(actuator, step, target)
-        self.view = view
-        self.dialect = dialect
-        self.collector = collector
-
+MjlabJoint = JointEmission[MjlabDialect]
 
 NO_LINE = 1e9
 """Stall torque and no-load speed that leave only effort_limit [N*m, rad/s], where a class must have a line."""
@@ -189,12 +165,12 @@ def limit_fields(joint: MjlabJoint, limit: float, *, required: bool = False) -> 
             return [number("effort_limit", asked)]
         return [CfgField("effort_limit", py(limit), f"{joint.unit}, the curve's")]
     if required:
-        joint.collector.error(
+        joint.collector.at(
+            f"actuators.{joint.actuator.group}.effort_limit", asked.span or joint.actuator.span
+        ).error(
             "MJL002",
             "effort_limit is unknown, and the class that mjlab has for it needs a number",
-            where=f"{joint.where}.effort_limit",
-            span=asked.span or joint.actuator.span,
-            help="state effort_limit, or peak_torque of the motor",
+            "state effort_limit, or peak_torque of the motor",
         )
     return []
 
@@ -278,9 +254,9 @@ def no_command_path(joint: MjlabJoint) -> None:
     joint.no_range("mjlab's actuators do not clamp the command; its action term can (`clip`)")
 
 
-def passive_fields(joint: MjlabJoint) -> list[CfgField]:
+def passive_fields(joint: MjlabJoint, view: JointView | None) -> list[CfgField]:
     """Armature and friction of the joint; what the spec does not state keeps the model's."""
-    actuator, view = joint.actuator, joint.view
+    actuator = joint.actuator
     fields = []
     for name, quantity, own in (
         ("armature", actuator.armature, None if view is None else view.armature),
@@ -312,46 +288,31 @@ def passive_fields(joint: MjlabJoint) -> list[CfgField]:
 
 def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]] | None:
     """Fields of the network and its file; None after an error."""
-    actuator = joint.actuator
-    where = f"{joint.where}.network"
-    found = read_network(actuator.network, joint.where, actuator.span, joint.collector)
-    if found is None or actuator.network is None:
+    actuator, step = joint.actuator, joint.step * 1e3
+    found = read_network(actuator, joint.collector)
+    if found is None:
         return None
-    manifest, span = found.manifest, actuator.network.span
-    if actuator.command is not Command.POSITION:
-        joint.collector.error(
-            "MJL003",
-            f"mjlab's network takes position errors, got command {actuator.command.value}",
-            where=f"{joint.where}.command",
-            span=span,
-            help="write command: position, or leave this target out",
-        )
+    manifest, taps = found.manifest, found.manifest.taps
+    found.check_command(actuator.group, actuator.command, "MJL003", "mjlab's network takes position errors")
     if manifest.kind != "mlp":
-        joint.collector.error(
+        found.place.error(
             "MJL004",
             f"mjlab has no actuator class for a network of kind {manifest.kind}",
-            where=where,
-            span=span,
-            help="its LearnedMlpActuatorCfg takes an mlp; Isaac Lab has a class for an lstm",
+            "its LearnedMlpActuatorCfg takes an mlp; Isaac Lab has a class for an lstm",
         )
-    taps = manifest.taps
     if taps != tuple(range(len(taps))):
-        joint.collector.error(
+        found.place.error(
             "MJL005",
             f"mjlab gives a network the samples 0 to n - 1 in this order, got taps {list(taps)}",
-            where=where,
-            span=span,
-            help=f"train on taps {list(range(len(taps)))}",
+            f"train on taps {list(range(len(taps)))}",
         )
-    stride = tap_stride(manifest, joint.step, where, span, joint.collector)
+    stride = found.stride(joint.step)
     if stride is not None and stride != 1 and len(taps) > 1:
-        joint.collector.error(
+        found.place.error(
             "MJL006",
-            f"mjlab samples a network's history at every physics step, {joint.step * 1e3:g} ms, and its taps are "
-            f"{stride * joint.step * 1e3:g} ms apart",
-            where=where,
-            span=span,
-            help=f"train at {joint.step * 1e3:g} ms, or set timing.physics_dt to {stride * joint.step * 1e3:g} ms",
+            f"mjlab samples a network's history at every physics step, {step:g} ms, and its taps are "
+            f"{stride * step:g} ms apart",
+            f"train at {step:g} ms, or set timing.physics_dt to {stride * step:g} ms",
         )
     if manifest.initial_history != "first_sample" and len(taps) > 1:
         joint.approximate(
@@ -361,12 +322,11 @@ def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]
             "mjlab fills a network's history with its first sample after a reset",
             joint.both_limits,
         )
-    order = "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos"
     return [
         CfgField("network_file", f"str(FOLDER / {py(found.name)})"),
         CfgField("pos_scale", py(manifest.position_scale), "of target - measured"),
         CfgField("vel_scale", py(manifest.velocity_scale)),
         CfgField("torque_scale", py(manifest.torque_scale)),
-        CfgField("input_order", py(order)),
-        CfgField("history_length", py(len(taps)), f"every {joint.step * 1e3:g} ms"),
+        CfgField("input_order", py(found.input_order)),
+        CfgField("history_length", py(len(taps)), f"every {step:g} ms"),
     ], (found.name, found.data)

@@ -78,20 +78,14 @@ def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector:
     for edit in plan.joints:
         if edit.joint not in joints or edit.joint in copied:
             joint = robot.joint(edit.joint)
-            collector.error(
+            collector.at(edit.joint, joint.span if joint is not None else None).error(
                 "MJC004",
                 f"'{edit.joint}' comes from <replicate> or <attach>: its text cannot be edited alone",
-                where=edit.joint,
-                span=joint.span if joint is not None else None,
-                help=help,
+                help,
             )
         elif document.is_repeated(joints[edit.joint]):
-            collector.error(
-                "MJC005",
-                f"'{edit.joint}' is in a file that is included more than once",
-                where=edit.joint,
-                span=document.span(joints[edit.joint]),
-                help=help,
+            collector.at(edit.joint, document.span(joints[edit.joint])).error(
+                "MJC005", f"'{edit.joint}' is in a file that is included more than once", help
             )
     if len(actuators) != len(robot.actuators) and (plan.replaced or plan.removed):
         collector.error(

@@ -140,13 +140,13 @@ def drive_of(
     if known is None:
         return None
     try:
-        emission = JointEmission(known, step, target)
+        emission = JointEmission(known, dialect, step, target, collector)
         drive = _law_drive(known, emission.law, joint, dialect, step)
-        _lose(emission, drive, dialect)
+        _lose(emission, drive)
         return DriveResult(drive, tuple(emission.lost))
     except ValueError as err:
         # The law itself says which number it lacks.
-        collector.error("MJC018", str(err), where=f"actuators.{actuator.group}", span=actuator.span)
+        collector.at(f"actuators.{actuator.group}", actuator.span).error("MJC018", str(err))
         return None
 
 
@@ -280,10 +280,10 @@ def _control_range(
     return (None if scale is None else (-scale, scale)), False
 
 
-def _lose(joint: JointEmission, drive: Drive, dialect: MujocoDialect) -> None:
+def _lose(joint: JointEmission[MujocoDialect], drive: Drive) -> None:
     """Record what a drive cannot hold of what the spec asks for."""
-    _lose_line(joint, drive, dialect)
-    law, dcmotor = joint.law, drive.form is Form.DCMOTOR
+    _lose_line(joint, drive)
+    law, dialect, dcmotor = joint.law, joint.dialect, drive.form is Form.DCMOTOR
     if dcmotor:
         joint.no_bias("dcmotor has no constant term")
     since = text_of(NATIVE_DELAY)
@@ -301,9 +301,9 @@ def _lose(joint: JointEmission, drive: Drive, dialect: MujocoDialect) -> None:
     _lose_passive(joint)
 
 
-def _lose_line(joint: JointEmission, drive: Drive, dialect: MujocoDialect) -> None:
+def _lose_line(joint: JointEmission[MujocoDialect], drive: Drive) -> None:
     """The torque-speed line without a dcmotor, and the asymmetric curve with one."""
-    law = joint.law
+    law, dialect = joint.law, joint.dialect
     if joint.actuator.level is not Level.DC_MOTOR:
         return
     if drive.line is None:

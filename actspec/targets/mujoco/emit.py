@@ -81,11 +81,10 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector.raise_if_failed(EmitError)
     plan = users_of(anchors, plan)
     if not plan.holds_act(dialect) and any(key.act for key in plan.keys):
-        collector.warning(
+        collector.at("", Span(robot.path)).warning(
             "MJC021",
             f"keyframes of MuJoCo {dialect.text} cannot hold a filter's state beside a dcmotor: it starts at 0",
-            span=Span(robot.path),
-            help=f"reset with actspec.runtime.reset, or compile for MuJoCo {text_of(KEYFRAME_ACT)} or later",
+            f"reset with actspec.runtime.reset, or compile for MuJoCo {text_of(KEYFRAME_ACT)} or later",
         )
 
     installed = installed_dialect()
@@ -124,11 +123,10 @@ def _emit_fragment(
 ) -> Emission:
     """The fragment for a robot without a model, after a bench that includes it: the first file loads alone."""
     if options.canonical:
-        collector.error(
+        collector.at("robot.model").error(
             "MJC009",
             "`--canonical` writes MuJoCo's own form of a model, and the spec has `model: none`",
-            where="robot.model",
-            help="leave it out: a fragment to include is written, or name an MJCF or a URDF",
+            "leave it out: a fragment to include is written, or name an MJCF or a URDF",
         )
         raise EmitError(collector.sorted())
     planned = plan_model(actuators, robot, dialect, options.name, collector)
@@ -140,21 +138,18 @@ def _emit_fragment(
             fragment_files(fragment, robot, words, options.folder) for words in (dialect, installed)
         )
     except ValueError as err:
-        collector.error(
+        collector.at("robot.joints").error(
             "MJC024",
             f"the fragment cannot be written: {err}",
-            where="robot.joints",
-            help="rename the joint, in the spec and in the model",
+            "rename the joint, in the spec and in the model",
         )
         raise EmitError(collector.sorted()) from err
     edited = _edited((bare,), fragment.plan, installed, f"actspec {actuators.robot}", True)
     check_written(checked, edited, actuators, collector)
-    collector.info(
+    collector.at("robot.model", Span(robot.path)).info(
         "MJC023",
         f"the spec has `model: none`: {fragment.main_name} is no model but a fragment to include in one; "
         "its head says how",
-        where="robot.model",
-        span=Span(robot.path),
     )
     emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
     return Emission(emitted, planned.approximations, collector.sorted())
@@ -197,11 +192,10 @@ def _write(
     try:
         edited = apply_edits(document, [InsertBefore(document.root, comment), *edits, *where.edits])
     except ValueError as err:
-        collector.error(
+        collector.at("", Span(document.files[0].path)).error(
             "MJC008",
             f"the text cannot be edited: {err}",
-            span=Span(document.files[0].path),
-            help="use `--canonical` to write MuJoCo's own form of the model",
+            "use `--canonical` to write MuJoCo's own form of the model",
         )
         raise EmitError(collector.sorted()) from err
     return written_files(document, edited, where, folder)
@@ -273,11 +267,10 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         spec.compiler.savecompiled = False
         spec.compiler.savecanonical = False
     else:
-        collector.warning(
+        collector.at("", Span(robot.path)).warning(
             "MJC014",
             "this MuJoCo saves numbers with six digits; 3.16 and later keep them all",
-            span=Span(robot.path),
-            help="pip install --upgrade mujoco",
+            "pip install --upgrade mujoco",
         )
         meshes = mesh_dependence(spec)
         if meshes is not None:
@@ -289,10 +282,9 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     main = ModelFile(path, "", text.encode("utf-8"))
     view = read_mjcf((main,), inertia=False)
     if robot.format is ModelFormat.URDF:
-        collector.info(
+        collector.at("", Span(robot.path)).info(
             "MJC015",
             "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it, and its velocity "
             "limits have no place there",
-            span=Span(robot.path),
         )
     return view

@@ -82,12 +82,11 @@ def fragment_of(
     """
     unlimited = [d.joint for d in plan.drives if d.form is Form.DCMOTOR and d.effort_limit is None]
     if unlimited:
-        collector.error(
+        collector.at("robot.model").error(
             "MJC019",
             "a dcmotor without effort_limit takes the force range of the including model's main default class, "
             f"which is not known here: {listed(unlimited)}",
-            where="robot.model",
-            help="state effort_limit, or name the model",
+            "state effort_limit, or name the model",
         )
     collector.raise_if_failed(EmitError)
     edits = tuple(

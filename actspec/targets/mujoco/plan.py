@@ -123,11 +123,10 @@ def plan_model(
     reports = Reports()
     readings = read_joints(robot)
     if not robot.actuation:
-        collector.error(
+        collector.at("", Span(robot.path)).error(
             "MJC026",
             'the file switches all actuators off (option/flag actuation="disable"): no drive would give a force',
-            span=Span(robot.path),
-            help="remove the flag from the model",
+            "remove the flag from the model",
         )
     for actuator in actuators.joints:
         joint = robot.joint(actuator.joint)
@@ -154,12 +153,10 @@ def plan_model(
                     renamed[other.name] = drive.name
         else:
             if drive.name in names:
-                collector.error(
+                collector.at(joint.name, next(a.span for a in robot.actuators if a.name == drive.name)).error(
                     "MJC002",
                     f"the actuator of '{joint.name}' would have the joint's name, but another actuator has it",
-                    where=joint.name,
-                    span=next(a.span for a in robot.actuators if a.name == drive.name),
-                    help="rename the other actuator",
+                    "rename the other actuator",
                 )
             added.append(replace(drive, group=_group_on(robot, 0, drive, joint.span, collector)))
         joint_edits.append(_joint_edit(actuator, joint, own, dialect, robot.inertia_reason, collector))
@@ -170,11 +167,9 @@ def plan_model(
     timestep = None
     if robot.timestep is not None and step != robot.timestep:
         timestep = step
-        collector.info(
+        collector.at("timing.physics_dt", actuators.physics_dt.span).info(
             "MJC010",
             f"option/timestep becomes {format_number(step)} s, the file has {format_number(robot.timestep)} s",
-            span=actuators.physics_dt.span,
-            where="timing.physics_dt",
         )
     lost += delta_action_loss(
         actuators, target, "MuJoCo runs no network: wrap the environment with the runtime"
@@ -198,13 +193,11 @@ def _group_on(robot: RobotView, group: int, drive: Drive, span: Span, collector:
     if group not in robot.off_groups:
         return group
     on = next(number for number in range(32) if number not in robot.off_groups)
-    collector.warning(
+    collector.at(drive.joint, span).warning(
         "MJC027",
         f"'{drive.name}' gets group {on}: the file switches group {group} off (option actuatorgroupdisable), and the "
         "drive would give no torque",
-        where=drive.joint,
-        span=span,
-        help="add the joint to robot.unmanaged if its drive is to stay off",
+        "add the joint to robot.unmanaged if its drive is to stay off",
     )
     return on
 
@@ -212,21 +205,17 @@ def _group_on(robot: RobotView, group: int, drive: Drive, span: Span, collector:
 def _note_replaced(own: tuple[ActuatorView, ...], drive: Drive, collector: Collector) -> None:
     first = own[0]
     if len(own) > 1:
-        collector.warning(
+        collector.at(drive.joint, own[1].span).warning(
             "MJC011",
             f"'{drive.joint}' had {len(own)} actuators ({', '.join(a.name or '(no name)' for a in own)}), it gets one: "
             "the number of controls changes",
-            where=drive.joint,
-            span=own[1].span,
-            help=f"send the command to '{drive.name}'",
+            f"send the command to '{drive.name}'",
         )
     if first.gear != 1.0:
-        collector.warning(
+        collector.at(drive.joint, first.span).warning(
             "MJC012",
             f"'{first.name}' had gear {format_number(first.gear)}, it gets 1: its control and its sensors are in joint "
             "units now",
-            where=drive.joint,
-            span=first.span,
         )
 
 
@@ -250,21 +239,17 @@ def _joint_edit(
     current = (joint.damping, *joint.damping_polynomial)
     if any(damping[1:]):
         if not dialect.polynomials:
-            collector.error(
+            collector.at(joint.name, joint.span).error(
                 "MJC003",
                 f"'{joint.name}' has polynomial damping, which MuJoCo {dialect.text} cannot hold",
-                where=joint.name,
-                span=joint.span,
-                help=f"compile for MuJoCo {text_of(POLYNOMIALS)} or later, or remove the second and third number",
+                f"compile for MuJoCo {text_of(POLYNOMIALS)} or later, or remove the second and third number",
             )
         if viscous is not None and actuator.friction_viscous.origin.value in ("authored", "identified"):
-            collector.warning(
+            collector.at(joint.name, joint.span).warning(
                 "MJC013",
                 f"'{joint.name}' keeps its polynomial damping ({format_number(damping[1])} w|w|, "
                 f"{format_number(damping[2])} w^3) beside "
                 f"friction.viscous {format_quantity(viscous, actuator.friction_viscous.unit)}",
-                where=joint.name,
-                span=joint.span,
             )
     armature = actuator.armature.value
     own_armature = sum(a.gear**2 * a.armature for a in own)
@@ -287,23 +272,19 @@ def _joint_edit(
     if joint.springdamper and "stiffness" in joint.unknown:
         # It stays in force, unless a number is to stand in its place.
         if viscous is not None or any(folded):
-            collector.error(
+            collector.at(joint.name, joint.span).error(
                 "MJC025",
                 f"'{joint.name}' has a springdamper in force, which would overwrite friction.viscous; its stiffness "
                 f"cannot be written in its place: {weightless}",
-                where=joint.name,
-                span=joint.span,
-                help="put the mesh files there, or write stiffness and damping in the model instead of springdamper",
+                "put the mesh files there, or write stiffness and damping in the model instead of springdamper",
             )
         edit = replace(edit, damping=None)
     elif joint.springdamper:
         # In force it would overwrite what is written, and follow the armature.
-        collector.info(
+        collector.at(joint.name, joint.span).info(
             "MJC020",
             f"'{joint.name}' has a springdamper in force; it is written out of force, with the stiffness "
             f"{format_number(joint.stiffness)} and the viscous friction {format_number(damping[0])} that it stood for",
-            where=joint.name,
-            span=joint.span,
         )
         edit = replace(edit, damping=damping, stiffness=joint.stiffness, springdamper_off=True)
     return edit

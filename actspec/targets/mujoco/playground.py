@@ -233,12 +233,10 @@ def _model_dialect(stack: StackWriter) -> MujocoDialect | None:
     words = {dialect.dcmotor for dialect in dialects.values()}
     if len(words) > 1 and any(a.level is Level.DC_MOTOR for a in stack.actuators.joints):
         said = " or ".join(f"'{name}' ({dialect.text})" for name, dialect in dialects.items())
-        stack.collector.error(
+        stack.options.at("version", stack.collector).error(
             "RND014",
             f"Playground's function could be for the model of {said}, whose motors keep their numbers in other fields",
-            where=stack.options.where("version"),
-            span=stack.options.span("version"),
-            help="write a target for it: {target: randomization, for: [playground], version: ...}",
+            "write a target for it: {target: randomization, for: [playground], version: ...}",
         )
         return None
     return next(iter(dialects.values()), default)

@@ -65,11 +65,9 @@ def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector
     managed = {actuator.joint for actuator in actuators.joints}
     shared = [joint for joint in moving if counts[joint.body] > 1 and joint.name in managed]
     if shared:
-        collector.error(
+        collector.at(shared[0].name, shared[0].span).error(
             "NWT012",
             f"{listed(joint.name for joint in shared)}: not alone on its body, and Newton makes one joint of all "
             "joints between two bodies, which takes no actuator",
-            where=shared[0].name,
-            span=shared[0].span,
-            help="give each joint a body of its own in the model, or leave this target out",
+            "give each joint a body of its own in the model, or leave this target out",
         )

@@ -12,23 +12,20 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from actspec.diagnostics import Collector, shortened
-from actspec.ir import Command, JointActuator, JointKind, Quantity
+from actspec.ir import JointActuator, JointKind, Quantity
 from actspec.simulators import text_of
 from actspec.simulators.newton import JOINT_DAMPING, NETWORKS, NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
-from actspec.targets.kit.network import NetworkWithManifest, read_network, tap_stride
+from actspec.targets.kit.network import NetworkWithManifest, read_network
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.targets.kit.sizes import lined
 from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from actspec.targets.newton.usda import UsdAttribute, asset
 from actspec.units import format_quantity
-
-if TYPE_CHECKING:
-    from actspec.spec.results import NetworkManifest
 
 Schemas = tuple[tuple[str, ...], tuple[UsdAttribute, ...]]
 """API schemas of a prim, and its attributes."""
@@ -67,7 +64,7 @@ def prims_of(
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
-    joint = NewtonJoint(actuator, dialect, step, target, collector)
+    joint = JointEmission(actuator, dialect, step, target, collector)
     network = None
     if joint.learned:
         found = network_attributes(joint)
@@ -107,27 +104,7 @@ def given(name: str, value: float, *notes: str) -> UsdAttribute:
     return UsdAttribute("float", name, text, ", ".join(note for note in notes if note))
 
 
-class NewtonJoint(JointEmission):
-    """A joint with its losses, and a dialect.
-
-    Attributes:
-        dialect: Newton version that is written.
-        collector: Takes errors.
-
-    Raises: ValueError: the law lacks a number; it says which.
-    """
-
-    def __init__(
-        self, actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
-    ) -> None:
-        super().__init__(actuator, step, target)
-        self.dialect = dialect
-        self.collector = collector
-
-    @property
-    def hinge(self) -> bool:
-        """Whether the joint turns: USD's own attributes of it are in degrees."""
-        return self.actuator.kind is JointKind.HINGE
+NewtonJoint = JointEmission[NewtonDialect]
 
 
 def gain_attributes(joint: NewtonJoint) -> list[UsdAttribute]:
@@ -214,7 +191,7 @@ def joint_prim(joint: NewtonJoint) -> tuple[tuple[str, ...], list[UsdAttribute]]
 
 
 def _axis(joint: NewtonJoint) -> str:
-    return "angular" if joint.hinge else "linear"
+    return "angular" if joint.actuator.kind is JointKind.HINGE else "linear"
 
 
 def _no_drive(joint: NewtonJoint) -> list[UsdAttribute]:
@@ -267,7 +244,7 @@ def _passive(joint: NewtonJoint) -> list[UsdAttribute]:
 
 def _in_degrees(joint: NewtonJoint, name: str, quantity: Quantity, factor: float) -> UsdAttribute:
     """A number that USD has per degree or in degrees, of a hinge."""
-    if not joint.hinge:
+    if joint.actuator.kind is not JointKind.HINGE:
         return number(name, quantity)
     unit = quantity.unit.replace("rad", "deg")
     said = format_quantity(quantity.value, quantity.unit)
@@ -287,38 +264,27 @@ TENSORS = (
 
 def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[str, bytes]] | None:
     """`newton:modelPath` and the file; None after an error."""
-    network = joint.actuator.network
-    found = read_network(network, joint.where, joint.actuator.span, joint.collector)
-    if found is None or network is None:
+    found = read_network(joint.actuator, joint.collector)
+    if found is None:
         return None
-    manifest, span, where = found.manifest, network.span, f"{joint.where}.network"
+    manifest = found.manifest
     if not joint.dialect.networks:
-        joint.collector.error(
+        found.place.error(
             "NWT003",
             f"Newton {joint.dialect.text} reads no ONNX, and gives a network the velocity's error for the velocity",
-            where=where,
-            span=span,
-            help=f"write for Newton {text_of(NETWORKS)} or later, or leave this target out",
+            f"write for Newton {text_of(NETWORKS)} or later, or leave this target out",
         )
         return None
-    if joint.actuator.command is not Command.POSITION:
-        joint.collector.error(
-            "NWT002",
-            f"Newton's network takes position errors, got command {joint.actuator.command.value}",
-            where=f"{joint.where}.command",
-            span=span,
-            help="write command: position, or leave this target out",
-        )
+    takes = "Newton's network takes position errors"
+    found.check_command(joint.actuator.group, joint.actuator.command, "NWT002", takes)
     if manifest.kind == "gru":
-        joint.collector.error(
+        found.place.error(
             "NWT003",
             "actspec does not write a gru for Newton, which names its inputs in another way",
-            where=where,
-            span=span,
-            help="use an mlp or an lstm, or leave this target out",
+            "use an mlp or an lstm, or leave this target out",
         )
-    stride = tap_stride(manifest, joint.step, where, span, joint.collector)
-    metadata = None if stride is None else _metadata(joint, found, stride)
+    stride = found.stride(joint.step)
+    metadata = None if stride is None else _metadata(joint.step, found, stride)
     if metadata is None or joint.collector.failed:
         return None
     if manifest.initial_history == "first_sample" and manifest.kind == "mlp" and any(manifest.taps):
@@ -331,60 +297,47 @@ def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[st
         )
     # Newton takes a file for torch's by the end of its name.
     name = f"{os.path.splitext(found.name)[0]}.onnx"
-    return [UsdAttribute("asset", "newton:modelPath", asset(name))], (
-        name,
-        with_metadata(found.data, metadata),
-    )
+    data = with_metadata(found.data, metadata)
+    return [UsdAttribute("asset", "newton:modelPath", asset(name))], (name, data)
 
 
-def _metadata(joint: NewtonJoint, file: NetworkWithManifest, stride: int) -> dict[str, Any] | None:
+def _metadata(step: float, file: NetworkWithManifest, stride: int) -> dict[str, Any] | None:
     """What Newton is to read of the network; None after an error."""
-    assert joint.actuator.network is not None
-    manifest, where, span = file.manifest, f"{joint.where}.network", joint.actuator.network.span
     try:
         own = read_metadata(file.data)
     except NotOnnx as err:
         torch = file.data.startswith(b"PK")
-        joint.collector.error(
+        file.place.error(
             "NWT004",
             f"'{shortened(file.name)}' is not an ONNX file, and Newton runs no other: "
             + ("it is an archive, as torch writes them" if torch else str(err)),
-            where=where,
-            span=span,
-            help="export it with torch.onnx.export, and name that file and its manifest for this target; "
+            "export it with torch.onnx.export, and name that file and its manifest for this target; "
             "Newton 1.8 refuses TorchScript",
         )
         return None
-    asked = _asked(manifest, stride)
+    asked = _asked(file, stride)
     for scale in ("pos_scale", "vel_scale", "effort_scale"):
         if asked[scale] == 0.0:
-            joint.collector.error(
-                "NWT006",
-                f"Newton does not accept a {scale} of 0",
-                where=where,
-                span=span,
-                help="fold it into the network",
-            )
+            file.place.error("NWT006", f"Newton does not accept a {scale} of 0", "fold it into the network")
     if "torque_scale" in own:
         own.setdefault("effort_scale", own.pop("torque_scale"))
     for key, value in asked.items():
         if key in own and not _same(own[key], value):
-            joint.collector.error(
+            file.place.error(
                 "NWT006",
                 f"the network's own metadata have {key} {shortened(str(own[key]))}, its manifest has {value}",
-                where=where,
-                span=span,
-                help="correct the one that is wrong: Newton reads the file's, and actspec writes the manifest's there",
+                "correct the one that is wrong: Newton reads the file's, and actspec writes the manifest's there",
             )
-    if manifest.kind == "lstm":
-        _check_lstm(joint, manifest, {**own, **asked}, stride)
+    if file.manifest.kind == "lstm":
+        _check_lstm(step, file, {**own, **asked}, stride)
     return {**own, **asked}
 
 
-def _asked(manifest: NetworkManifest, stride: int) -> dict[str, Any]:
+def _asked(file: NetworkWithManifest, stride: int) -> dict[str, Any]:
+    manifest = file.manifest
     found: dict[str, Any] = {
         "model_type": manifest.kind,
-        "input_order": "pos_vel" if manifest.inputs == "position_velocity" else "vel_pos",
+        "input_order": file.input_order,
         "input_idx": [tap * stride for tap in manifest.taps],
         "pos_scale": manifest.position_scale,
         "vel_scale": manifest.velocity_scale,
@@ -396,26 +349,21 @@ def _asked(manifest: NetworkManifest, stride: int) -> dict[str, Any]:
     return found
 
 
-def _check_lstm(joint: NewtonJoint, manifest: NetworkManifest, metadata: dict[str, Any], stride: int) -> None:
-    assert joint.actuator.network is not None
-    where, span = f"{joint.where}.network", joint.actuator.network.span
+def _check_lstm(step: float, file: NetworkWithManifest, metadata: dict[str, Any], stride: int) -> None:
+    manifest = file.manifest
     missing = [name for name in (*TENSORS, "hidden_size", "num_layers") if name not in metadata]
     if missing:
-        joint.collector.error(
+        file.place.error(
             "NWT006",
             f"neither the lstm's own metadata nor its manifest have {', '.join(missing)}",
-            where=where,
-            span=span,
-            help="export the network with them: Newton finds its tensors by these names",
+            "export the network with them: Newton finds its tensors by these names",
         )
     if manifest.taps != (0,) or manifest.inputs != "position_velocity" or stride != 1:
-        joint.collector.error(
+        file.place.error(
             "NWT003",
             "Newton gives an lstm position error and velocity of each physics step, in this order, got "
-            f"{manifest.inputs}, taps {list(manifest.taps)} every {stride * joint.step * 1e3:g} ms",
-            where=where,
-            span=span,
-            help=f"train it on position_velocity, taps [0], every {joint.step * 1e3:g} ms",
+            f"{manifest.inputs}, taps {list(manifest.taps)} every {stride * step * 1e3:g} ms",
+            f"train it on position_velocity, taps [0], every {step * 1e3:g} ms",
         )
 
 

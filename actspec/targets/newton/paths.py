@@ -66,12 +66,10 @@ def lay_out(
         owners.setdefault(found[name], []).append(name)
     for path, shared in owners.items():
         if len(shared) > 1:
-            collector.error(
+            options.at("joint_paths", collector).error(
                 "NWT010",
                 f"{listed(shared)} have one path, {shortened(path_text(path))}",
-                where=options.where("joint_paths"),
-                span=options.span("joint_paths"),
-                help=f"write {JOINT} where the joint's name belongs",
+                f"write {JOINT} where the joint's name belongs",
             )
     return StagePaths(root, found, frozenset(left))
 
@@ -82,21 +80,18 @@ def _root(robot: RobotView, options: TargetOptions, collector: Collector) -> Pat
     if stated is not None:
         found = prim_path(stated)
         if found is None:
-            collector.error(
+            options.at("root", collector).error(
                 "NWT008",
                 f"'{shortened(stated)}' is not a valid USD prim path",
-                where=options.where("root"),
-                span=options.span("root"),
-                help="write names behind slashes, e.g. /World/Robot",
+                "write names behind slashes, e.g. /World/Robot",
             )
         return found or ()
     if is_identifier(robot.name):
         return (robot.name,)
-    collector.error(
+    collector.at(options.where("root")).error(
         "NWT009",
         f"the robot's name '{shortened(robot.name)}' is not a valid USD prim name, so the path of its prim is unknown",
-        where=options.where("root"),
-        help="state `root`, the path of the robot's prim, e.g. /World/Robot",
+        "state `root`, the path of the robot's prim, e.g. /World/Robot",
     )
     return ()
 
@@ -106,36 +101,28 @@ def _stated(names: list[str], root: Path, options: TargetOptions, collector: Col
     paths = options.of(NewtonTarget).joint_paths or {}
     matches = resolve_patterns(list(paths), names)
     for problem in matches.problems:
-        collector.error(
-            "NWT011",
-            problem.message,
-            where=options.where(f"joint_paths.{problem.pattern}"),
-            span=options.span(f"joint_paths[{problem.pattern}]"),
-            help=problem.help,
-        )
+        collector.at(
+            options.where(f"joint_paths.{problem.pattern}"), options.span(f"joint_paths[{problem.pattern}]")
+        ).error("NWT011", problem.message, problem.help)
     by_joint: dict[str, str] = {}
     found: dict[str, Path] = {}
     for (pattern, template), matched in zip(paths.items(), matches.by_pattern, strict=True):
         where, span = options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]")
         twice = [name for name in matched if by_joint.setdefault(name, pattern) != pattern]
         if twice:
-            collector.error(
+            collector.at(where, span).error(
                 "NWT011",
                 f"{listed(twice)}: matched by '{shortened(by_joint[twice[0]])}' too",
-                where=where,
-                span=span,
-                help="let one pattern match each joint",
+                "let one pattern match each joint",
             )
         for name in matched:
             text = template.replace(JOINT, name)
             path = prim_path(text if text.startswith("/") else f"{path_text(root)}/{text}")
             if path is None:
-                collector.error(
+                collector.at(where, span).error(
                     "NWT008",
                     f"'{shortened(text)}' is not a valid USD prim path (joint {shortened(name)})",
-                    where=where,
-                    span=span,
-                    help="write names of letters, digits and _ between slashes, as the stage has them",
+                    "write names of letters, digits and _ between slashes, as the stage has them",
                 )
                 break
             found[name] = path
@@ -148,11 +135,8 @@ def _converted(
     """The paths that a converter gives to the joints."""
     where = options.where("joint_paths")
     if robot.format is ModelFormat.NONE:
-        collector.error(
-            "NWT009",
-            "the spec names no model, so it is unknown where the joints are in the stage",
-            where=where,
-            help=_STATE,
+        collector.at(where).error(
+            "NWT009", "the spec names no model, so it is unknown where the joints are in the stage", _STATE
         )
         return {}
     candidates: dict[str, Path] = {}
@@ -163,12 +147,11 @@ def _converted(
         candidates = {name: (*root, "Physics", name) for name in names if counts[name] == 1}
     unsure = [name for name in names if not all(map(is_identifier, candidates.get(name, ("",))))]
     if unsure:
-        collector.error(
+        collector.at(where).error(
             "NWT009",
             f"{listed(unsure)}: the converter's path is unknown, because a name on it is not a valid USD prim name or "
             "not unique in its body",
-            where=where,
-            help=_STATE,
+            _STATE,
         )
     return {name: path for name, path in candidates.items() if name in names and name not in unsure}
 

@@ -53,7 +53,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             made = import_module(STACKS[stack]).write(writer)
         except UnknownVersion as err:
             where, span = options.where(err.key), options.span(err.key)
-            collector.error("RND013", err.message, where=where, span=span, help=err.help)
+            collector.at(where, span).error("RND013", err.message, err.help)
             continue
         lost += writer.losses.items
         if made is not None:
@@ -64,11 +64,10 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if empty:
         stated = any(actuator.randomize for actuator in actuators.joints)
         why = "none of the spec's ranges can be drawn there" if stated else "the spec has no `randomize`"
-        collector.info(
+        collector.at(f"targets.{options.name}").info(
             "RND015",
             f"no file for {', '.join(empty)} is written: {why}",
-            where=f"targets.{options.name}",
-            help="state randomize in a group, or leave the stack out of `for`",
+            "state randomize in a group, or leave the stack out of `for`",
         )
     return Emission(tuple(files), tuple(lost), collector.sorted())
 
@@ -79,21 +78,17 @@ def _stacks(options: TargetOptions, collector: Collector) -> tuple[str, ...]:
         if stack not in STACKS:
             guess = nearest(stack, list(STACKS))
             option = f"for[{index}]"
-            collector.error(
+            options.at(option, collector).error(
                 "RND011",
                 f"no randomisation can be written for '{one_line(stack)}'",
-                where=options.where(option),
-                span=options.span(option),
-                help=(f"did you mean '{guess}'? " if guess else "") + f"known: {', '.join(STACKS)}",
+                (f"did you mean '{guess}'? " if guess else "") + f"known: {', '.join(STACKS)}",
             )
     chosen = tuple(stack for stack in STACKS if stack in asked) if asked else tuple(STACKS)
     versioned = [stack for stack in chosen if stack != "json"]
     if options.version and len(versioned) != 1:
-        collector.error(
+        options.at("version", collector).error(
             "RND012",
             f"version '{one_line(options.version)}' could be that of {' or '.join(versioned) or 'no stack'}",
-            where=options.where("version"),
-            span=options.span("version"),
-            help="write a target for each stack: {target: randomization, for: [isaaclab], version: ...}",
+            "write a target for each stack: {target: randomization, for: [isaaclab], version: ...}",
         )
     return chosen

@@ -81,11 +81,10 @@ def _check_format(robot: RobotView, collector: Collector) -> None:
     if robot.format is ModelFormat.URDF:
         return
     what = "is an MJCF" if robot.format is ModelFormat.MJCF else "is none"
-    collector.error(
+    collector.at("robot.model").error(
         "URD001",
         f"the URDF target edits a URDF, and the spec's model {what}",
-        where="robot.model",
-        help="name the robot's URDF, or leave the target out",
+        "name the robot's URDF, or leave the target out",
     )
     raise EmitError(collector.sorted())
 
@@ -100,12 +99,10 @@ def _check_expanded(document: XmlDocument, collector: Collector) -> None:
             if name.startswith("xmlns:") and "xacro" in value
         )
         if element.tag.partition(":")[0] in prefixes and ":" in element.tag:
-            collector.error(
+            collector.at("robot.model", Span(document.files[0].path, element.line, element.column)).error(
                 "URD002",
                 f"<{shortened(element.tag)}> has to be expanded by xacro first",
-                where="robot.model",
-                span=Span(document.files[0].path, element.line, element.column),
-                help="xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",
+                "xacro ROBOT.urdf.xacro > ROBOT.urdf, and name that in the spec",
             )
             return
 

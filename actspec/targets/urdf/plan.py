@@ -96,12 +96,10 @@ def plan_joints(
         joint = robot.joint(actuator.joint)
         assert joint is not None
         if joint.mimic is not None:
-            collector.warning(
+            collector.at(joint.name, joint.span).warning(
                 "URD003",
                 f"follows '{joint.mimic}' (<mimic>): it has no drive of its own, and stays as it is in the file",
-                where=joint.name,
-                span=joint.span,
-                help="list it under robot.unmanaged",
+                "list it under robot.unmanaged",
             )
             continue
         driven.append(actuator)
@@ -168,12 +166,9 @@ def _tell_unknown(driven: Iterable[JointActuator], robot: RobotView, collector: 
             if not members:
                 continue
             name = _SPEC_NAMES.get(field, field)
-            collector.info(
-                "URD004",
-                f"{name} is unknown, and {attribute} {what}: {listed(a.joint for a in members)}",
-                where=f"actuators.{members[0].group}.{name}",
-                span=getattr(members[0], field).span or members[0].span,
-            )
+            collector.at(
+                f"actuators.{members[0].group}.{name}", getattr(members[0], field).span or members[0].span
+            ).info("URD004", f"{name} is unknown, and {attribute} {what}: {listed(a.joint for a in members)}")
 
 
 _NO_DRIVE = "a URDF describes joints, not their drives"
