@@ -14,32 +14,40 @@ Traps, all of 2.3.2 (source/isaaclab/isaaclab/envs/mdp/events.py):
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import Collector, listed
-from actspec.ir import ActuatorSet, Command, JointActuator, Level
-from actspec.sampling import nominal_of
+from actspec.diagnostics import listed
+from actspec.ir import Command, JointActuator, Level
+from actspec.sampling import FACTORS, nominal_of
 from actspec.simulators.isaaclab import FrictionUnit, IsaacLabDialect
 from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import EmittedFile
 from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.fields import viscous_in_damping
-from actspec.targets.kit.draw_losses import Losses, each, factor_error, factor_lost, viscous_change
-from actspec.targets.kit.draws import Draw, Draws, as_abs, as_scale, as_uniform, draws_of, stated_range
-from actspec.targets.kit.events import EventTerm, Namer, StackWriter, comments, patterns_of
-from actspec.targets.kit.python_text import grouped
+from actspec.targets.kit.draw_losses import Losses, factor_error, factor_lost, viscous_change
+from actspec.targets.kit.draws import Draw, as_abs, as_scale, as_uniform
+from actspec.targets.kit.events import EventTerm, StackWriter
+from actspec.targets.kit.python_text import comment_lines, grouped
 
-INDENT = "    "
+GAINS, OF_JOINTS = "mdp.randomize_actuator_gains", "mdp.randomize_joint_parameters"
+"""The terms that draw kp and kd, and what belongs to the joint."""
 
-GAINS = "mdp.randomize_actuator_gains"
-"""The term that draws kp and kd."""
+NO_TERM = {
+    "effort_limit": "Isaac Lab has no term for effort limits",
+    "encoder_bias": "Isaac Lab has no term for encoder biases",
+    "delay": "Isaac Lab draws a delay in DelayedPDActuatorCfg alone, between its min_delay and max_delay",
+    "friction.stribeck_velocity": "Isaac Lab has no Stribeck friction",
+}
 
 
 def write(stack: StackWriter) -> EmittedFile | None:
-    """The events of a robot; None: there are none, or an error."""
+    """The events of a robot; None: there are none, or an error: a friction of 0 that only a factor could draw."""
     dialect = dialect_for(stack.options, stack.version("isaaclab"))
-    terms = isaaclab_terms(stack.actuators, stack.names, dialect, stack.losses, stack.collector)
+    terms = [*_gains(stack, dialect), *_armature(stack), *_friction(stack, dialect)]
+    stack.drop(NO_TERM)
+    for actuator in stack.actuators.joints:
+        _factors(actuator, stack.losses)
     if not terms:
         return None
     late = any(term.func == GAINS and term.mode != "startup" for term in terms)
@@ -62,78 +70,45 @@ def write(stack: StackWriter) -> EmittedFile | None:
     )
 
 
-def isaaclab_terms(
-    actuators: ActuatorSet,
-    names: Sequence[str],
-    dialect: IsaacLabDialect,
-    losses: Losses,
-    collector: Collector,
-) -> list[EventTerm]:
-    """The event terms of a robot.
-
-    Args:
-        actuators: What is drawn.
-        names: All joints of the articulation.
-        dialect: Isaac Lab's version and the Isaac Sim below it.
-        losses: Takes what stock terms cannot do.
-        collector: Takes errors: a friction of 0 that only a factor could draw (RND010).
-    """
-    draws = {actuator.joint: draws_of(actuator) for actuator in actuators.joints}
-    namer = Namer()
-    terms = [*_gains(draws, names, dialect, namer, losses), *_armature(draws, names, namer, losses)]
-    terms += _friction(draws, names, dialect, namer, losses, collector)
-    _without_term(actuators, draws, losses)
-    return terms
-
-
-def _gains(
-    draws: Draws, names: Sequence[str], dialect: IsaacLabDialect, namer: Namer, losses: Losses
-) -> list[EventTerm]:
-    stiffness = {draw.actuator.joint: _scalable(draw) for draw in each(draws, "kp")}
+def _gains(stack: StackWriter, dialect: IsaacLabDialect) -> list[EventTerm]:
+    stiffness = {draw.actuator.joint: _scalable(draw) for draw in stack.each("kp")}
     damping = {
-        draw.actuator.joint: _scalable(_beside_viscous(draw, dialect, losses)) for draw in each(draws, "kd")
+        draw.actuator.joint: _scalable(_beside_viscous(draw, dialect, stack.losses))
+        for draw in stack.each("kd")
     }
     terms = []
     both: list[tuple[Draw | None, Draw | None]] = []
-    for joint in draws:
+    for joint in stack.draws:
         kp, kd = stiffness.get(joint), damping.get(joint)
         if kp is not None and kd is not None and _setting(kp) == _setting(kd):
             both.append((kp, kd))
         else:
             both += [(draw, None) for draw in (kp,) if draw] + [(None, draw) for draw in (kd,) if draw]
     for _, members in grouped(both, lambda pair: tuple(draw and draw.numbers for draw in pair)):
-        pairs = [kp or kd for kp, kd in members]
-        first = [draw for draw in pairs if draw is not None]
+        draws = [draw for kp, kd in members if (draw := kp or kd) is not None]
         kp, kd = members[0]
-        params = []
-        if kp is not None:
-            params.append(("stiffness_distribution_params", (kp.low, kp.high)))
-        if kd is not None:
-            params.append(("damping_distribution_params", (kd.low, kd.high)))
-        what = "gains" if kp and kd else "stiffness" if kp else "damping"
+        ranges = {name: draw for name, draw in (("stiffness", kp), ("damping", kd)) if draw is not None}
         summed = kd is not None and viscous_in_damping(kd.actuator, dialect) > 0.0
-        remark = (
-            "`damping` holds the passive viscous friction too, which is not drawn here." if summed else ""
-        )
-        terms.append(_term(namer.name(first, what), GAINS, first, names, params, remark))
-    drawn = [*each(draws, "kp"), *each(draws, "kd")]
-    losses.shared(drawn)
+        remark = "`damping` holds the passive viscous friction too, which is not drawn here."
+        what = "gains" if len(ranges) == 2 else next(iter(ranges))
+        terms.append(_term(stack, what, GAINS, draws, ranges.items(), remark if summed else ""))
+    drawn = [*stack.each("kp"), *stack.each("kd")]
+    stack.losses.shared(drawn)
     for draw in drawn:
-        losses.product(draw)
+        stack.losses.product(draw)
     return terms
 
 
-def _armature(draws: Draws, names: Sequence[str], namer: Namer, losses: Losses) -> list[EventTerm]:
-    found = [_scalable(draw) for draw in each(draws, "armature")]
-    losses.shared(found)
+def _armature(stack: StackWriter) -> list[EventTerm]:
+    found = [_scalable(draw) for draw in stack.each("armature")]
+    stack.losses.shared(found)
+    return _alike(stack, "armature", found)
+
+
+def _alike(stack: StackWriter, what: str, found: Sequence[Draw], remark: str = "") -> list[EventTerm]:
+    """A term for each set of joints with the same draw of a number of theirs."""
     return [
-        _term(
-            namer.name(members, "armature"),
-            "mdp.randomize_joint_parameters",
-            members,
-            names,
-            [("armature_distribution_params", (members[0].low, members[0].high))],
-        )
+        _term(stack, what, OF_JOINTS, members, [(what, members[0])], remark)
         for _, members in grouped(found, lambda draw: draw.numbers)
     ]
 
@@ -147,7 +122,7 @@ def _beside_viscous(draw: Draw, dialect: IsaacLabDialect, losses: Losses) -> Dra
     high = found.high if found.distribution == "gaussian" else found.high + viscous
     if draw.distribution == "log_uniform":
         why = "damping is kd and the passive viscous friction in one"
-        losses.entry(draw, draw.parts[0], f"{found.distribution} of the sum", why, None)
+        losses.of(draw, f"{found.distribution} of the sum", why)
     return replace(found, low=found.low + viscous, high=high)
 
 
@@ -167,54 +142,37 @@ def _setting(draw: Draw) -> tuple[object, ...]:
 # --- friction ---------------------------------------------------------------------------------------------
 
 
-def _friction(
-    draws: Draws,
-    names: Sequence[str],
-    dialect: IsaacLabDialect,
-    namer: Namer,
-    losses: Losses,
-    collector: Collector,
-) -> list[EventTerm]:
-    fields = ("friction.coulomb", "friction.static", "friction.viscous")
+FRICTIONS = ("friction.coulomb", "friction.static", "friction.viscous")
+
+
+def _friction(stack: StackWriter, dialect: IsaacLabDialect) -> list[EventTerm]:
     if not dialect.friction.torque:
-        for field in fields:
-            for draw in each(draws, field):
-                losses.dropped(draw, _NO_FRICTION[dialect.friction])
+        stack.drop(dict.fromkeys(FRICTIONS, _NO_FRICTION[dialect.friction]))
         return []
     found = []
     undrawable = []
-    for of_joint in draws.values():
-        wanted = {field: of_joint[field] for field in fields if field in of_joint}
+    for of_joint in stack.draws.values():
+        wanted = {field: of_joint[field] for field in FRICTIONS if field in of_joint}
         zeros = [draw for draw in wanted.values() if not nominal_of(draw.actuator, draw.field)]
         undrawable += zeros
         if wanted and not zeros:
-            found.append(_friction_draw(wanted, losses))
+            found.append(_friction_draw(wanted, stack.losses))
     for (group, field, nominal), members in grouped(
         undrawable, lambda draw: (draw.actuator.group, draw.field, draw.nominal)
     ):
         first = members[0]
-        collector.at(f"actuators.{group}.randomize.{field}", first.parts[0].span).error(
+        stack.collector.at(f"actuators.{group}.randomize.{field}", first.parts[0].span).error(
             "RND010",
             f"{listed(draw.actuator.joint for draw in members)}: Isaac Sim {dialect.sim_text} draws static, dynamic "
             f"and viscous friction from one range, so only a factor can be written, and the nominal {field} is "
             + ("unknown" if nominal is None else f"0 {first.unit}"),
             f"state {field}, or leave isaaclab out of `for`",
         )
-    losses.shared(found)
+    stack.losses.shared(found)
     remark = (
         "One range draws static, dynamic and viscous friction, each on its own: only factors are safe here."
     )
-    return [
-        _term(
-            namer.name(members, "friction"),
-            "mdp.randomize_joint_parameters",
-            members,
-            names,
-            [("friction_distribution_params", (members[0].low, members[0].high))],
-            remark,
-        )
-        for _, members in grouped(found, lambda draw: draw.numbers)
-    ]
+    return _alike(stack, "friction", found, remark)
 
 
 _NO_FRICTION = {
@@ -230,20 +188,18 @@ def _friction_draw(wanted: dict[str, Draw], losses: Losses) -> Draw:
     factor = as_scale(main)
     if factor.distribution == "gaussian":
         factor = as_uniform(factor)
-        losses.entry(
+        losses.of(
             main,
-            main.parts[0],
             f"scale {factor.low:g} to {factor.high:g}",
             "a factor's gaussian is refused (its pair counts as low and high): uniform of the same spread",
-            None,
         )
     if main.operation == "add" and main.distribution == "log_uniform":
-        losses.entry(main, main.parts[0], "uniform factor", "the term cannot draw a log_uniform offset", None)
+        losses.of(main, "uniform factor", "the term cannot draw a log_uniform offset")
     reach = max(abs(factor.low - 1.0), abs(factor.high - 1.0))
     actuator = main.actuator
     text = f"scale {factor.low:g} to {factor.high:g}"
     why = "static, dynamic and viscous friction have one range"
-    for field in ("friction.coulomb", "friction.static", "friction.viscous"):
+    for field in FRICTIONS:
         nominal = nominal_of(actuator, field)
         if field == main.field or nominal == 0.0:
             continue
@@ -261,13 +217,12 @@ def _friction_draw(wanted: dict[str, Draw], losses: Losses) -> Draw:
             change = nominal * max(abs(same.low - factor.low), abs(same.high - factor.high))
         error = viscous_change(actuator, change) if field == "friction.viscous" else change
         if other is not None:
-            losses.entry(other, other.parts[0], text, why, error)
+            losses.of(other, text, why, error)
         else:
             losses.add(actuator, field, "not drawn", text, why, error)
     if main.field == "friction.coulomb" and actuator.friction_static is None:
-        losses.entry(
+        losses.of(
             main,
-            main.parts[0],
             "static and dynamic friction drawn apart, dynamic cut at static",
             "static, dynamic and viscous friction are drawn apart",
             (main.nominal or 0.0) * (factor.high - factor.low),
@@ -278,67 +233,32 @@ def _friction_draw(wanted: dict[str, Draw], losses: Losses) -> Draw:
 # --- no term ----------------------------------------------------------------------------------------------
 
 
-def _without_term(actuators: ActuatorSet, draws: Draws, losses: Losses) -> None:
-    reasons = {
-        "effort_limit": "Isaac Lab has no term for effort limits",
-        "encoder_bias": "Isaac Lab has no term for encoder biases",
-        "delay": "Isaac Lab draws a delay in DelayedPDActuatorCfg alone, between its min_delay and max_delay",
-        "friction.stribeck_velocity": "Isaac Lab has no Stribeck friction",
-    }
-    for field, why in reasons.items():
-        for draw in each(draws, field):
-            losses.dropped(draw, why)
-    for actuator in actuators.joints:
-        _factors(actuator, losses)
-
-
 def _factors(actuator: JointActuator, losses: Losses) -> None:
-    for entry in actuator.randomize:
-        if entry.field not in ("gains", "strength"):
-            continue
+    limits = NO_TERM["effort_limit"]
+    for entry in (entry for entry in actuator.randomize if entry.field in FACTORS):
         if actuator.level is Level.ACTUATOR_NET:
-            losses.add(
-                actuator,
-                entry.field,
-                stated_range(entry, "1"),
-                "none",
-                "a network's torque has no term",
-                None,
-            )
-            continue
-        if actuator.command is Command.EFFORT:
-            why = "the drive has no gains, and Isaac Lab has no term for effort limits"
-            error = factor_lost(actuator, entry)
-            losses.add(actuator, entry.field, stated_range(entry, "1"), "none", why, error)
-            continue
-        gains = entry.field == "gains"
-        losses.add(
-            actuator,
-            entry.field,
-            stated_range(entry, "1"),
-            "a factor each on kp and kd" if gains else "a factor each on kp and kd, none on the limit",
-            "randomize_actuator_gains draws kp and kd apart"
-            + ("" if gains else ", and Isaac Lab has no term for effort limits"),
-            factor_error(actuator, entry, limit=False),
-        )
+            losses.entry(actuator, entry, "none", "a network's torque has no term")
+        elif actuator.command is Command.EFFORT:
+            why = f"the drive has no gains, and {limits}"
+            losses.entry(actuator, entry, "none", why, factor_lost(actuator, entry))
+        else:
+            emitted, why = "a factor each on kp and kd", "randomize_actuator_gains draws kp and kd apart"
+            if entry.field == "strength":
+                emitted, why = f"{emitted}, none on the limit", f"{why}, and {limits}"
+            losses.entry(actuator, entry, emitted, why, factor_error(actuator, entry, limit=False))
 
 
 def _term(
-    name: str,
+    stack: StackWriter,
+    what: str,
     func: str,
     draws: Sequence[Draw],
-    names: Sequence[str],
-    params: list[tuple[str, tuple[float, float]]],
-    remark: str = "",
+    ranges: Iterable[tuple[str, Draw]],
+    remark: str,
 ) -> EventTerm:
-    first = draws[0]
-    return EventTerm(
-        name,
-        func,
-        first.when,
-        first.every,
-        patterns_of(draws, names),
-        None,
-        (*params, ("operation", first.operation), ("distribution", first.distribution)),
-        comments(remark, indent=INDENT),
-    )
+    """A term that draws numbers by their names, with what all its draws have in common."""
+    params = [(f"{name}_distribution_params", (draw.low, draw.high)) for name, draw in ranges]
+    shared = (("operation", draws[0].operation), ("distribution", draws[0].distribution))
+    comments = comment_lines(remark, indent="    ") if remark else ()
+    joints = stack.patterns(draws)
+    return stack.term(what, func, draws, (*params, *shared), joints=joints, comments=comments)

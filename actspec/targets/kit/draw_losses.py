@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from itertools import product
@@ -47,30 +47,38 @@ class Losses:
         if item not in self.items:
             self.items.append(item)
 
-    def entry(self, draw: Draw, entry: Randomization, emitted: str, why: str, error: float | None) -> None:
-        """Add the loss of one of the spec's ranges."""
-        unit = unit_of(draw.actuator, entry.field)
-        self.add(draw.actuator, entry.field, stated_range(entry, unit), emitted, why, error)
+    def entry(
+        self,
+        actuator: JointActuator,
+        entry: Randomization,
+        emitted: str,
+        why: str,
+        error: float | None = None,
+        more: str = "",
+    ) -> None:
+        """Add the loss of one of the spec's ranges; `more` is said behind the range."""
+        asked = stated_range(entry, unit_of(actuator, entry.field)) + more
+        self.add(actuator, entry.field, asked, emitted, why, error)
+
+    def of(self, draw: Draw, emitted: str, why: str, error: float | None = None) -> None:
+        """Add the loss of a draw, under the first of its ranges."""
+        self.entry(draw.actuator, draw.parts[0], emitted, why, error)
 
     def dropped(self, draw: Draw, why: str) -> None:
         """A draw that the stack cannot hold: each of its ranges, once."""
         nominal = format_quantity(draw.nominal, draw.unit)
         for entry in draw.parts:
             if entry.field == draw.field:
-                self.entry(draw, entry, f"none: stays {nominal}", why, lost(draw))
+                self.entry(draw.actuator, entry, f"none: stays {nominal}", why, lost(draw))
 
     def shared(self, draws: Sequence[Draw]) -> None:
         """Draws that joints should share, in a stack that draws joint by joint."""
         for draw in draws:
             for entry in draw.parts:
                 if entry.per != "joint" and (entry.per == "env" or _members(draws, draw) > 1):
-                    self.entry(
-                        draw,
-                        entry,
-                        "each joint on its own",
-                        f"the stack draws no number for a whole {_WHOLE[entry.per]}; each joint's range is kept",
-                        None,
-                    )
+                    whole = _WHOLE[entry.per]
+                    why = f"the stack draws no number for a whole {whole}; each joint's range is kept"
+                    self.entry(draw.actuator, entry, "each joint on its own", why)
 
     def product(self, draw: Draw) -> None:
         """A draw of more than one range."""
@@ -87,7 +95,7 @@ class Losses:
         if len({part.when for part in draw.parts}) > 1:
             for part in draw.parts:
                 if part.when != draw.when:
-                    self.entry(draw, part, f"drawn at {draw.when}", "a number is drawn at one time", None)
+                    self.entry(draw.actuator, part, f"drawn at {draw.when}", "a number is drawn at one time")
 
 
 _WHOLE = {"group": "group", "env": "robot"}
@@ -95,13 +103,6 @@ _WHOLE = {"group": "group", "env": "robot"}
 
 def _members(draws: Sequence[Draw], draw: Draw) -> int:
     return sum(other.actuator.group == draw.actuator.group and other.field == draw.field for other in draws)
-
-
-def each(draws: dict[str, dict[str, Draw]], name: str) -> Iterator[Draw]:
-    """The draws of one field, joint by joint."""
-    for of_joint in draws.values():
-        if name in of_joint:
-            yield of_joint[name]
 
 
 def law_or_none(actuator: JointActuator) -> TorqueLaw | None:

@@ -1,30 +1,29 @@
-"""What the stacks of randomisation share: an event term, names for terms, and the file of one stack."""
+"""What the stacks of randomisation share: their draws, an event term, and the file of one stack."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from actspec.diagnostics import Collector
-from actspec.ir import ActuatorSet, Approximation, JointKind
+from actspec.ir import ActuatorSet, JointKind
 from actspec.patterns import match_names
 from actspec.robot.view import RobotView
 from actspec.simulators import DEFAULT_VERSIONS
 from actspec.targets.base import EmittedFile, TargetOptions
 from actspec.targets.kit.draw_losses import Losses
-from actspec.targets.kit.draws import Draw
-from actspec.targets.kit.provenance import written_by
+from actspec.targets.kit.draws import Draw, draws_of
+from actspec.targets.kit.provenance import loss_lines, written_by
 from actspec.targets.kit.python_text import (
     WIDTH,
     comment_lines,
     environment,
-    grouped,
+    free_name,
     identifier,
     joint_patterns,
     section_lines,
 )
-from actspec.units import format_quantity
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,37 +51,6 @@ class EventTerm:
     comments: tuple[str, ...] = ()
 
 
-@dataclass(slots=True)
-class Namer:
-    """Gives out identifiers, each once."""
-
-    taken: set[str] = field(default_factory=set)
-
-    def name(self, draws: Sequence[Draw], what: str) -> str:
-        """`legs_<what>` for one group, `<what>` for joints of several."""
-        groups = dict.fromkeys(draw.actuator.group for draw in draws)
-        found = f"{identifier(next(iter(groups)), fallback='group')}_{what}" if len(groups) == 1 else what
-        found = found.lower()
-        count, name = 1, found
-        while name in self.taken:
-            count += 1
-            name = f"{found}_{count}"
-        self.taken.add(name)
-        return name
-
-
-def patterns_of(draws: Sequence[Draw], names: Sequence[str]) -> tuple[str, ...]:
-    """Patterns of the draws' joints; one for all where they are all of the robot's."""
-    if {draw.actuator.joint for draw in draws} == set(names) == set(match_names(".*", names)):
-        return (".*",)
-    return joint_patterns([draw.actuator for draw in draws], names)
-
-
-def comments(*texts: str, indent: str) -> tuple[str, ...]:
-    """Comment lines of several remarks."""
-    return tuple(line for text in texts if text for line in comment_lines(text, indent=indent))
-
-
 class StackWriter:
     """What the file of one stack is made from.
 
@@ -94,6 +62,7 @@ class StackWriter:
         losses: Takes what the stack cannot do.
         stem: First part of the file's name.
         names: All that a simulator matches a pattern against: followers and balls too, a floating base not.
+        draws: Joint to field to its draw.
     """
 
     def __init__(
@@ -111,6 +80,49 @@ class StackWriter:
         self.losses = Losses(options.name, stack)
         self.stem = identifier(actuators.robot)
         self.names = tuple(joint.name for joint in robot.joints if joint.kind is not JointKind.FREE)
+        self.draws = {actuator.joint: draws_of(actuator) for actuator in actuators.joints}
+        self._taken: set[str] = set()
+
+    def each(self, field: str) -> Iterator[Draw]:
+        """The draws of one field, joint by joint."""
+        return (of_joint[field] for of_joint in self.draws.values() if field in of_joint)
+
+    def drop(self, reasons: Mapping[str, str]) -> None:
+        """Report the draws of fields that the stack cannot hold; field to why."""
+        for field, why in reasons.items():
+            for draw in self.each(field):
+                self.losses.dropped(draw, why)
+
+    def patterns(self, draws: Sequence[Draw]) -> tuple[str, ...]:
+        """Patterns of the draws' joints; one for all where they are all of the robot's."""
+        names = self.names
+        if {draw.actuator.joint for draw in draws} == set(names) == set(match_names(".*", names)):
+            return (".*",)
+        return joint_patterns([draw.actuator for draw in draws], names)
+
+    def term(
+        self,
+        what: str,
+        func: str,
+        draws: Sequence[Draw],
+        params: Iterable[tuple[str, Any]],
+        *,
+        joints: tuple[str, ...] | None = None,
+        actuators: tuple[int, ...] | None = None,
+        comments: Sequence[str] = (),
+    ) -> EventTerm:
+        """A term for draws of the same numbers, named `legs_<what>` for one group, `<what>` for joints of several.
+
+        Args: as the attributes of `EventTerm`.
+        """
+        groups = dict.fromkeys(draw.actuator.group for draw in draws)
+        stem = f"{identifier(next(iter(groups)), fallback='group')}_{what}" if len(groups) == 1 else what
+        name = free_name(stem.lower(), self._taken)
+        self._taken.add(name)
+        first = draws[0]
+        return EventTerm(
+            name, func, first.when, first.every, joints, actuators, tuple(params), tuple(comments)
+        )
 
     def version(self, simulator: str) -> str:
         """The version that is asked for, else the simulator's default."""
@@ -135,24 +147,11 @@ class StackWriter:
             *(note for note in notes if note),
         ]
         header = [line for text in lines for line in comment_lines(text, hang="  ", width=width)]
-        said = _losses(self.losses.items, len(self.actuators.joints))
+        # In a stack's own file its name is not said again.
+        own = (replace(loss, field=loss.field.partition(".")[2]) for loss in self.losses.items)
+        said = list(loss_lines(own, all_joints=len(self.actuators.joints)))
         if said:
             below = [("What it cannot do:", said)]
             header += section_lines(below, bullet="- ", hang="  ", width=width)
         text = environment("randomization").get_template(template).render(header=header, **values)
         return EmittedFile(f"{self.stem}_{name}", text.encode("utf-8"))
-
-
-def _losses(items: list[Approximation], joints: int) -> list[str]:
-    """One line for the joints that lose the same."""
-    found = []
-    for _, members in grouped(
-        items, lambda x: (x.field, x.asked, x.emitted, x.why, x.max_torque_error, x.unit)
-    ):
-        first = members[0]
-        error = first.max_torque_error
-        size = "" if error is None else f", at most {format_quantity(error, first.unit)}"
-        field = first.field.partition(".")[2]
-        who = "" if len(members) == joints else ": " + ", ".join(member.joint for member in members)
-        found.append(f"{field}: {first.asked} -> {first.emitted}{size} ({first.why}){who}")
-    return found

@@ -13,17 +13,21 @@ from actspec.targets.kit.python_text import grouped
 from actspec.units import format_quantity
 
 
-def loss_lines(approximations: Iterable[Approximation], digits: int = 6) -> Iterator[str]:
+def loss_lines(
+    approximations: Iterable[Approximation], digits: int = 6, all_joints: int | None = None
+) -> Iterator[str]:
     """One line for the joints that lose the same.
 
     Args:
         approximations: Of one target.
         digits: Significant digits of the size.
+        all_joints: Where so many joints lose the same they are not named; None: they are.
     """
+    comma = ";" if all_joints is None else ","
     for loss, members in grouped(approximations, lambda one: replace(one, joint="")):
         error = loss.max_torque_error
-        size = "" if error is None else f"; at most {format_quantity(error, loss.unit, digits)}"
-        named = [member.joint for member in members if member.joint]
+        size = "" if error is None else f"{comma} at most {format_quantity(error, loss.unit, digits)}"
+        named = [member.joint for member in members if member.joint and len(members) != all_joints]
         tail = f": {', '.join(named)}" if named else ""
         yield f"{loss.field}: {loss.asked} -> {loss.emitted}{size} ({loss.why}){tail}"
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -87,6 +87,15 @@ def identifier(name: str, *, fallback: str = "robot") -> str:
         return fallback
     if found[0].isdigit() or iskeyword(found):
         return f"{fallback}_{found}"
+    return found
+
+
+def free_name(name: str, taken: Collection[str]) -> str:
+    """The name, or where it is taken the first free one of `name_2`, `name_3`, ..."""
+    found, count = name, 1
+    while found in taken:
+        count += 1
+        found = f"{name}_{count}"
     return found
 
 

@@ -14,10 +14,10 @@ from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.mjlab import mjlab_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
+from actspec.targets.kit.joint import delta_action_loss, dialect_of
 from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, stated
-from actspec.targets.mjlab.joint_cfg import OF_A_JOINT, JointCfg, cfg_of
+from actspec.targets.mjlab.joint_cfg import cfgs_of
 from actspec.targets.mjlab.text import Preparation, module_name, module_text
 
 
@@ -34,15 +34,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     """
     collector = Collector()
     dialect = dialect_of(lambda: mjlab_dialect(options.version), "MJL007", options, collector)
-    step = actuators.physics_dt.require()
-    described = robot.format is not ModelFormat.NONE
-
-    def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
-        view = robot.joint(actuator.joint) if described else None
-        _check_springdamper(actuator, robot, own)
-        return cfg_of(actuator, view, dialect, step, options.name, own)
-
-    cfgs = joint_by_joint(actuators, cfg, OF_A_JOINT, collector)
+    for actuator in actuators.joints:
+        _check_springdamper(actuator, robot, collector)
+    cfgs = cfgs_of(actuators, robot, dialect, options.name, collector)
     names = _short_names(actuators, robot, collector)
     networks = ((cfg.actuator, cfg.network) for cfg in cfgs)
     files = network_files(networks, "MJL010", "differ", collector)
@@ -65,7 +59,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         dialect,
         patterns,
         _preparation(actuators, robot),
-        os.path.basename(robot.path) if described else "",
+        "" if robot.format is ModelFormat.NONE else os.path.basename(robot.path),
     )
     module = EmittedFile(f"{module_name(actuators.robot)}.py", text.encode("utf-8"))
     explicit = frozenset(cfg.actuator.joint for cfg in cfgs if cfg.explicit)

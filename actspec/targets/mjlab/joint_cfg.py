@@ -14,13 +14,13 @@ import math
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector
-from actspec.ir import Command, JointActuator, Level, Quantity
+from actspec.ir import ActuatorSet, Command, JointActuator, Level, Quantity
 from actspec.laws import delay_steps
-from actspec.robot.view import JointView
+from actspec.robot.view import JointView, ModelFormat, RobotView
 from actspec.simulators import text_of
 from actspec.simulators.mjlab import COMMON_FIELDS, MjlabDialect
 from actspec.targets.base import Approximation
-from actspec.targets.kit.joint import JointEmission
+from actspec.targets.kit.joint import JointEmission, joint_by_joint
 from actspec.targets.kit.network import read_network
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.units import format_quantity
@@ -111,6 +111,22 @@ def cfg_of(
     if joint.collector.failed:
         return None
     return JointCfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), network)
+
+
+def cfgs_of(
+    actuators: ActuatorSet, robot: RobotView, dialect: MjlabDialect, target: str, collector: Collector
+) -> list[JointCfg]:
+    """What every joint's actuator becomes, in the robot's order; not all after an error.
+
+    Args: as of `cfg_of`.
+    """
+    step, described = actuators.physics_dt.require(), robot.format is not ModelFormat.NONE
+
+    def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
+        view = robot.joint(actuator.joint) if described else None
+        return cfg_of(actuator, view, dialect, step, target, own)
+
+    return joint_by_joint(actuators, cfg, OF_A_JOINT, collector)
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,9 +213,9 @@ def _law_drive(
     actuator: JointActuator, law: TorqueLaw, joint: JointView, dialect: MujocoDialect, step: float
 ) -> Drive:
     """The drive that holds most of a torque law."""
-    form, limit, line = FORMS[actuator.command], actuator.effort_limit.value, None
-    if actuator.level is Level.DC_MOTOR and _has_dcmotor(dialect, law.command):
-        form, line = Form.DCMOTOR, _line(law)
+    form, limit, line = form_of(actuator, dialect), actuator.effort_limit.value, None
+    if form is Form.DCMOTOR:
+        line = _line(law)
         if law.curve is not None:
             limit = lined(law).effort_limit
     offset = 0.0
@@ -246,11 +246,14 @@ def _law_drive(
     )
 
 
-def _has_dcmotor(dialect: MujocoDialect, command: Command) -> bool:
-    """Whether the version's dcmotor takes the command."""
-    return dialect.dcmotor is DcMotorDialect.TORQUE or (
-        dialect.dcmotor is DcMotorDialect.VOLTAGE and command is Command.POSITION
+def form_of(actuator: JointActuator, dialect: MujocoDialect) -> Form:
+    """The element that a version has for a drive."""
+    if actuator.level is Level.ACTUATOR_NET:
+        return Form.MOTOR
+    takes = dialect.dcmotor is DcMotorDialect.TORQUE or (
+        dialect.dcmotor is DcMotorDialect.VOLTAGE and actuator.command is Command.POSITION
     )
+    return Form.DCMOTOR if takes and actuator.level is Level.DC_MOTOR else FORMS[actuator.command]
 
 
 def _line(law: TorqueLaw) -> TorqueSpeedLine:

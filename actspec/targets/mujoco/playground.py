@@ -1,4 +1,4 @@
-"""What the MuJoCo target's model has of a joint, and which ranges it can hold."""
+"""Ranges as the function that MuJoCo Playground randomizes a model with, those that the MuJoCo target's model holds."""
 
 from __future__ import annotations
 
@@ -7,18 +7,17 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 
-from actspec.ir import ActuatorSet, Command, JointActuator, Level, Randomization
+from actspec.ir import JointActuator, Level, Randomization
 from actspec.readings.joint import read_joint
 from actspec.resolution.model_values import finite_limit
-from actspec.robot.view import RobotView
-from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges, unit_of
+from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges
 from actspec.simulators import UnknownVersion
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect, mujoco_dialect
 from actspec.targets.base import EmittedFile
-from actspec.targets.kit.draw_losses import Losses, factor_lost, lost
-from actspec.targets.kit.draws import draws_of, stated_range
+from actspec.targets.kit.draw_losses import factor_lost, lost
 from actspec.targets.kit.events import StackWriter
 from actspec.targets.kit.python_text import WIDTH, grouped, py
+from actspec.targets.mujoco.drive import Form, form_of
 
 _REASONS = {
     "friction.static": "MuJoCo's frictionloss is one number for sticking and sliding",
@@ -28,83 +27,70 @@ _REASONS = {
 
 
 @dataclass(frozen=True, slots=True)
-class ModelJoint:
-    """What the MuJoCo target's model has of a joint.
+class DrawnJoint:
+    """A joint of the MuJoCo target's model whose numbers are drawn.
 
     Attributes:
-        form: `position`, `velocity`, `motor` or `dcmotor`: the drive's element.
+        actuator: What the spec asks for.
+        form: The drive's element.
         limited: Whether the drive has a force limit.
         capped: Whether the joint has a force range of its own too.
-        frictionloss: Its dry friction [N*m or N].
+        ranges: Field to its range, those that the model can hold.
     """
 
-    form: str
+    actuator: JointActuator
+    form: Form
     limited: bool
     capped: bool
-    frictionloss: float
+    ranges: dict[str, Randomization]
 
 
-def held_of(actuator: JointActuator, robot: RobotView, dialect: MujocoDialect) -> ModelJoint:
-    """What the written model has of a joint; the robot's own numbers where the spec has none."""
-    joint = robot.joint(actuator.joint)
+def drawn_joint(actuator: JointActuator, stack: StackWriter, dialect: MujocoDialect) -> DrawnJoint:
+    """What is drawn of a joint, with what cannot be; the robot's own numbers where the spec has none."""
+    joint = stack.robot.joint(actuator.joint)
     limited, coulomb = actuator.effort_limit.known, actuator.friction_coulomb.value
     # A network's motor takes no limit of the file's own servo.
     if joint is not None and not limited and actuator.level is not Level.ACTUATOR_NET:
-        limited = finite_limit(read_joint(robot, joint.name).drive_limit) is not None
+        limited = finite_limit(read_joint(stack.robot, joint.name).drive_limit) is not None
     if coulomb is None:
         coulomb = 0.0 if joint is None else joint.frictionloss
+    form = form_of(actuator, dialect)
     capped = joint is not None and joint.effort_range is not None
-    return ModelJoint(_form(actuator, dialect), limited, capped, coulomb)
+    return DrawnJoint(actuator, form, limited, capped, _kept(stack, actuator, form, limited, coulomb))
 
 
-def _form(actuator: JointActuator, dialect: MujocoDialect) -> str:
-    """`position`, `velocity`, `motor` or `dcmotor`: what the MuJoCo target writes for the drive."""
-    if actuator.level is Level.ACTUATOR_NET or actuator.level is Level.IDEAL_PD:
-        pass
-    elif dialect.dcmotor is DcMotorDialect.TORQUE or (
-        dialect.dcmotor is DcMotorDialect.VOLTAGE and actuator.command is Command.POSITION
-    ):
-        return "dcmotor"
-    if actuator.level is Level.ACTUATOR_NET or actuator.command is Command.EFFORT:
-        return "motor"
-    return {Command.POSITION: "position", Command.VELOCITY: "velocity"}[actuator.command]
-
-
-def kept_ranges(actuator: JointActuator, held: ModelJoint, losses: Losses) -> dict[str, Randomization]:
+def _kept(
+    stack: StackWriter, actuator: JointActuator, form: Form, limited: bool, frictionloss: float
+) -> dict[str, Randomization]:
     """The ranges that the model can hold; the others are reported."""
-    form = held.form
+    losses, draws = stack.losses, stack.draws[actuator.joint]
     kept = {}
-    draws = draws_of(actuator)
     for field, entry in own_ranges(actuator).items():
         draw = draws.get(field)
         reason = _REASONS.get(field)
-        if field == "encoder_bias" and form != "position":
-            reason = f"a <{form}> has no constant force to shift its position with"
+        if field == "encoder_bias" and form is not Form.POSITION:
+            reason = f"a <{form.value}> has no constant force to shift its position with"
         if actuator.level is Level.ACTUATOR_NET and field in ("kp", "kd", "gains"):
             reason = "the network has no gains"
-        if field == "effort_limit" and not held.limited:
+        if field == "effort_limit" and not limited:
             reason = (
                 "effort_limit is unknown, so the model's drive has no limit, and a drawn one does not act"
             )
-        if field == "strength" and form == "motor" and not held.limited:
+        # Of a position or velocity drive there is no line to scale: that loss is the MuJoCo target's.
+        if field == "strength" and form is Form.MOTOR and limited:
+            why = "the torque comes from outside of the model: only its limit follows"
+            losses.entry(actuator, entry, "a factor on the limit", why, factor_lost(actuator, entry))
+        elif field == "strength" and form is Form.MOTOR:
             reason = "the torque comes from outside of the model, which does not limit it"
-        elif field == "strength" and form == "motor":
-            reason = "the torque comes from outside of the model: only its limit follows"
-            error = factor_lost(actuator, entry)
-            losses.add(actuator, field, _asked(entry, actuator), "a factor on the limit", reason, error)
-            reason = None
-        elif field == "strength" and actuator.level is Level.DC_MOTOR and form != "dcmotor":
-            # The model has no line, so there is none to scale: the loss is the MuJoCo target's.
-            reason = None
         if reason is not None:
             if draw is not None:
                 losses.dropped(draw, reason)
             else:
-                losses.add(actuator, field, _asked(entry, actuator), "none", reason, None)
+                losses.entry(actuator, entry, "none", reason)
             continue
-        if field == "friction.coulomb" and draw is not None and held.frictionloss == 0.0:
+        if field == "friction.coulomb" and draw is not None and frictionloss == 0.0:
             losses.entry(
-                draw,
+                actuator,
                 entry,
                 "without effect in MJX's JAX implementation",
                 "it has friction at those joints alone whose frictionloss is not 0 when the model is put on the "
@@ -113,29 +99,24 @@ def kept_ranges(actuator: JointActuator, held: ModelJoint, losses: Losses) -> di
             )
         if field == "encoder_bias" and draw is not None:
             losses.entry(
-                draw,
+                actuator,
                 entry,
                 "the drive's torque is shifted, the observation is not",
                 "a model holds no encoder: add the bias to the observed joint positions too",
-                None,
             )
         if entry.when != "startup":
             why = "Playground randomizes a model once"
-            asked = f"{_asked(entry, actuator)}, drawn at {entry.when}"
-            losses.add(actuator, field, asked, "drawn at startup", why, None)
+            losses.entry(actuator, entry, "drawn at startup", why, more=f", drawn at {entry.when}")
         kept[field] = entry
     return kept
 
 
-def _asked(entry: Randomization, actuator: JointActuator) -> str:
-    return stated_range(entry, unit_of(actuator, entry.field))
-
-
-def raises_limit(actuator: JointActuator, kept: dict[str, Randomization]) -> bool:
+def _raises_limit(joint: DrawnJoint) -> bool:
     """Whether a limit can be drawn above the nominal."""
     for field in ("effort_limit", "strength"):
-        if field in kept:
-            entry, nominal = kept[field], nominal_of(actuator, field) if field == "effort_limit" else 1.0
+        if field in joint.ranges:
+            entry = joint.ranges[field]
+            nominal = nominal_of(joint.actuator, field) if field == "effort_limit" else 1.0
             neutral = {"scale": 1.0, "add": 0.0, "abs": nominal}[entry.operation]
             if neutral is None or drawn_ends(entry)[1] > neutral:
                 return True
@@ -165,29 +146,6 @@ MODEL_FIELD = {
 }
 
 
-@dataclass(frozen=True, slots=True)
-class Function:
-    """Parts of the emitted function.
-
-    Attributes:
-        joints: Joints that are drawn, in the robot's order.
-        addresses: What is looked up of them, `jnt`, `dof` and `act`.
-        sets: Definitions of sets of joints, as lines.
-        keys: How many random keys it takes.
-        lines: Lines of its body.
-        fields: Model fields that it writes, each a variable of the same name.
-        dcmotor: Whether one of its actuators is a dcmotor.
-    """
-
-    joints: tuple[str, ...]
-    addresses: tuple[str, ...]
-    sets: tuple[str, ...]
-    keys: int
-    lines: tuple[str, ...]
-    fields: tuple[str, ...]
-    dcmotor: bool
-
-
 ADDRESSES = {
     "jnt": ("index", "np.array(joints)"),
     "dof": ("degree of freedom", "np.asarray(model.jnt_dofadr)[joints]"),
@@ -201,9 +159,11 @@ def write(stack: StackWriter) -> EmittedFile | None:
     dialect = _model_dialect(stack)
     if dialect is None:
         return None
-    function = playground_function(stack.actuators, stack.robot, dialect, stack.losses)
-    if not function.joints:
+    joints = [drawn_joint(actuator, stack, dialect) for actuator in stack.actuators.joints]
+    drawn = [joint for joint in joints if joint.ranges]
+    if not drawn:
         return None
+    function = Function(dialect, drawn)
     warp = "The model has <dcmotor> actuators, which MJX runs in its Warp implementation alone."
     return stack.file(
         "playground.py.j2",
@@ -211,7 +171,7 @@ def write(stack: StackWriter) -> EmittedFile | None:
         f"MuJoCo Playground, MuJoCo {dialect.text}",
         [
             "For the model that actspec's mujoco target writes; pass it as `randomization_fn`.",
-            warp if function.dcmotor else "",
+            warp if function.forms[Form.DCMOTOR] else "",
         ],
         function=function,
         about=" and ".join(ADDRESSES[name][0] for name in function.addresses).capitalize(),
@@ -242,72 +202,52 @@ def _model_dialect(stack: StackWriter) -> MujocoDialect | None:
     return next(iter(dialects.values()), default)
 
 
-def playground_function(
-    actuators: ActuatorSet, robot: RobotView, dialect: MujocoDialect, losses: Losses
-) -> Function:
-    """The function of a robot.
+class Function:
+    """The emitted function: it reads the nominals, draws, and writes back.
 
-    Args:
-        actuators: What is drawn.
-        robot: The robot, whose own numbers stand in the model where the spec has none.
-        dialect: MuJoCo's version, which decides what a dcmotor's numbers mean.
-        losses: Takes what a model does not hold.
+    Attributes:
+        joints: Joints that are drawn, in the robot's order.
+        forms: Element to the places of its joints among them.
+        fields: Fields of the spec that are drawn.
+        addresses: What is looked up of the joints, `jnt`, `dof` and `act`.
+        sets: Places of joints to the name of their set.
+        keys: What shares a random key, to its number.
+        lines: Lines of the body.
+        written: Fields of the model that it writes, each a variable of the same name.
     """
-    writer = _Writer(dialect)
-    drawn = []
-    for actuator in actuators.joints:
-        held = held_of(actuator, robot, dialect)
-        kept = kept_ranges(actuator, held, losses)
-        if kept:
-            drawn.append((actuator, held, kept))
-    return writer.write(drawn)
 
-
-class _Writer:
-    """Writes the body: read the nominals, draw, write back."""
-
-    def __init__(self, dialect: MujocoDialect) -> None:
+    def __init__(self, dialect: MujocoDialect, drawn: Sequence[DrawnJoint]) -> None:
         self.dialect = dialect
+        self.actuators = tuple(joint.actuator for joint in drawn)
+        self.joints = tuple(actuator.joint for actuator in self.actuators)
+        self.forms = {form: self._indices(a.actuator for a in drawn if a.form is form) for form in Form}
+        self.fields = fields = {field for joint in drawn for field in joint.ranges}
         self.lines: list[str] = []
+        self.written: list[str] = []
         self.sets: dict[tuple[int, ...], str] = {}
-        self.keys: dict[tuple[str, str, str, str], int] = {}
-        self.joints: tuple[JointActuator, ...] = ()
-
-    def write(self, drawn: Sequence[tuple[JointActuator, ModelJoint, dict[str, Randomization]]]) -> Function:
-        self.joints = tuple(actuator for actuator, _, _ in drawn)
-        fields = {field for _, _, kept in drawn for field in kept}
-        forms = {form: self._indices(a for a, held, _ in drawn if held.form == form)
-                 for form in ("position", "velocity", "motor", "dcmotor")}  # fmt: skip
+        self.keys: dict[tuple[str, str, str], int] = {}
         gains = bool(fields & {"kp", "kd", "gains", "strength", "encoder_bias"})
-        limit = any(held.limited and kept.keys() & {"effort_limit", "strength"} for _, held, kept in drawn)
-        widened = any(
-            held.limited and held.capped and raises_limit(actuator, kept) for actuator, held, kept in drawn
-        )
+        limit = any(joint.limited and joint.ranges.keys() & {"effort_limit", "strength"} for joint in drawn)
+        widened = any(joint.limited and joint.capped and _raises_limit(joint) for joint in drawn)
         entries = {
-            field: [(actuator, kept[field]) for actuator, _, kept in drawn if field in kept]
+            field: [(joint.actuator, joint.ranges[field]) for joint in drawn if field in joint.ranges]
             for field in ORDER
         }
-        replaced = {VARIABLE[field] for field in VARIABLE if self._replaces(entries[field])}
-        self._read(fields, forms, gains, limit, replaced)
+        self._read(gains, limit, {VARIABLE[field] for field in VARIABLE if self._replaces(entries[field])})
         for field in ORDER:
             self._draw(field, entries[field])
-        written = self._store(fields, forms, gains, limit, widened)
+        self._store(gains, limit, widened)
         used = {"jnt": widened, "dof": bool(fields & MODEL_FIELD.keys()), "act": gains or limit}
-        return Function(
-            tuple(a.joint for a in self.joints),
-            tuple(name for name, needed in used.items() if needed),
-            tuple(
-                line for indices, name in self.sets.items() for line in _array(name, "np.array", indices, "")
-            ),
-            len(self.keys),
-            tuple(self.lines),
-            written,
-            bool(forms["dcmotor"]),
-        )
+        self.addresses = tuple(name for name, needed in used.items() if needed)
+
+    @property
+    def definitions(self) -> list[str]:
+        """Definitions of the sets of joints, as lines."""
+        return [line for places, name in self.sets.items() for line in _array(name, "np.array", places, "")]
 
     def _indices(self, some: Iterable[JointActuator]) -> tuple[int, ...]:
         wanted = {actuator.joint for actuator in some}
-        return tuple(i for i, actuator in enumerate(self.joints) if actuator.joint in wanted)
+        return tuple(i for i, joint in enumerate(self.joints) if joint in wanted)
 
     def _set(self, indices: tuple[int, ...]) -> str:
         """Index expression of some joints: a name, or all of them."""
@@ -323,28 +263,22 @@ class _Writer:
         chosen = self._set(indices)
         return name if chosen == ":" else f"{name}[{chosen}]"
 
-    def _read(
-        self,
-        fields: set[str],
-        forms: dict[str, tuple[int, ...]],
-        gains: bool,
-        limit: bool,
-        replaced: set[str],
-    ) -> None:
+    def _read(self, gains: bool, limit: bool, replaced: set[str]) -> None:
         """Read the nominals, but those of `replaced` variables, which a draw replaces at all joints."""
+        fields, forms = self.fields, self.forms
         for field, name in MODEL_FIELD.items():
             if field in fields and VARIABLE[field] not in replaced:
                 self.lines.append(f"{VARIABLE[field]} = model.{name}[dof]")
         if gains:
-            driven = [indices for form, indices in forms.items() if indices and form != "motor"]
-            whole = len(driven) == 1 and self._set(driven[0]) == ":" and not forms["velocity"]
+            driven = [indices for form, indices in forms.items() if indices and form is not Form.MOTOR]
+            whole = len(driven) == 1 and self._set(driven[0]) == ":" and not forms[Form.VELOCITY]
             if not whole:
                 self.lines += ["kp = jnp.zeros(len(JOINTS))", "kd = jnp.zeros(len(JOINTS))"]
             for form, indices in forms.items():
-                if not indices or form == "motor":
+                if not indices or form is Form.MOTOR:
                     continue
                 chosen, act = self._set(indices), self._act(indices)
-                if form == "dcmotor":
+                if form is Form.DCMOTOR:
                     # Resistance and torque constant, in front of the controller's gains.
                     voltage = self.dialect.dcmotor is DcMotorDialect.VOLTAGE
                     if voltage or "strength" in fields:
@@ -355,7 +289,7 @@ class _Writer:
                     if voltage:
                         kp = f"{kp} * constant / resistance"
                         kd = f"({kd} + constant) * constant / resistance"
-                elif form == "position":
+                elif form is Form.POSITION:
                     kp, kd = f"model.actuator_gainprm[{act}, 0]", f"-model.actuator_biasprm[{act}, 2]"
                 else:
                     kp, kd = "", f"model.actuator_gainprm[{act}, 0]"
@@ -368,7 +302,7 @@ class _Writer:
             self.lines.append("limit = model.actuator_forcerange[act, 1]")
         if "encoder_bias" in fields and "bias" not in replaced:
             self.lines += _nominal(
-                "bias", [nominal_of(a, "encoder_bias") or 0.0 for a in self.joints], "JOINTS"
+                "bias", [nominal_of(a, "encoder_bias") or 0.0 for a in self.actuators], "JOINTS"
             )
         if "strength" in fields:
             self.lines.append("strength = jnp.ones(len(JOINTS))")
@@ -390,7 +324,7 @@ class _Writer:
             entry = members[0][1]
             # What shares a draw shares its key, whatever its range; joints on their own have one a set.
             scope = str(share) if share is not None else f"{entry.low!r} {entry.high!r} {indices}"
-            number = self.keys.setdefault((field, entry.per, scope, ""), len(self.keys))
+            number = self.keys.setdefault((field, entry.per, scope), len(self.keys))
             shape = "()" if share is not None else f"({len(indices)},)"
             drawn = _expression(entry, f"keys[{number}]", shape)
             chosen = self._set(indices)
@@ -418,29 +352,18 @@ class _Writer:
         product = f"{name} * {_term(factor)}" if chosen == ":" else f"{name}.at[{chosen}].multiply({factor})"
         self.lines.append(f"{name} = {product}")
 
-    def _store(
-        self,
-        fields: set[str],
-        forms: dict[str, tuple[int, ...]],
-        gains: bool,
-        limit: bool,
-        widened: bool,
-    ) -> tuple[str, ...]:
-        written = []
+    def _store(self, gains: bool, limit: bool, widened: bool) -> None:
+        written, strength = self.written, "strength" in self.fields
         for field, name in MODEL_FIELD.items():
-            if field in fields:
+            if field in self.fields:
                 self.lines.append(f"{name} = model.{name}.at[dof].set({VARIABLE[field]})")
                 written.append(name)
-        if gains and any(forms[form] for form in ("position", "velocity", "dcmotor")):
-            written += self._store_gains(fields, forms)
+        if gains and any(indices for form, indices in self.forms.items() if form is not Form.MOTOR):
+            self._store_gains()
         if limit:
-            strong = " * strength" if "strength" in fields else ""
-            self.lines += [
-                f"limit = limit{strong}",
-                "actuator_forcerange = model.actuator_forcerange.at[act].set(jnp.stack([-limit, limit], axis=-1))",
-            ]
-            if not strong:
-                self.lines.remove("limit = limit")
+            both = "jnp.stack([-limit, limit], axis=-1)"
+            self.lines += ["limit = limit * strength"] if strength else []
+            self.lines.append(f"actuator_forcerange = model.actuator_forcerange.at[act].set({both})")
             written.append("actuator_forcerange")
         if widened:
             self.lines += [
@@ -450,13 +373,12 @@ class _Writer:
                 "jnt_actfrcrange = model.jnt_actfrcrange.at[jnt].set(own)",
             ]
             written.append("jnt_actfrcrange")
-        return tuple(written)
 
-    def _store_gains(self, fields: set[str], forms: dict[str, tuple[int, ...]]) -> list[str]:
+    def _store_gains(self) -> None:
+        fields, forms, lines = self.fields, self.forms, self.lines
         strong = "strength" in fields
-        lines = self.lines
         lines.append("actuator_gainprm = model.actuator_gainprm")
-        affine = [form for form in ("position", "velocity") if forms[form]]
+        affine = [form for form in (Form.POSITION, Form.VELOCITY) if forms[form]]
         if strong and affine:
             indices = tuple(sorted(i for form in affine for i in forms[form]))
             for name in ("kp", "kd"):
@@ -465,11 +387,11 @@ class _Writer:
             lines.append("actuator_biasprm = model.actuator_biasprm")
         for form in affine:
             act, kp, kd = (self._act(forms[form]), *(self._part(n, forms[form]) for n in ("kp", "kd")))
-            if form == "position":
+            if form is Form.POSITION:
                 lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kp})")
                 lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 1].set(-{kp})")
                 drawn = "encoder_bias" in fields
-                nominals = [nominal_of(self.joints[i], "encoder_bias") or 0.0 for i in forms[form]]
+                nominals = [nominal_of(self.actuators[i], "encoder_bias") or 0.0 for i in forms[form]]
                 if drawn or any(nominals):
                     bias = self._part("bias", forms[form]) if drawn else "bias"
                     if not drawn:
@@ -478,8 +400,8 @@ class _Writer:
             else:
                 lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 0].set({kd})")
             lines.append(f"actuator_biasprm = actuator_biasprm.at[{act}, 2].set(-{kd})")
-        if forms["dcmotor"]:
-            indices = forms["dcmotor"]
+        indices = forms[Form.DCMOTOR]
+        if indices:
             act, kp, kd = (self._act(indices), *(self._part(n, indices) for n in ("kp", "kd")))
             strength = self._part("strength", indices)
             if strong:
@@ -491,7 +413,7 @@ class _Writer:
                 kp, kd = f"{kp} * {strength}", f"{kd} * {strength}"
             lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 4].set({kp})")
             lines.append(f"actuator_gainprm = actuator_gainprm.at[{act}, 6].set({kd})")
-        return ["actuator_gainprm", *(["actuator_biasprm"] if affine else [])]
+        self.written += ["actuator_gainprm", *(["actuator_biasprm"] if affine else [])]
 
 
 def _nominal(name: str, values: Sequence[float], joints: str) -> list[str]:
@@ -525,6 +447,3 @@ def _expression(entry: Randomization, key: str, shape: str) -> str:
     if entry.distribution == "log_uniform":
         return f"jnp.exp(jax.random.uniform({key}, {shape}, minval=jnp.log({low}), maxval=jnp.log({high})))"
     return f"jax.random.uniform({key}, {shape}, minval={low}, maxval={high})"
-
-
-__all__ = ["Function", "playground_function"]
