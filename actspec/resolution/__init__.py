@@ -10,9 +10,8 @@ from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity
 from actspec.readings.joint import read_joints
 from actspec.resolution.joint import actuator_of, armature_of
 from actspec.resolution.linkage import linked_motors
-from actspec.resolution.model_values import model_values
 from actspec.resolution.motor import own_motors
-from actspec.resolution.quantities import Reports, written
+from actspec.resolution.quantities import Reports, model_values, written
 from actspec.resolution.simplified import simplifications
 from actspec.resolution.stated import bind, joint_inputs, stated_of
 from actspec.robot.view import RobotView

@@ -23,8 +23,8 @@ from actspec.spec.values import SpecValue
 from actspec.units import Kind
 
 if TYPE_CHECKING:
-    from actspec.resolution.model_values import ModelValues
     from actspec.resolution.motor import JointMotor
+    from actspec.resolution.quantities import ModelValues
     from actspec.spec.results import JointResult
 
 

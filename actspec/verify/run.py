@@ -35,9 +35,9 @@ from actspec.verify.torque import JointLaws, law_skips, laws_of, torque_rows
 
 ENGINES = {
     "mujoco": "actspec.verify.engines.mujoco",
-    "isaaclab": "actspec.verify.engines.isaaclab",
-    "mjlab": "actspec.verify.engines.mjlab",
-    "newton": "actspec.verify.engines.newton",
+    "isaaclab": "actspec.verify.engines.frameworks",
+    "mjlab": "actspec.verify.engines.frameworks",
+    "newton": "actspec.verify.engines.frameworks",
 }
 """Kind of target to the module whose `ask` runs its engine; the other kinds have none."""
 

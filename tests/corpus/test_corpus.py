@@ -19,7 +19,7 @@ from actspec.diagnostics import ActspecError, Severity
 from actspec.ir import JointKind
 from actspec.readings.dynamics import JointDynamics
 from actspec.readings.joint import read_joint
-from actspec.resolution.model_values import finite_limit
+from actspec.resolution.quantities import finite_limit
 from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import parse_document

@@ -15,7 +15,7 @@ from actspec import api
 from actspec.diagnostics import ActspecError, RobotError
 from actspec.draft import starting_spec
 from actspec.readings.joint import read_joint
-from actspec.resolution.model_values import finite_limit
+from actspec.resolution.quantities import finite_limit
 from actspec.robot.load import load_robot
 from actspec.robot.view import RobotView
 from actspec.simulators.mujoco import DcMotorDialect, installed_dialect

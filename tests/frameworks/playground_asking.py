@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from actspec.laws import law_of
-from actspec.targets.kit.draw_losses import strengthened
+from actspec.targets.kit.draws import strengthened
 from actspec.targets.randomization.emit import emit
 from tests.compiling import Compiled, compile_text, target_options
 from tests.frameworks.playground_specs import ASKED, BATCHED, HIPS, JOINTS, MODEL, MOTORS, NOMINAL

@@ -25,8 +25,16 @@ from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import EmittedFile
 from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.fields import viscous_in_damping
-from actspec.targets.kit.draw_losses import Losses, factor_error, factor_lost, viscous_change
-from actspec.targets.kit.draws import Draw, as_abs, as_scale, as_uniform
+from actspec.targets.kit.draws import (
+    Draw,
+    Losses,
+    as_abs,
+    as_scale,
+    as_uniform,
+    factor_error,
+    factor_lost,
+    viscous_change,
+)
 from actspec.targets.kit.events import EventTerm, StackWriter
 from actspec.targets.kit.python_text import comment_lines, grouped
 

@@ -17,6 +17,7 @@ from actspec.targets.kit.python_text import (
     WIDTH,
     comment_lines,
     environment,
+    free_name,
     grouped,
     identifier,
     joint_patterns,
@@ -87,9 +88,7 @@ def groups_of(cfgs: Sequence[JointCfg], names: Sequence[str]) -> tuple[CfgGroup,
     for spec_group, members in grouped(cfgs, lambda cfg: cfg.actuator.group):
         parts = [part for _, part in grouped(members, _shared)]
         for label, part in zip(_labels(spec_group, parts), parts, strict=True):
-            name, number = label, 2
-            while name in taken:
-                name, number = f"{label}_{number}", number + 1
+            name = free_name(label, taken)
             taken.add(name)
             found.append(_group(name, part, names))
     return tuple(found)

@@ -12,8 +12,7 @@ from actspec.patterns import match_names
 from actspec.robot.view import RobotView
 from actspec.simulators import DEFAULT_VERSIONS
 from actspec.targets.base import EmittedFile, TargetOptions
-from actspec.targets.kit.draw_losses import Losses
-from actspec.targets.kit.draws import Draw, draws_of
+from actspec.targets.kit.draws import Draw, Losses, draws_of
 from actspec.targets.kit.provenance import loss_lines, written_by
 from actspec.targets.kit.python_text import (
     WIDTH,

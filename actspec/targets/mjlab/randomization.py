@@ -22,8 +22,15 @@ from actspec.sampling import FACTORS, nominal_of
 from actspec.simulators import UnknownVersion, text_of
 from actspec.simulators.mjlab import EVENTS, mjlab_dialect
 from actspec.targets.base import EmittedFile
-from actspec.targets.kit.draw_losses import Losses, capped_error, factor_error, factor_lost
-from actspec.targets.kit.draws import Draw, as_abs, as_uniform
+from actspec.targets.kit.draws import (
+    Draw,
+    Losses,
+    as_abs,
+    as_uniform,
+    capped_error,
+    factor_error,
+    factor_lost,
+)
 from actspec.targets.kit.events import EventTerm, StackWriter
 from actspec.targets.kit.python_text import comment_lines, grouped
 from actspec.targets.mjlab.joint_cfg import JointCfg, cfgs_of

@@ -20,8 +20,7 @@ from actspec.diagnostics import Collector
 from actspec.ir import Command, JointActuator, Level, Quantity
 from actspec.laws import TorqueLaw, delay_steps
 from actspec.readings.joint import JointReading
-from actspec.resolution.model_values import finite_limit
-from actspec.resolution.quantities import Reports
+from actspec.resolution.quantities import Reports, finite_limit
 from actspec.robot.view import JointView
 from actspec.simulate.excitation import speed_scale
 from actspec.simulators import text_of

@@ -14,11 +14,10 @@ from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dia
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import dialect_of
 from actspec.targets.mujoco.apply_spec import apply_to_spec
-from actspec.targets.mujoco.apply_text import Anchors, find_anchors, text_edits, users_of
+from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.fragment import bench_xml, fragment_files, fragment_of
-from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
 

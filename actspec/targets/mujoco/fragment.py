@@ -20,10 +20,10 @@ from actspec.robot.xml_edit import escape_attribute, format_number
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import written_by, xml_comment
-from actspec.targets.kit.python_text import grouped, identifier
+from actspec.targets.kit.python_text import free_name, grouped, identifier
 from actspec.targets.mujoco.actuator_xml import actuator_xml
+from actspec.targets.mujoco.apply_text import header
 from actspec.targets.mujoco.drive import Form
-from actspec.targets.mujoco.header import header
 from actspec.targets.mujoco.plan import JointEdit, Plan
 
 PREFIX = "actspec_"
@@ -120,11 +120,7 @@ def _classes(plan: Plan, actuators: ActuatorSet) -> tuple[DefaultClass, ...]:
     ):
         joints = tuple(member.joint for member in members)
         group = identifier(by_name[joints[0]].group, fallback="group")
-        stem = name = f"{PREFIX}{identifier(actuators.robot)}_{group}"
-        count = 1
-        while name in found:
-            count += 1
-            name = f"{stem}_{count}"
+        name = free_name(f"{PREFIX}{identifier(actuators.robot)}_{group}", found)
         found[name] = DefaultClass(name, edit, joints)
     return tuple(found.values())
 

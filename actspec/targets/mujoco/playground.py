@@ -9,12 +9,12 @@ from dataclasses import dataclass
 
 from actspec.ir import JointActuator, Level, Randomization
 from actspec.readings.joint import read_joint
-from actspec.resolution.model_values import finite_limit
+from actspec.resolution.quantities import finite_limit
 from actspec.sampling import FACTORS, drawn_ends, nominal_of, own_ranges
 from actspec.simulators import UnknownVersion
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect, mujoco_dialect
 from actspec.targets.base import EmittedFile
-from actspec.targets.kit.draw_losses import factor_lost, lost
+from actspec.targets.kit.draws import factor_lost, lost
 from actspec.targets.kit.events import StackWriter
 from actspec.targets.kit.python_text import WIDTH, grouped, py
 from actspec.targets.mujoco.drive import Form, form_of

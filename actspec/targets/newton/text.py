@@ -10,7 +10,7 @@ from actspec.robot.view import RobotView
 from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import sections, written_by
-from actspec.targets.kit.python_text import comment_lines, identifier, section_lines
+from actspec.targets.kit.python_text import comment_lines, free_name, identifier, section_lines
 from actspec.targets.newton.joint_prims import JointPrims
 from actspec.targets.newton.paths import StagePaths, converted_actuators
 from actspec.targets.newton.usda import Prim, UsdAttribute, path_text, prim_lines, string
@@ -72,14 +72,16 @@ def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: StagePaths) -
         )
         yield Prim(path, active=False, comments=said)
     yield Prim((*layout.root, SCOPE), specifier="def Scope")
-    taken: dict[str, int] = {}
+    taken: set[str] = set()
     said_group = ""
     for joint in joints:
         actuator, (apis, attributes) = joint.actuator, joint.drive
         target = UsdAttribute("rel", "newton:targets", f"<{path_text(layout.joints[actuator.joint])}>")
         about = f"{actuator.group}: {actuator.level.value}, {actuator.command.value} command."
+        name = free_name(identifier(actuator.joint, fallback="joint"), taken)
+        taken.add(name)
         yield Prim(
-            (*layout.root, SCOPE, _unique(identifier(actuator.joint, fallback="joint"), taken)),
+            (*layout.root, SCOPE, name),
             specifier="def NewtonActuator",
             apis=apis,
             attributes=(target, *attributes),
@@ -87,16 +89,6 @@ def _prims(robot: RobotView, joints: Sequence[JointPrims], layout: StagePaths) -
             comments=() if about == said_group else (about,),
         )
         said_group = about
-
-
-def _unique(name: str, taken: dict[str, int]) -> str:
-    """The name, numbered where it is taken."""
-    found = name
-    while found in taken:
-        taken[name] += 1
-        found = f"{name}_{taken[name]}"
-    taken[found] = 1
-    return found
 
 
 def _header(

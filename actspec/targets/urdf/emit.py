@@ -13,9 +13,9 @@ from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions, relative_path
 from actspec.targets.kit.provenance import sections, with_origin, written_by, xml_head
 from actspec.targets.kit.python_text import grouped
-from actspec.targets.urdf.check import deviations
 from actspec.targets.urdf.plan import (
     UrdfJointEdit,
+    deviations,
     format_losses,
     joint_elements,
     part_of,

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from actspec.targets.urdf.check import deviations
 
 from actspec import api, output
 from actspec.cli.main import main
@@ -20,7 +21,6 @@ from actspec.robot.xml import parse_document
 from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
-from actspec.targets.urdf.check import deviations
 from actspec.targets.urdf.emit import emit
 from actspec.targets.urdf.plan import UrdfJointEdit
 from tests.compiling import FOLDER, spec_text, view_of
