@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from actspec.targets.urdf.plan import UrdfJointEdit, deviations
 
 from actspec import api, output
 from actspec.cli.main import main
@@ -22,6 +21,7 @@ from actspec.spec.document import document_from_text
 from actspec.spec.validate import validate
 from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.urdf.emit import emit
+from actspec.targets.urdf.plan import UrdfJointEdit, deviations
 from tests.compiling import FOLDER, spec_text, view_of
 
 HERE = Path(__file__).parent
