@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import os
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
 from actspec.readings.joint import read_joints
 from actspec.resolution.joint import actuator_of, armature_of
-from actspec.resolution.linkage import linked_motors
 from actspec.resolution.motor import own_motors
 from actspec.resolution.quantities import Reports, model_values, written
 from actspec.resolution.simplified import simplifications
@@ -17,6 +17,9 @@ from actspec.resolution.stated import bind, joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.document import Breaches
 from actspec.spec.validate import Spec
+
+if TYPE_CHECKING:
+    from actspec.resolution.linkage import LinkedMotors
 
 DEFAULT_TIMESTEP = 0.002
 """Step where neither spec nor model states one [s]. Source: MuJoCo's default of option/timestep."""
@@ -34,7 +37,11 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     breaches = Breaches(spec.document.spans, collector)
     bindings = bind(spec, robot, breaches)
     stated = [stated_of(spec, binding, breaches) for binding in bindings.managed]
-    linkages = linked_motors(spec, stated, bindings, breaches)
+    linkages: tuple[LinkedMotors, ...] = ()
+    if spec.model.linkages:
+        from actspec.resolution.linkage import linked_motors
+
+        linkages = linked_motors(spec, stated, bindings, breaches)
     motors = {
         joint: linkage.at_joint(index, item.kind)
         for item in stated

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import listed
 from actspec.ir import Approximation, JointActuator, Quantity
-from actspec.resolution.linkage import LinkedMotors
-from actspec.resolution.motor import JointMotor
 from actspec.spec.rules.robot import SPEC_ITSELF
 from actspec.units import format_number, format_quantity
+
+if TYPE_CHECKING:
+    from actspec.resolution.linkage import LinkedMotors
+    from actspec.resolution.motor import JointMotor
 
 NEGLIGIBLE = 1e-9
 """Differences below this share are rounding. Chosen: as what targets are checked to."""

@@ -17,7 +17,6 @@ from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
-from actspec.targets.mujoco.fragment import bench_xml, fragment_files, fragment_of
 from actspec.targets.mujoco.paths import layout, written_files
 from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
 
@@ -121,6 +120,8 @@ def _emit_fragment(
     collector: Collector,
 ) -> Emission:
     """The fragment for a robot without a model, after a bench that includes it: the first file loads alone."""
+    from actspec.targets.mujoco.fragment import bench_xml, fragment_files, fragment_of
+
     if options.canonical:
         collector.at("robot.model").error(
             "MJC009",
