@@ -24,6 +24,8 @@ BUILD = "build"
 """Folder below the working directory that compiled files go to."""
 
 Emit = Callable[["ActuatorSet", "RobotView", TargetOptions], Emission]
+"""What every kind of target is: `emit(actuators, robot, options)`, what the spec asks for, resolved against the robot,
+and how it is to be written. It raises an EmitError with every reason why the target cannot be written."""
 
 
 def emitter(kind: str) -> Emit:

@@ -27,15 +27,9 @@ Order = tuple[str | None, ...]
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Write a robot's deploy file.
+    """Write a robot's deploy file; see `choose.Emit`.
 
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot.
-        options: With the SDK's joint order, if there is one.
-
-    Raises:
-        EmitError: the SDK's order does not name exactly the managed joints.
+    Raises: EmitError: the SDK's order does not name exactly the managed joints.
     """
     collector = Collector()
     own = tuple(actuator.joint for actuator in actuators.joints)

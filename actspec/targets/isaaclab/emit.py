@@ -14,26 +14,17 @@ from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
-from actspec.targets.isaaclab.text import groups_of, module_name, module_text
+from actspec.targets.isaaclab.text import groups_of, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
 from actspec.targets.kit.network import NetworkWithManifest, read_network
-from actspec.targets.kit.python_text import grouped, identifier
+from actspec.targets.kit.python_text import grouped, identifier, module_name
 
 CLASSES = ("auto", "implicit", "custom")
 """Kinds of actuator class."""
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Compile a robot's actuators into an Isaac Lab module.
-
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot; only the names of its joints are used.
-        options: Versions, backend and class.
-
-    Raises:
-        EmitError: the target cannot be written, with every reason.
-    """
+    """Compile a robot's actuators into an Isaac Lab module, for which its joints' names are used; see `choose.Emit`."""
     collector = Collector()
     dialect = dialect_of(lambda: dialect_for(options), "ISL001", options, collector)
     _check_class(actuators, dialect, options, collector)

@@ -80,13 +80,9 @@ def cfg_of(
 ) -> JointCfg:
     """Choose the class and fields of one joint.
 
-    Args:
+    Args: as of `JointEmission`, and
         actuator: What the spec asks for, with a known effort limit, or a drive of the solver's, which has the USD's.
-        dialect: Version that is written.
         actuator_class: `auto`, `implicit` or `custom`.
-        step: Physics step [s].
-        target: Name of the target, for approximations.
-        collector: Takes errors.
         network: The network and the physics steps between its taps, for level actuator_net.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.

@@ -20,7 +20,10 @@ from actspec.targets.kit.python_text import (
     free_name,
     grouped,
     identifier,
+    import_lines,
     joint_patterns,
+    keyword_lines,
+    module_name,
     py,
     section_lines,
 )
@@ -142,11 +145,6 @@ def _merged(first: CfgField, members: list[tuple[JointCfg, CfgField]], names: Se
     return Keyword(first.name, None, tuple(entries), note, first.file)
 
 
-def module_name(robot: str) -> str:
-    """Name of the module: `unitree_a1_cfg`."""
-    return f"{identifier(robot).lower()}_cfg"
-
-
 def class_name(robot: str) -> str:
     """Name of the robot's own actuator class: `UnitreeA1Actuator`."""
     words = identifier(robot).split("_")
@@ -187,7 +185,7 @@ def module_text(
             module=module_name(actuators.robot),
             version=dialect.text,
             timing=_timing(actuators, groups),
-            imports=list(_imports(sorted(stock))),
+            imports=import_lines("isaaclab.actuators", sorted(stock)),
             files=any(keyword.file for group in groups for keyword in group.keywords),
             custom=bool(custom),
             own=own,
@@ -204,15 +202,6 @@ def module_text(
             ],
         )
     )
-
-
-def _imports(names: Sequence[str]) -> Iterator[str]:
-    """The import of the stock classes, on one line where it fits."""
-    line = f"from isaaclab.actuators import {', '.join(names)}"
-    if len(line) <= WIDTH:
-        yield line
-    else:
-        yield from ("from isaaclab.actuators import (", *(f"    {name}," for name in names), ")")
 
 
 def _timing(actuators: ActuatorSet, groups: Sequence[CfgGroup]) -> str:
@@ -252,13 +241,7 @@ def _rows(group: CfgGroup, said: Sequence[str]) -> Iterator[str]:
     for remark in group.remarks:
         if remark not in said:
             yield from comment_lines(remark, indent=indent)
-    one = f"{indent}joint_names_expr={py(list(group.patterns))},"
-    if len(one) <= WIDTH:
-        yield one
-    else:
-        yield f"{indent}joint_names_expr=["
-        yield from (f"{indent}    {py(pattern)}," for pattern in group.patterns)
-        yield f"{indent}],"
+    yield from keyword_lines("joint_names_expr", list(group.patterns), indent)
     for keyword in group.keywords:
         yield from _keyword(keyword, indent)
 

@@ -119,6 +119,31 @@ def comment_lines(text: str, *, indent: str = "", hang: str = "", width: int = W
     return [f"{head}{line}".rstrip() for line in wrapped or [""]]
 
 
+def import_lines(module: str, names: Sequence[str], *, indent: str = "    ", width: int = WIDTH) -> list[str]:
+    """An import, on one line where it fits."""
+    line = f"from {module} import {', '.join(names)}"
+    if len(line) <= width:
+        return [line]
+    return [f"from {module} import (", *(f"{indent}{name}," for name in names), ")"]
+
+
+def keyword_lines(
+    keyword: str, values: list[str] | tuple[str, ...], indent: str, *, step: str = "    ", width: int = WIDTH
+) -> list[str]:
+    """A keyword with texts, on one line where it fits, else one text a line."""
+    line = f"{indent}{keyword}={py(values)},"
+    if len(line) <= width:
+        return [line]
+    begin, end = "[]" if isinstance(values, list) else "()"
+    rows = (f"{indent}{step}{py(value)}," for value in values)
+    return [f"{indent}{keyword}={begin}", *rows, f"{indent}{end},"]
+
+
+def module_name(robot: str) -> str:
+    """Name of a robot's module: `unitree_a1_cfg`."""
+    return f"{identifier(robot).lower()}_cfg"
+
+
 def section_lines(
     sections: Iterable[tuple[str, Iterable[str]]], *, bullet: str, hang: str, width: int = WIDTH
 ) -> Iterator[str]:

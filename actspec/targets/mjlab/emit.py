@@ -16,22 +16,13 @@ from actspec.simulators.mjlab import mjlab_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import delta_action_loss, dialect_of
 from actspec.targets.kit.network import network_files
-from actspec.targets.kit.python_text import joint_patterns, stated
+from actspec.targets.kit.python_text import joint_patterns, module_name, stated
 from actspec.targets.mjlab.joint_cfg import cfgs_of
-from actspec.targets.mjlab.text import Preparation, module_name, module_text
+from actspec.targets.mjlab.text import Preparation, module_text
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Write a robot's actuators as a module for mjlab.
-
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot.
-        options: Version.
-
-    Raises:
-        EmitError: the target cannot be written, with every reason.
-    """
+    """Write a robot's actuators as a module for mjlab; see `choose.Emit`."""
     collector = Collector()
     dialect = dialect_of(lambda: mjlab_dialect(options.version), "MJL007", options, collector)
     for actuator in actuators.joints:

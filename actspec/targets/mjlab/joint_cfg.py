@@ -71,13 +71,8 @@ def cfg_of(
 ) -> JointCfg | None:
     """Choose class and fields for one joint; None after an error.
 
-    Args:
-        actuator: What the spec asks for.
+    Args: as of `JointEmission`, and
         view: The robot's joint; None where the spec names no model.
-        dialect: mjlab version that is written.
-        step: Simulation step [s].
-        target: Name of the target, for approximations.
-        collector: Takes errors.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """

@@ -10,7 +10,16 @@ from actspec.ir import ActuatorSet, Command, JointActuator, Origin
 from actspec.simulators.mjlab import MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import sections, written_by
-from actspec.targets.kit.python_text import comment_lines, environment, grouped, identifier, py, section_lines
+from actspec.targets.kit.python_text import (
+    comment_lines,
+    environment,
+    grouped,
+    identifier,
+    import_lines,
+    keyword_lines,
+    py,
+    section_lines,
+)
 from actspec.targets.mjlab.joint_cfg import CfgField, JointCfg
 
 WIDTH = 88
@@ -35,11 +44,6 @@ class Preparation:
     def needed(self) -> bool:
         """Whether there is anything to do."""
         return self.removes or bool(self.widened)
-
-
-def module_name(robot: str) -> str:
-    """Name of the module: `unitree_a1_cfg`."""
-    return f"{identifier(robot).lower()}_cfg"
 
 
 def constant_name(robot: str) -> str:
@@ -90,7 +94,7 @@ def module_text(
             version=dialect.text,
             header=list(_header(actuators, approximations, dialect, preparation, model)),
             folder=any(cfg.network is not None for cfg in cfgs),
-            imports=list(_imports(sorted(classes))),
+            imports=import_lines("mjlab.actuator", sorted(classes), indent="  ", width=WIDTH),
             actuators=blocks,
             driven=[cfg.actuator.joint for cfg in cfgs],
             prepare=list(_prepared(preparation)),
@@ -117,15 +121,6 @@ def _constants(robot: str, groups: Sequence[Any]) -> list[str]:
     return found
 
 
-def _imports(classes: Sequence[str]) -> Iterator[str]:
-    line = f"from mjlab.actuator import {', '.join(classes)}"
-    if len(line) <= WIDTH:
-        yield line
-    else:
-        yield from ("from mjlab.actuator import (", *(f"  {name}," for name in classes), ")")
-    yield "from mjlab.entity import EntityArticulationInfoCfg"
-
-
 def _block(
     constant: str, members: Sequence[JointCfg], names: Sequence[str], dialect: MjlabDialect
 ) -> Iterator[str]:
@@ -136,7 +131,7 @@ def _block(
     yield f"{constant} = {'DelayedActuatorCfg' if wrapped else first.kind}("
     if wrapped:
         yield f"  base_cfg={first.kind}("
-    yield from _targets(names, indent)
+    yield from keyword_lines("target_names_expr", tuple(names), indent, step="  ", width=WIDTH)
     for field in _agreed(members, wrapped):
         yield from _row(field, indent)
     if wrapped:
@@ -147,16 +142,6 @@ def _block(
         for field in first.delay:
             yield from _row(field, "  ")
     yield ")"
-
-
-def _targets(names: Sequence[str], indent: str) -> Iterator[str]:
-    line = f"{indent}target_names_expr={py(tuple(names))},"
-    if len(line) <= WIDTH:
-        yield line
-        return
-    yield f"{indent}target_names_expr=("
-    yield from (f"{indent}  {py(name)}," for name in names)
-    yield f"{indent}),"
 
 
 def _agreed(members: Sequence[JointCfg], wrapped: bool) -> Iterator[CfgField]:

@@ -147,25 +147,35 @@ def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: Muj
     return edits
 
 
-def _joint_edits(element: Element, edit: JointEdit, dialect: MujocoDialect) -> Iterator[Edit]:
+def joint_attributes(edit: JointEdit, damping: int) -> Iterator[tuple[str, str]]:
+    """What an edit states of a joint, as attributes.
+
+    Args:
+        edit: The edit.
+        damping: Coefficients of damping that are written: at most three.
+    """
     if edit.springdamper_off:
-        yield SetAttribute(element, "springdamper", "0 0")
-    if edit.stiffness is not None:
-        yield SetAttribute(element, "stiffness", format_number(edit.stiffness))
-    if edit.damping is not None:
-        # Numbers that are not written come from the class: an author's `0.5 0` keeps its zero.
-        stated = len((element.get("damping") or "").split()) > 1 and dialect.polynomials
-        values = edit.damping if stated or any(edit.damping[1:]) else edit.damping[:1]
-        yield SetAttribute(element, "damping", " ".join(format_number(value) for value in values))
-    if edit.armature is not None:
-        yield SetAttribute(element, "armature", format_number(edit.armature))
-    if edit.frictionloss is not None:
-        yield SetAttribute(element, "frictionloss", format_number(edit.frictionloss))
+        yield "springdamper", "0 0"
+    for name, value in (
+        ("stiffness", edit.stiffness),
+        ("damping", edit.damping),
+        ("armature", edit.armature),
+        ("frictionloss", edit.frictionloss),
+    ):
+        if value is not None:
+            numbers = value[:damping] if isinstance(value, tuple) else (value,)
+            yield name, " ".join(map(format_number, numbers))
     if edit.effort is not None:
-        yield SetAttribute(
-            element, "actuatorfrcrange", f"{format_number(-edit.effort)} {format_number(edit.effort)}"
-        )
-        yield SetAttribute(element, "actuatorfrclimited", "true")
+        yield "actuatorfrcrange", f"{format_number(-edit.effort)} {format_number(edit.effort)}"
+        yield "actuatorfrclimited", "true"
+
+
+def _joint_edits(element: Element, edit: JointEdit, dialect: MujocoDialect) -> Iterator[Edit]:
+    # Numbers that are not written come from the class: an author's `0.5 0` keeps its zero.
+    stated = len((element.get("damping") or "").split()) > 1 and dialect.polynomials
+    whole = stated or (edit.damping is not None and any(edit.damping[1:]))
+    for name, text in joint_attributes(edit, 3 if whole else 1):
+        yield SetAttribute(element, name, text)
 
 
 def _timestep(document: XmlDocument, timestep: float) -> Edit:

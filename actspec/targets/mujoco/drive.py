@@ -101,14 +101,6 @@ FORMS = {Command.POSITION: Form.POSITION, Command.VELOCITY: Form.VELOCITY, Comma
 """Element of each command, but for a dcmotor."""
 
 
-@dataclass(frozen=True, slots=True)
-class DriveResult:
-    """A drive with what it lost."""
-
-    drive: Drive
-    approximations: tuple[Approximation, ...]
-
-
 def drive_of(
     actuator: JointActuator,
     joint: JointView,
@@ -118,8 +110,8 @@ def drive_of(
     target: str,
     collector: Collector,
     reports: Reports,
-) -> DriveResult | None:
-    """Choose the drive of one joint.
+) -> tuple[Drive, tuple[Approximation, ...]] | None:
+    """Choose the drive of one joint, with what it loses; None after an error.
 
     Args:
         actuator: What the spec asks for.
@@ -130,11 +122,9 @@ def drive_of(
         target: Name of the target, for approximations.
         collector: Takes errors of this joint alone.
         reports: Takes errors that other joints of its group may have too.
-
-    Returns: None when an error was reported.
     """
     if actuator.level is Level.ACTUATOR_NET:
-        return DriveResult(_network_drive(actuator, step), _network_losses(actuator, target))
+        return _network_drive(actuator, step), _network_losses(actuator, target)
     known = _with_own_gains(actuator, reading, reports)
     if known is None:
         return None
@@ -142,7 +132,7 @@ def drive_of(
         emission = JointEmission(known, dialect, step, target, collector)
         drive = _law_drive(known, emission.law, joint, dialect, step)
         _lose(emission, drive)
-        return DriveResult(drive, tuple(emission.lost))
+        return drive, tuple(emission.lost)
     except ValueError as err:
         # The law itself says which number it lacks.
         collector.at(f"actuators.{actuator.group}", actuator.span).error("MJC018", str(err))

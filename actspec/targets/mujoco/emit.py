@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
 from actspec.ir import ActuatorSet
+from actspec.robot.mjspec import compile_spec, open_spec
+from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
+from actspec.robot.xml import parse_document
+from actspec.robot.xml_edit import InsertBefore, apply_edits
 from actspec.simulators import text_of
 from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect, mujoco_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
@@ -35,16 +39,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     must be equal in every field, and equal to the original in every field that the plan leaves. A
     fragment is held to the plan in a bench, a model with the listed joints alone.
 
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot, read from an MJCF or a URDF, or listed by the spec.
-        options: Version, output folder and form.
-
-    Raises:
-        EmitError: the target cannot be written, with every reason.
+    See `choose.Emit`.
     """
-    from actspec.robot.xml import parse_document
-
     collector = Collector()
     dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
     if robot.format is ModelFormat.NONE:
@@ -53,11 +49,11 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
-    planned = plan_model(actuators, robot, dialect, options.name, collector)
+    bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
 
     original = _compiled(robot.files)
-    plan = with_keys(planned.plan, robot, original, unchanged_controls(planned.plan, robot))
+    plan = with_keys(bare, robot, original, unchanged_controls(bare, robot))
     anchors = find_anchors(document, robot, plan, collector)
     unlimited = [
         drive.joint for drive in plan.drives if drive.form is Form.DCMOTOR and drive.effort_limit is None
@@ -93,7 +89,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             "MJC090", f"the edit reaches fields outside of its plan: {listed(strayed, 4)}", help=REPORT
         )
     main_name = f"{os.path.splitext(os.path.basename(robot.path))[0]}.xml"
-    comment = header(actuators, planned.approximations, dialect, source)
+    comment = header(actuators, lost, dialect, source)
     files = _write(document, plan, anchors, dialect, options.folder, main_name, comment, collector)
     # Another dialect's words cannot be compiled here: the same plan in the installed one is checked.
     checked = (
@@ -109,7 +105,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     )
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
     explicit = frozenset(drive.joint for drive in plan.drives) if robot.integrator == "Euler" else frozenset()
-    return Emission(emitted, planned.approximations, collector.sorted(), explicit)
+    return Emission(emitted, lost, collector.sorted(), explicit)
 
 
 def _emit_fragment(
@@ -129,8 +125,8 @@ def _emit_fragment(
             "leave it out: a fragment to include is written, or name an MJCF or a URDF",
         )
         raise EmitError(collector.sorted())
-    planned = plan_model(actuators, robot, dialect, options.name, collector)
-    fragment = fragment_of(planned.plan, planned.approximations, actuators, collector)
+    plan, lost = plan_model(actuators, robot, dialect, options.name, collector)
+    fragment = fragment_of(plan, lost, actuators, collector)
     installed = installed_dialect()
     try:
         bare = ModelFile(robot.path, "", bench_xml(robot, {}).encode("utf-8"))
@@ -152,20 +148,16 @@ def _emit_fragment(
         "its head says how",
     )
     emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
-    return Emission(emitted, planned.approximations, collector.sorted())
+    return Emission(emitted, lost, collector.sorted())
 
 
 def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:
-    from actspec.robot.mjspec import compile_spec, open_spec
-
     return compile_spec(open_spec(files, format=ModelFormat.MJCF), files)
 
 
 def _edited(
     files: Sequence[ModelFile], plan: Plan, dialect: MujocoDialect, note: str, explicit: bool
 ) -> mujoco.MjModel:
-    from actspec.robot.mjspec import compile_spec, open_spec
-
     spec = open_spec(files, format=ModelFormat.MJCF)
     apply_to_spec(spec, plan, dialect, note, explicit=explicit)
     try:
@@ -185,8 +177,6 @@ def _write(
     collector: Collector,
 ) -> tuple[ModelFile, ...]:
     """The edited text, all files of the model, in one dialect."""
-    from actspec.robot.xml_edit import InsertBefore, apply_edits
-
     edits = text_edits(document, plan, anchors, dialect)
     where = layout(document, edits, folder, main_name)
     try:
@@ -216,7 +206,7 @@ def check_written(
     """
     _check_text(files, edited, collector)
     collector.raise_if_failed(EmitError)
-    for fault in check_readback(actuators, _read_back(files)):
+    for fault in check_readback(actuators, read_mjcf(files, inertia=False)):
         collector.add(fault)
     collector.raise_if_failed(EmitError)
 
@@ -238,12 +228,6 @@ def _check_text(files: tuple[ModelFile, ...], edited: mujoco.MjModel, collector:
         )
 
 
-def _read_back(files: tuple[ModelFile, ...]) -> RobotView:
-    from actspec.robot.read_mjcf import read_mjcf
-
-    return read_mjcf(files, inertia=False)
-
-
 def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     """The same robot as one MJCF in MuJoCo's own form, read again.
 
@@ -255,7 +239,6 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     """
     from actspec.robot.assets import mesh_dependence
     from actspec.robot.mjspec import compile_spec, open_spec, open_urdf, quiet
-    from actspec.robot.read_mjcf import read_mjcf
 
     files: Sequence[ModelFile] = robot.files
     if robot.format is ModelFormat.URDF:

@@ -22,7 +22,7 @@ from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import written_by, xml_comment
 from actspec.targets.kit.python_text import free_name, grouped, identifier
 from actspec.targets.mujoco.actuator_xml import actuator_xml
-from actspec.targets.mujoco.apply_text import header
+from actspec.targets.mujoco.apply_text import header, joint_attributes
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.plan import JointEdit, Plan
 
@@ -201,32 +201,20 @@ def _fragment_xml(fragment: Fragment, dialect: MujocoDialect) -> str:
     ]
     if fragment.plan.timestep is not None:
         lines.append(f"  {_tag('option', [('timestep', format_number(fragment.plan.timestep))])}")
+    # Coefficients that are not written would come from the including model's main class.
+    damping = 3 if dialect.polynomials else 1
     if fragment.classes:
         lines.append("  <default>")
         for item in fragment.classes:
             lines += [
                 f'    <default class="{item.name}">',
-                f"      {_tag('joint', list(_joint_attributes(item.edit, dialect)))}",
+                f"      {_tag('joint', list(joint_attributes(item.edit, damping)))}",
                 "    </default>",
             ]
         lines.append("  </default>")
     lines.append("  <actuator>")
     lines += [f"    {actuator_xml(drive, dialect, explicit=True)}" for drive in fragment.plan.drives]
     return "\n".join([*lines, "  </actuator>", "</mujoco>", ""])
-
-
-def _joint_attributes(edit: JointEdit, dialect: MujocoDialect) -> Iterator[tuple[str, str]]:
-    if edit.damping is not None:
-        # Coefficients that are not written would come from the including model's main class.
-        values = edit.damping if dialect.polynomials else edit.damping[:1]
-        yield "damping", " ".join(map(format_number, values))
-    if edit.armature is not None:
-        yield "armature", format_number(edit.armature)
-    if edit.frictionloss is not None:
-        yield "frictionloss", format_number(edit.frictionloss)
-    if edit.effort is not None:
-        yield "actuatorfrcrange", f"{format_number(-edit.effort)} {format_number(edit.effort)}"
-        yield "actuatorfrclimited", "true"
 
 
 def _instructions(fragment: Fragment) -> Iterator[str]:

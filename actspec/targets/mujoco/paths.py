@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from actspec.robot.view import ModelFile
-from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute
+from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
 from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import relative_path
 
@@ -117,12 +117,9 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
     }
     last: Element | None = compilers[-1] if compilers else None
     if last is not None and last.file == 0:
-        edits: list[Edit] = [SetAttribute(last, name, value) for name, value in wanted.items()]
-        return edits
+        return [SetAttribute(last, name, value) for name, value in wanted.items()]
     if not wanted:
         return []
-    from actspec.robot.xml_edit import escape_attribute
-
     attributes = "".join(f' {name}="{escape_attribute(value)}"' for name, value in wanted.items())
     return [AppendChild(document.root, f"<compiler{attributes}/>")]
 

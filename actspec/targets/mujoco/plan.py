@@ -100,18 +100,10 @@ class Plan:
         return (*(r.drive for r in self.replaced), *self.added)
 
 
-@dataclass(frozen=True, slots=True)
-class Planned:
-    """A plan with what it lost."""
-
-    plan: Plan
-    approximations: tuple[Approximation, ...]
-
-
 def plan_model(
     actuators: ActuatorSet, robot: RobotView, dialect: MujocoDialect, target: str, collector: Collector
-) -> Planned:
-    """Plan all edits but those of keyframes (`with_keys` adds them, from the compiled model)."""
+) -> tuple[Plan, tuple[Approximation, ...]]:
+    """Plan all edits but those of keyframes (`with_keys` adds them, from the compiled model), with what they lose."""
     step = actuators.physics_dt.require()
     names = {a.name for a in robot.actuators}
     lost: list[Approximation] = []
@@ -137,8 +129,8 @@ def plan_model(
         result = drive_of(actuator, joint, reading, dialect, step, target, collector, reports)
         if result is None:
             continue
-        lost += result.approximations
-        drive = result.drive
+        drive, losses = result
+        lost += losses
         if own:
             # The first's name; without one the next, so that sensors have something to point to.
             name = next((a.name for a in own if a.name), "")
@@ -185,7 +177,7 @@ def plan_model(
         timestep=timestep,
         dcmotors=dcmotors or any(d.form is Form.DCMOTOR for d in (*(r.drive for r in replaced), *added)),
     )
-    return Planned(plan, tuple(lost))
+    return plan, tuple(lost)
 
 
 def _group_on(robot: RobotView, group: int, drive: Drive, span: Span, collector: Collector) -> int:

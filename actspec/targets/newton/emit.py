@@ -18,16 +18,7 @@ from actspec.targets.newton.text import overlay_name, overlay_text
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Write a robot's actuators as an overlay of its USD stage.
-
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot.
-        options: Version, and where the joints are in the stage.
-
-    Raises:
-        EmitError: the target cannot be written, with every reason.
-    """
+    """Write a robot's actuators as an overlay of its USD stage; see `choose.Emit`."""
     collector = Collector()
     dialect = dialect_of(lambda: newton_dialect(options.version), "NWT007", options, collector)
     step = actuators.physics_dt.require()

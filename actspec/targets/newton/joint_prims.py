@@ -55,12 +55,7 @@ def prims_of(
 ) -> JointPrims | None:
     """Choose schemas and attributes for one joint; None after an error.
 
-    Args:
-        actuator: What the spec asks for.
-        dialect: Newton version that is written.
-        step: Physics step [s].
-        target: Name of the target, for approximations.
-        collector: Takes errors.
+    Args: as of `JointEmission`.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """

@@ -29,16 +29,11 @@ STACKS = {
 
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Write a robot's ranges for every stack that is asked for.
+    """Write a robot's ranges for every stack that is asked for; see `choose.Emit`.
 
-    Args:
-        actuators: What is drawn.
-        robot: The robot, for its joints' names.
-        options: `for` (nothing: all stacks), `version` (of the one stack that is asked for, else each stack's
-            default), `isaac_sim` and `backend`.
+    `version` is of the one stack that is asked for, else each stack has its default.
 
-    Raises:
-        EmitError: a range cannot be drawn from, or a stack or version is not known; with every reason.
+    Raises: EmitError: a range cannot be drawn from, or a stack or version is not known.
     """
     collector = Collector()
     stacks = _stacks(options, collector)

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, EmitError, Span, listed, shortened
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
+from actspec.robot.xml import parse_document
+from actspec.robot.xml_edit import AppendChild, Edit, InsertBefore, SetAttribute, apply_edits, format_number
+from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions, relative_path
 from actspec.targets.kit.provenance import sections, with_origin, written_by, xml_head
 from actspec.targets.kit.python_text import grouped
@@ -24,25 +26,12 @@ from actspec.targets.urdf.plan import (
     written,
 )
 
-if TYPE_CHECKING:
-    from actspec.robot.xml_edit import Edit
-    from actspec.robot.xml_tree import Element, XmlDocument
-
 
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
-    """Write a robot's URDF with the spec's limits and joint friction.
+    """Write a robot's URDF with the spec's limits and joint friction; see `choose.Emit`.
 
-    Args:
-        actuators: What the spec asks for, resolved against `robot`.
-        robot: The robot, read from a URDF.
-        options: Name and output folder.
-
-    Raises:
-        EmitError: the robot is no URDF, or one that xacro has yet to expand.
+    Raises: EmitError: the robot is no URDF, or one that xacro has yet to expand.
     """
-    from actspec.robot.xml import parse_document
-    from actspec.robot.xml_edit import InsertBefore, SetAttribute, apply_edits
-
     collector = Collector()
     _check_format(robot, collector)
     document = parse_document(robot.files)
@@ -109,8 +98,6 @@ def _check_expanded(document: XmlDocument, collector: Collector) -> None:
 
 def _text_edits(joint: Element, edit: UrdfJointEdit) -> list[Edit]:
     """A joint's edits of the text."""
-    from actspec.robot.xml_edit import AppendChild, SetAttribute, format_number
-
     edits: list[Edit] = []
     for tag, numbers in edit.parts.items():
         part = part_of(joint, tag)
