@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Sequence
-from dataclasses import asdict, dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from actspec.diagnostics import ActspecError, Span
-from actspec.ir import ActuatorSet, JointActuator, Quantity
+from actspec.ir import ActuatorSet, JointActuator
 from actspec.targets.base import Approximation, TargetOptions
 
 FORMAT = "actspec-verify/1"
@@ -70,6 +70,13 @@ class TargetFiles:
         many = count if joints is None else joints
         rest: dict[str, Any] = {"unit": "", "max_error": None, "tolerance": 0.0, **more}
         return Row(self.name, group, joint, many, quantity, ok=False, code=code, message=message, **rest)
+
+    def right(self, quantity: str, *, joints: int = 0, **more: Any) -> Row:
+        """A row of the whole target that agrees.
+
+        Args: as of `fault`.
+        """
+        return Row(self.name, "", "", joints, quantity, "", 0.0, 0.0, True, **more)
 
     def losses_of(self, joint: str, fields: Sequence[str]) -> tuple[Approximation, ...]:
         """What it loses of fields of a joint, by the names of `Approximation.field`."""
@@ -229,6 +236,20 @@ def keys(losses: Iterable[Approximation]) -> tuple[str, ...]:
     return tuple(dict.fromkeys(loss.key for loss in losses))
 
 
+def worst_of(rows: Iterable[tuple[float, Row]], by: Callable[[Row], object]) -> Iterator[Row]:
+    """Rows of joints put together: of those that have the same, the one with the largest error counts for all.
+
+    Args:
+        rows: Errors in tolerances, and rows of one joint each.
+        by: What rows that are put together have in common.
+    """
+    merged: dict[object, list[tuple[float, Row]]] = {}
+    for share, row in rows:
+        merged.setdefault(by(row), []).append((share, row))
+    for found in merged.values():
+        yield replace(max(found, key=lambda pair: pair[0])[1], joints=len(found))
+
+
 def alike(actuators: ActuatorSet) -> tuple[tuple[JointActuator, ...], ...]:
     """The joints of each group that have the same numbers, in the robot's order; their pose may differ."""
     found: dict[object, list[JointActuator]] = {}
@@ -238,16 +259,13 @@ def alike(actuators: ActuatorSet) -> tuple[tuple[JointActuator, ...], ...]:
 
 
 def _numbers(actuator: JointActuator) -> object:
-    def value(quantity: Quantity) -> float | None:
-        return quantity.value
-
     delay = actuator.delay
     return (
         actuator.group,
         actuator.kind,
         actuator.level,
         actuator.command,
-        tuple((name, value(q)) for name, q in actuator.quantities() if name != "default_position"),
+        tuple((name, q.value) for name, q in actuator.quantities() if name != "default_position"),
         None if delay is None else (delay.low, delay.high, delay.sampling),
         actuator.network,
     )

@@ -25,7 +25,6 @@ import zipfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -111,15 +110,6 @@ def prepare_release(
     Returns: The folder to put on PYTHONPATH.
     Raises: EngineUnavailableError: no wheel for this Python and platform, or no registry.
     """
-    got = _release(project, version, folder or cache_folder(), say)
-    if isinstance(got, str):
-        raise EngineUnavailableError(got)
-    return got
-
-
-@cache
-def _release(project: str, version: str, folder: Path, say: Callable[[str], None]) -> Path | str:
-    """The unpacked release, or why there is none: a registry that said no is not asked again."""
 
     def make(made: Path) -> None:
         say(f"{project} {version}")
@@ -128,36 +118,49 @@ def _release(project: str, version: str, folder: Path, say: Callable[[str], None
     return whole(release_folder(project, version, folder), make, say)
 
 
-def whole(made: Path, make: Callable[[Path], None], say: Callable[[str], None]) -> Path | str:
-    """A folder that appears whole or not at all, whoever else wants it at the same time; or why it cannot be had.
+_REFUSED: dict[Path, str] = {}
+"""Folders that could not be had, and why: a registry that said no is not asked again."""
+
+
+def whole(made: Path, make: Callable[[Path], None], say: Callable[[str], None]) -> Path:
+    """A folder that appears whole or not at all, whoever else wants it at the same time.
 
     Args:
         made: The folder.
         make: Makes it, at another place.
         say: Called with what is done next.
+
+    Raises: EngineUnavailableError: it cannot be had.
     """
     if made.is_dir():
         return made
+    if made not in _REFUSED:
+        try:
+            made.parent.mkdir(parents=True, exist_ok=True)
+            with _locked(made.parent / f"{made.name}.lock", say):
+                if not made.is_dir():
+                    _make(made, make)
+            return made
+        except EngineUnavailableError as err:
+            _REFUSED[made] = str(err)
+        except OSError as err:
+            _REFUSED[made] = f"{made.parent}: {err.strerror or err}"
+    raise EngineUnavailableError(_REFUSED[made])
+
+
+def _make(made: Path, make: Callable[[Path], None]) -> None:
+    """Make a folder whose lock is held."""
+    if os.name == "posix":
+        # What a killed run has left: who holds the lock is alone.
+        for left in made.parent.glob(f".{made.name}-*"):
+            shutil.rmtree(left, ignore_errors=True)
+    work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=made.parent))
     try:
-        made.parent.mkdir(parents=True, exist_ok=True)
-        with _locked(made.parent / f"{made.name}.lock", say):
-            if not made.is_dir():
-                if os.name == "posix":
-                    # What a killed run has left: who holds the lock is alone.
-                    for left in made.parent.glob(f".{made.name}-*"):
-                        shutil.rmtree(left, ignore_errors=True)
-                work = Path(tempfile.mkdtemp(prefix=f".{made.name}-", dir=made.parent))
-                try:
-                    make(work / "made")
-                    # The rename is the sign that it is whole: a killed run leaves only the work folder.
-                    (work / "made").rename(made)
-                finally:
-                    shutil.rmtree(work, ignore_errors=True)
-    except EngineUnavailableError as err:
-        return str(err)
-    except OSError as err:
-        return f"{made.parent}: {err.strerror or err}"
-    return made
+        make(work / "made")
+        # The rename is the sign that it is whole: a killed run leaves only the work folder.
+        (work / "made").rename(made)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
 
 
 @contextmanager
@@ -371,10 +374,12 @@ def prepare_frameworks(
 
     Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
     """
-    got = _frameworks(folder or cache_folder(), tuple(extra), say)
-    if isinstance(got, str):
-        raise EngineUnavailableError(got)
-    return Frameworks(got)
+    why = unusable()
+    if why is not None:
+        raise EngineUnavailableError(why)
+    return Frameworks(
+        whole(_made(folder or cache_folder(), extra), lambda made: _install(made, extra, say), say)
+    )
 
 
 def unusable() -> str | None:
@@ -403,15 +408,6 @@ def _contents(extra: Sequence[str]) -> list[str]:
 def _made(folder: Path, extra: Sequence[str]) -> Path:
     digest = hashlib.sha256("\n".join(_contents(extra)).encode("utf-8")).hexdigest()
     return folder / f"frameworks-{digest[:12]}"
-
-
-@cache
-def _frameworks(folder: Path, extra: tuple[str, ...], say: Callable[[str], None]) -> Path | str:
-    """The environment's folder, or why there is none: a registry that said no is not asked again."""
-    why = unusable()
-    if why is not None:
-        return why
-    return whole(_made(folder, extra), lambda made: _install(made, extra, say), say)
 
 
 def _install(made: Path, extra: Sequence[str], say: Callable[[str], None]) -> None:

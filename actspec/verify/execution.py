@@ -12,7 +12,7 @@ from collections import Counter
 from collections.abc import Iterator
 
 from actspec.diagnostics import Span, one_line
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.verify.agreement import Row, TargetFiles
 
 EXECUTED = ("isaaclab", "mjlab")
@@ -60,7 +60,7 @@ def code_rows(target: TargetFiles) -> Iterator[Row]:
             _statements(read_regular(os.path.join(folder, file), MOST_BYTES))
             for folder in (target.fresh, target.folder)
         )
-    except (OSError, ValueError, SyntaxError, RecursionError, MemoryError, NotRegular, TooLarge):
+    except (*FAULTS, SyntaxError, RecursionError, MemoryError):
         # The reader of its fields says so.
         return
     more, less = Counter(text for text, _ in theirs), Counter(text for text, _ in ours)
@@ -81,13 +81,11 @@ def other_rows(target: TargetFiles) -> Iterator[Row]:
     for file in target.files[1:]:
         if file.endswith(_READ):
             continue
-        same = target.folder == target.fresh or _same(target, file)
-        yield Row(
-            *(target.name, "", "", 0, f"file {file}", "", 0.0 if same else None, 0.0, same),
-            code=None if same else "VFY110",
-            message="" if same else one_line(f"{file} is not the file that the spec names"),
-            place=None if same else Span(target.path(file)),
-        )
+        if target.folder == target.fresh or _same(target, file):
+            yield target.right(f"file {file}")
+        else:
+            what = one_line(f"{file} is not the file that the spec names")
+            yield target.fault(f"file {file}", "VFY110", what, place=Span(target.path(file)))
 
 
 def _same(target: TargetFiles, file: str) -> bool:
@@ -95,7 +93,7 @@ def _same(target: TargetFiles, file: str) -> bool:
         ours, theirs = (
             read_regular(os.path.join(folder, file), MOST_BYTES) for folder in (target.fresh, target.folder)
         )
-    except (OSError, ValueError, NotRegular, TooLarge):
+    except FAULTS:
         return False
     return ours == theirs
 

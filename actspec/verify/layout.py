@@ -10,7 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, Span, listed, one_line
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.readings.compare import same
 from actspec.readings.dynamics import SETTING_NOUNS
@@ -161,13 +161,11 @@ def order_rows(target: TargetFiles) -> Iterator[Row]:
     )
     for name in dict.fromkeys((*ours, *theirs)):
         asked, got = ours.get(name), theirs.get(name)
-        same = asked == got
-        message = "" if same else one_line(f"{name} differs: {_first_difference(asked, got)}")
-        yield Row(
-            *(target.name, "", "", len(asked or ()), name, "", 0.0 if same else None, 0.0, same),
-            code=None if same else "VFY109",
-            message=message,
-        )
+        if asked == got:
+            yield target.right(name, joints=len(asked or ()))
+        else:
+            what = one_line(f"{name} differs: {_first_difference(asked, got)}")
+            yield target.fault(name, "VFY109", what, joints=len(asked or ()))
 
 
 def _blocks(path: str) -> dict[str, list[Any]]:
@@ -176,7 +174,7 @@ def _blocks(path: str) -> dict[str, list[Any]]:
 
     try:
         data = yaml.load(read_regular(path, MOST_BYTES), Loader=getattr(yaml, "CSafeLoader", yaml.SafeLoader))
-    except (OSError, ValueError, NotRegular, TooLarge, yaml.YAMLError, RecursionError):
+    except (*FAULTS, yaml.YAMLError, RecursionError):
         return {}
     if not isinstance(data, Mapping):
         return {}

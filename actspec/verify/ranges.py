@@ -11,7 +11,7 @@ from typing import Any
 
 from actspec.diagnostics import Span, one_line
 from actspec.fields import BY_SPEC, FIELDS
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.ir import ActuatorSet, JointActuator, Randomization
 from actspec.readings.artifact import RandomizedRange
 from actspec.readings.compare import same
@@ -54,7 +54,7 @@ def range_rows(target: TargetFiles, actuators: ActuatorSet, robot: RobotView) ->
 def _read(path: str) -> bytes:
     try:
         return read_regular(path, MOST_BYTES)
-    except (OSError, ValueError, NotRegular, TooLarge) as err:
+    except FAULTS as err:
         raise _Unreadable(getattr(err, "strerror", None) or str(err)) from err
 
 
@@ -186,7 +186,7 @@ def _python_rows(target: TargetFiles, file: str, actuators: ActuatorSet, robot: 
     ours, theirs = (os.path.join(folder, file) for folder in (target.fresh, target.folder))
     trees = [_tree(path) for path in (ours, theirs)]
     if trees[0] == trees[1]:
-        yield Row(target.name, "", "", len(actuators.joints), f"randomize ({file})", "", 0.0, 0.0, True)
+        yield target.right(f"randomize ({file})", joints=len(actuators.joints))
         return
     fresh, built = (
         reading.ranges

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 
 from actspec.diagnostics import ActspecError, Collector, Span
 from actspec.fields import is_placeholder, unit_of
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.lift import lift_newton
 from actspec.lift.newton import READ, TARGETS, NewtonJoint, newton_joints
@@ -310,7 +310,7 @@ def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robo
         if err.diagnostics[0].code == MISSING:
             raise
         return FileFigures(path, str(err.diagnostics[0]).removeprefix(f"{path}:"))
-    except (NotRegular, TooLarge, OSError, ValueError) as err:
+    except FAULTS as err:
         return FileFigures(path, str(err))
     prims = {name: path_text(parts) for name, parts in layout.joints.items()}
     views = [view for actuator in actuators.joints if (view := robot.joint(actuator.joint)) is not None]

@@ -15,8 +15,8 @@ from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
 from actspec.targets.base import Approximation
 from actspec.targets.kit.sizes import lined
-from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike
-from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse
+from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, worst_of
+from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse, answered
 from actspec.verify.torque import SLACK, JointLaws
 
 if TYPE_CHECKING:
@@ -181,14 +181,11 @@ def response_rows(
     for members in alike(actuators):
         known = [a.joint for a in members if a.joint in place and a.joint not in answer.errors]
         for course in range(len(COURSES)):
-            merged: dict[str | None, list[tuple[float, Row]]] = {}
-            for name in known:
-                i = place[name]
-                row = _judge(_Course(target.name, experiment, i, course, answer), wanted[i], moved)
-                merged.setdefault(row.code, []).append((_share(row), row))
-            for found in merged.values():
-                _, worst = max(found, key=lambda pair: pair[0])
-                yield replace(worst, joints=len(found))
+            rows = (
+                _judge(_Course(target.name, experiment, i, course, answer), wanted[i], moved)
+                for i in (place[name] for name in known)
+            )
+            yield from worst_of(((_share(row), row) for row in rows), lambda row: row.code)
 
 
 def response_skips(
@@ -318,7 +315,7 @@ def responses(
     with ThreadPoolExecutor(max_workers=cores()) as pool:
         futures = {
             target.name: pool.submit(
-                _answer, asks[target.name], experiment, kept_friction(wanted[target.name])
+                answered, asks[target.name], experiment, kept_friction(wanted[target.name])
             )
             for target in mine
         }
@@ -334,16 +331,7 @@ def responses(
             found = response_rows(target, actuators, experiment, wanted[target.name], moved, answer)
             rows[target.name] = list(found)
         elif isinstance(answer, EngineMissing):
-            skipped.append(Skip(target.name, "", "responses", answer.reason, answer.help, answer.setup))
+            skipped.append(answer.skip(target.name, "responses"))
         else:
             rows[target.name] = [broken_response(target, answer)]
     return rows, skipped
-
-
-def _answer(
-    ask: Ask, experiment: Experiment, friction: BodyFriction
-) -> EngineResponse | EngineMissing | EngineRefused:
-    try:
-        return ask(experiment, friction)
-    except (EngineMissing, EngineRefused) as err:
-        return err

@@ -19,7 +19,7 @@ from actspec.robot.view import RobotView
 from actspec.simulate.excitation import HeldMotions, held_motions
 from actspec.targets.base import Emission, TargetOptions
 from actspec.verify.agreement import Agreement, Row, Skip, TargetFiles, VerifyError
-from actspec.verify.engines.asking import EngineAnswer, EngineMissing, EngineRefused, Question
+from actspec.verify.engines.asking import EngineAnswer, EngineMissing, EngineRefused, Question, answered
 from actspec.verify.execution import (
     CONSENT,
     EXECUTED,
@@ -259,19 +259,14 @@ def _ask(
 
     found: dict[str, EngineReply] = {}
     with ThreadPoolExecutor(max_workers=cores()) as pool:
-        futures = {name: pool.submit(_answer, question, moves) for name, question in questions.items()}
+        futures = {
+            name: pool.submit(answered, import_module(ENGINES[question.options.kind]).ask, question, moves)
+            for name, question in questions.items()
+        }
         for name, future in futures.items():
             found[name] = future.result()
             step()
     return found
-
-
-def _answer(question: Question, moves: HeldMotions) -> EngineReply:
-    try:
-        answer: EngineAnswer = import_module(ENGINES[question.options.kind]).ask(question, moves)
-    except (EngineMissing, EngineRefused) as err:
-        return err
-    return answer
 
 
 def _read_again(
@@ -286,12 +281,12 @@ def _read_again(
 
     if built.reason is not None:
         return [], []
-    try:
-        return urdf_rows(target, actuators, asked, fresh), []
-    except EngineMissing as err:
-        return [], [Skip(target.name, "", "fields", err.reason, err.help, err.setup)]
-    except EngineRefused as err:
-        return [broken(target, f"yourdfpy does not take the file: {err}", "yourdfpy")], []
+    reply = answered(urdf_rows, target, actuators, asked, fresh)
+    if isinstance(reply, EngineMissing):
+        return [], [reply.skip(target.name, "fields")]
+    if isinstance(reply, EngineRefused):
+        return [broken(target, f"yourdfpy does not take the file: {reply}", "yourdfpy")], []
+    return reply, []
 
 
 def _torques(
@@ -311,7 +306,7 @@ def _torques(
     if reply is None:
         return [], skipped
     if isinstance(reply, EngineMissing):
-        return [], [*skipped, Skip(target.name, "", "torque", reply.reason, reply.help, reply.setup)]
+        return [], [*skipped, reply.skip(target.name, "torque")]
     if isinstance(reply, EngineRefused):
         return [broken(target, f"its simulator refuses the file: {reply}", kind)], skipped
     rows = list(torque_rows(target, actuators, laws, moves, reply))

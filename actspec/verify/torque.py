@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import shortened
@@ -14,7 +14,7 @@ from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab import dialect_for
-from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys
+from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys, worst_of
 from actspec.verify.engines.asking import EngineAnswer
 
 if TYPE_CHECKING:
@@ -109,13 +109,8 @@ def torque_rows(
         known = [member for member in members if member.joint in laws.laws]
         for quantity, motion in asked.items():
             got = answer.torques[quantity]
-            merged: dict[bool, list[tuple[float, Row]]] = {}
-            for actuator in known:
-                share, row = _judge(target, actuator, laws, quantity, motion, got, answer, step)
-                merged.setdefault(row.ok, []).append((share, row))
-            for found in merged.values():
-                _, worst = max(found, key=lambda pair: pair[0])
-                yield replace(worst, joints=len(found))
+            judged = (_judge(target, one, laws, quantity, motion, got, answer, step) for one in known)
+            yield from worst_of(judged, lambda row: row.ok)
 
 
 def _judge(

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet
 from actspec.robot.view import RobotView
 from actspec.simulate.excitation import HeldMotions, motion_arrays
 from actspec.targets.base import TargetOptions
+from actspec.verify.agreement import Skip
 from actspec.verify.environments import EngineError, Frameworks, find_frameworks, unusable
 
 if TYPE_CHECKING:
@@ -20,6 +21,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     Array = NDArray[np.float64]
+
+T = TypeVar("T")
 
 PROBES = Path(__file__).parents[1] / "probes"
 """Scripts that run in the simulators' environments: they import no module of actspec."""
@@ -42,6 +45,18 @@ class EngineMissing(Exception):
     def __init__(self, reason: str, help: str | None = None, *, setup: bool = False) -> None:
         super().__init__(reason)
         self.reason, self.help, self.setup = reason, help, setup
+
+    def skip(self, target: str, what: str) -> Skip:
+        """What was not asked of a target for that."""
+        return Skip(target, "", what, self.reason, self.help, self.setup)
+
+
+def answered(ask: Callable[..., T], *args: Any) -> T | EngineMissing | EngineRefused:
+    """What an engine answers, or why there is no answer."""
+    try:
+        return ask(*args)
+    except (EngineMissing, EngineRefused) as err:
+        return err
 
 
 @dataclass(frozen=True, slots=True)

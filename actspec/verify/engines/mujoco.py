@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, shortened
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import read_model_files
 from actspec.simulate.excitation import HeldMotions
@@ -151,7 +151,7 @@ def _has_dcmotor(question: Question) -> bool:
     for name in question.files:
         try:
             data = read_regular(str(Path(question.folder, name)), MOST_BYTES)
-        except (OSError, ValueError, NotRegular, TooLarge):
+        except FAULTS:
             continue
         if b"<dcmotor" in _REMARK.sub(b"", data):
             return True

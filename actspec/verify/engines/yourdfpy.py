@@ -13,7 +13,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from actspec.diagnostics import RobotError, shortened
-from actspec.files import NotRegular, TooLarge
+from actspec.files import FAULTS
 from actspec.ir import ActuatorSet, JointKind
 from actspec.processes import IsolatedCall, LostError
 from actspec.robot.xml import open_document
@@ -77,7 +77,7 @@ def _load(path: str) -> tuple[str, Joints]:
         raise EngineMissing(reason, "pip install 'actspec[urdf]'", setup=True)
     try:
         text = sanitised(path)
-    except (RobotError, NotRegular, TooLarge, OSError, ValueError) as err:
+    except (RobotError, *FAULTS) as err:
         raise EngineRefused(f"it is not given to it: {shortened(str(err), 300)}") from err
     with IsolatedCall(_joints, TIME_LIMIT, "yourdfpy") as call:
         try:
