@@ -55,7 +55,12 @@ from actspec.verify.environments import EngineUnavailableError
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md")), ROOT / "benchmarks" / "README.md"]
+PAGES = [
+    ROOT / "README.md",
+    ROOT / "actspec" / "SKILL.md",
+    *sorted((ROOT / "docs").glob("*.md")),
+    ROOT / "benchmarks" / "README.md",
+]
 LANGUAGE = ROOT / "docs" / "spec-language.md"
 
 
