@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import Enum
+from functools import cache
 from types import MappingProxyType
 
 from actspec.joints import JointKind
@@ -204,6 +205,25 @@ LIMITS = frozenset(field.name for field in _TABLE if field.role is Role.LIMIT)
 def unit_of_kind(kind: Kind, joint: JointKind | None) -> str:
     """SI unit of a quantity kind at a joint; one of unknown kind is taken for a hinge."""
     return kind.linear_unit if joint is JointKind.SLIDE else kind.rotary_unit
+
+
+@dataclass(frozen=True, slots=True)
+class Units:
+    """SI units of one kind of joint: `N*m` or `N`, `rad/s` or `m/s`, and so on."""
+
+    torque: str
+    speed: str
+    position: str
+    stiffness: str
+    velocity_gain: str
+    inertia: str
+
+
+@cache
+def units_of(joint: JointKind) -> Units:
+    """The units of a hinge or a slide."""
+    kinds = (Kind.TORQUE, Kind.SPEED, Kind.POSITION, Kind.STIFFNESS, Kind.VELOCITY_GAIN, Kind.INERTIA)
+    return Units(*(unit_of_kind(kind, joint) for kind in kinds))
 
 
 def unit_of(name: str, joint: JointKind | None) -> str:

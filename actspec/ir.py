@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from enum import Enum
+from functools import lru_cache
 
 from actspec.diagnostics import Diagnostic, Span
 from actspec.joints import InertiaRange as InertiaRange
@@ -98,6 +99,33 @@ class Quantity:
     def losing(self, *others: Quantity) -> Quantity:
         """The same quantity with `others` recorded as passed over."""
         return replace(self, lost=(*self.lost, *others))
+
+
+def stated(
+    value: float, unit: str, span: Span, *, note: str | None = None, formula: str | None = None
+) -> Quantity:
+    """A number that a file states at `span`, or that follows from one by `formula`."""
+    return Quantity(value + 0.0, unit, Origin.MODEL, source=span.path, span=span, note=note, formula=formula)
+
+
+@lru_cache(maxsize=1024)
+def assumed(value: float, unit: str, note: str) -> Quantity:
+    """What an engine takes where the file is silent; `note` says whose default it is."""
+    return Quantity(value, unit, Origin.DEFAULT, note=note)
+
+
+def unknown(unit: str, note: str | None = None, span: Span | None = None) -> Quantity:
+    """A number that nobody tells; with a place where the file writes something else."""
+    source = None if span is None else span.path
+    return Quantity(None, unit, Origin.UNKNOWN, source=source, span=span, note=note)
+
+
+def tidy(value: float) -> float:
+    """A computed number to 12 significant digits, so that 81 x 0.000111842 is 0.009059202 in every file.
+
+    Chosen: a relative change of 5e-13 at most, a thousandth of what any target is checked to.
+    """
+    return float(f"{value:.12g}")
 
 
 @dataclass(frozen=True, slots=True)

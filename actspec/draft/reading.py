@@ -12,17 +12,13 @@ from actspec.draft.sources import RobotReading
 from actspec.files import FAULTS, read_regular
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
-from actspec.lift.config import asset_of
+from actspec.lift.config import asset_of, plain_name
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, RobotConfig
 from actspec.readings.joint_lists import fitting, joint_lists
 from actspec.readings.pair import joint_names, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
-
-_LIVE = re.compile(r"[.^$*+?{}\[\]|()]")
-"""What makes a name a pattern for more."""
-_ESCAPED = re.compile(r"\\.", re.DOTALL)
 
 _INCLUDE = re.compile(rb"""<include[^>]*\sfile\s*=\s*["']([^"']*)["']""")
 _MOST_BESIDE = 200
@@ -269,8 +265,7 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
             pattern
             for group in groups
             for pattern in group.joints or ()
-            if (config is not None and config.framework is Framework.LEGGED_GYM)
-            or _LIVE.search(_ESCAPED.sub("", pattern))
+            if config is not None and plain_name(config.framework, pattern) is None
         ]
         if patterns:
             asset = asset_of(config) if config is not None else None

@@ -6,8 +6,7 @@ import re
 from typing import Any
 
 from actspec.diagnostics import one_line
-from actspec.ir import Quantity
-from actspec.readings.quantities import tidy
+from actspec.ir import Quantity, tidy
 from actspec.robot.xml_edit import format_number
 from actspec.units import Kind, UnitError, parse_quantity
 

@@ -12,14 +12,13 @@ import re
 from collections.abc import Iterator, Sequence
 
 from actspec.diagnostics import one_line
-from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Quantity, Randomization, stated, unknown
 from actspec.lift.config_joint import ConfigJoint
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.patterns import PatternError, compile_pattern
 from actspec.readings.artifact import ActuatorGroup, Artifact, Framework, RandomizedRange, RobotConfig
 from actspec.readings.config import control_of_group, selected
 from actspec.readings.pair import joint_names, matching
-from actspec.readings.quantities import stated, unknown
 from actspec.readings.versions import Versions, friction_unit_of, meant_for
 from actspec.robot.view import JointView
 
@@ -186,13 +185,13 @@ def _plain_names(config: RobotConfig) -> tuple[str, ...]:
     found: dict[str, None] = {}
     for group in config.groups:
         for pattern in group.joints or ():
-            name = _plain_name(config.framework, pattern)
+            name = plain_name(config.framework, pattern)
             if name is not None:
                 found[name] = None
     return tuple(found)
 
 
-def _plain_name(framework: Framework, pattern: str) -> str | None:
+def plain_name(framework: Framework, pattern: str) -> str | None:
     """The one name that a pattern means; None where it means more, or a part of names."""
     if framework is Framework.LEGGED_GYM or (framework is Framework.DEPLOY and pattern == ".*"):
         return None
@@ -206,7 +205,7 @@ def _unnamed(config: RobotConfig, named: Sequence[str]) -> Iterator[LeftAlone]:
     why = "a pattern, and no file names the joints: name the robot's MJCF or URDF too"
     for group in config.groups:
         for pattern in group.joints or ():
-            plain = _plain_name(config.framework, pattern) is not None
+            plain = plain_name(config.framework, pattern) is not None
             if not plain and not matching(config.framework, pattern, named):
                 yield LeftAlone(pattern, why, group.span)
 

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 
 from actspec.diagnostics import Span
+from actspec.fields import units_of
 from actspec.ir import (
     AsymmetricCurve,
     Command,
@@ -16,10 +17,13 @@ from actspec.ir import (
     Network,
     Quantity,
     Randomization,
+    assumed,
+    stated,
+    tidy,
+    unknown,
 )
 from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig
 from actspec.readings.config import Found, control_of_group, figures_of, is_own_class, lags_of
-from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
 from actspec.units import format_quantity

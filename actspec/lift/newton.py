@@ -14,10 +14,23 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import one_line
-from actspec.ir import ActuatorSet, Command, Delay, JointActuator, JointKind, Level, Network, Quantity
+from actspec.fields import units_of
+from actspec.ir import (
+    ActuatorSet,
+    Command,
+    Delay,
+    JointActuator,
+    JointKind,
+    Level,
+    Network,
+    Quantity,
+    assumed,
+    stated,
+    tidy,
+    unknown,
+)
 from actspec.lift.config_joint import NONE_FROM, delay_of_steps, real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
-from actspec.readings.quantities import assumed, stated, tidy, units_of, unknown
 from actspec.robot.usda import NUMERIC, Asset, UsdaAttribute, UsdaLayer, UsdaPrim
 from actspec.robot.view import JointView
 

@@ -21,12 +21,15 @@ from actspec.ir import (
     JointActuator,
     Level,
     Quantity,
+    assumed,
+    stated,
+    tidy,
+    unknown,
 )
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.unsupported import held_joints, unsupported
 from actspec.readings.compare import EXACT
 from actspec.readings.joint import NOT_IN_FILE, DriveReading, JointReading, largest, read_joints
-from actspec.readings.quantities import assumed, stated, tidy, unknown
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml_tree import XmlDocument
 

@@ -36,21 +36,13 @@ def held_joints(robot: RobotView, document: XmlDocument | None) -> Held:
         robot: The robot.
         document: Its MJCF, parsed; None for another format.
     """
-    return Held(_pulled(robot, document), coupled_joints(document), loop_joints(document))
-
-
-def _pulled(robot: RobotView, document: XmlDocument | None) -> dict[str, str]:
-    """Joint to the tendon with an actuator that pulls it; a tendon through sites names no joints."""
-    pulled = {a.target for a in robot.actuators if a.transmission == "tendon"}
-    if not pulled or document is None:
-        return {}
-    found = {}
-    for section in document.sections("tendon"):
-        for tendon in section.children:
-            name = tendon.get("name")
-            if tendon.tag == "fixed" and name in pulled:
-                found.update({part.get("joint") or "": name or "" for part in tendon.children})
-    return found
+    pulled = {
+        joint: actuator.target
+        for actuator in robot.actuators
+        if actuator.transmission == "tendon"
+        for joint in actuator.moves or ()
+    }
+    return Held(pulled, coupled_joints(document), loop_joints(document))
 
 
 def unsupported(robot: RobotView, reading: JointReading, held: Held) -> LeftAlone | None:

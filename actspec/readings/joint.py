@@ -13,9 +13,8 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from actspec.diagnostics import Span
-from actspec.fields import unit_of
-from actspec.ir import JointKind, Quantity
-from actspec.readings.quantities import Units, assumed, stated, tidy, units_of, unknown
+from actspec.fields import Units, unit_of, units_of
+from actspec.ir import JointKind, Quantity, assumed, stated, tidy, unknown
 from actspec.robot.view import ActuatorView, JointInertia, JointView, ModelFormat, RobotView
 
 SCALAR = (JointKind.HINGE, JointKind.SLIDE)

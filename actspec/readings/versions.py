@@ -103,12 +103,6 @@ def friction_unit_of(versions: Versions) -> FrictionUnit | None:
     return friction_unit(_release(versions.isaaclab), _release(versions.isaac_sim), versions.backend)
 
 
-def friction_is_torque(versions: Versions) -> bool:
-    """Whether Isaac Lab's `friction` is known to be a torque."""
-    unit = friction_unit_of(versions)
-    return unit is not None and unit.torque
-
-
 def has_dynamic(versions: Versions) -> bool:
     """Whether the solver has a kinetic friction beside the static one, as far as the versions tell."""
     unit = FrictionUnit.COEFFICIENT_VISCOUS if versions.backend == "ovphysx" else friction_unit_of(versions)

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 
-from actspec.ir import Command, InertiaRange, Level, Origin, Quantity
-from actspec.readings.quantities import tidy, unknown
+from actspec.ir import Command, InertiaRange, Level, Origin, Quantity, tidy, unknown
 from actspec.resolution.stated import JointInputs
 from actspec.spec.fields import DerivedGain
 from actspec.spec.values import SpecValue

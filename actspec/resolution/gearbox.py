@@ -8,8 +8,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
 from actspec.fields import unit_of_kind
-from actspec.ir import JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy
+from actspec.ir import JointKind, Origin, Quantity, tidy
 from actspec.resolution.quantities import Factor, in_words, scaled, written
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Stage

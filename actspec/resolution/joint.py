@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from actspec.ir import InertiaRange, JointActuator, Level, Network, Origin, Quantity
-from actspec.readings.quantities import unknown
+from actspec.ir import InertiaRange, JointActuator, Level, Network, Origin, Quantity, unknown
 from actspec.resolution.command_path import command_range, delay, filter_cutoff, randomizations
 from actspec.resolution.gains import stiffness, velocity_gain
 from actspec.resolution.motor import JointMotor

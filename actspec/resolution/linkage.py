@@ -12,8 +12,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path, listed
 from actspec.fields import unit_of_kind
-from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy, unknown
+from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity, tidy, unknown
 from actspec.resolution.gearbox import Train, gear_train, unfit
 from actspec.resolution.motor import Drivetrain, JointMotor, check_motor, joint_motor
 from actspec.resolution.stated import Bindings, Stated

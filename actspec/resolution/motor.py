@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Path
 from actspec.fields import unit_of_kind
-from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity
-from actspec.readings.quantities import tidy, unknown
+from actspec.ir import AsymmetricCurve, JointKind, Origin, Quantity, tidy, unknown
 from actspec.resolution.gearbox import (
     Train,
     carried,

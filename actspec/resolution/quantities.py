@@ -10,9 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from actspec.diagnostics import Collector, Span, listed
-from actspec.ir import Origin, Quantity
+from actspec.ir import Origin, Quantity, tidy
 from actspec.readings.joint import JointReading
-from actspec.readings.quantities import tidy
 from actspec.robot.view import ModelFormat
 from actspec.spec.values import SpecValue
 from actspec.units import format_number, format_quantity

@@ -16,9 +16,6 @@ from actspec.robot.xml_tree import Element
 MOST_DEPTH = 200
 """Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
 
-_TAG_OR_TEXT = re.compile(rb"<(?:!--.*?-->|!\[CDATA\[.*?\]\]>|\?.*?\?>|([^!?/]))", re.DOTALL)
-"""What has no element in it, or the beginning of a start tag (group 1)."""
-
 
 def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> list[Element]:
     """Elements of one file in document order, the root first.
@@ -34,18 +31,6 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
     """
     data = file.data
     check_encoding(file.path, data)
-    # Counted before anything is made of them: two million take seconds. A file has no more tags than bytes.
-    count = _start_tags(data, most - before) if len(data) > most - before else 0
-    if count > most - before:
-        have = f"{before} elements before, and this file {count}" if before else f"{count} elements"
-        message = f"the model has {have}, which is more than {most}"
-        raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", Span(file.path)), None)
-    return _elements(file, index, MOST_DEPTH - depth)
-
-
-def _elements(file: ModelFile, index: int, deepest: int) -> list[Element]:
-    """The elements; what is not well-formed, has a DOCTYPE or is nested deeper than that is refused."""
-    data = file.data
     # One character a byte, so that offsets are those of the file.
     text = data.decode("latin-1")
     found: list[Element] = []
@@ -62,9 +47,13 @@ def _elements(file: ModelFile, index: int, deepest: int) -> list[Element]:
 
     def start(tag: str, values: dict[str, str]) -> None:
         element = Element(tag, text, index, parser.CurrentByteIndex, parser.CurrentLineNumber, values)
+        if before + len(found) >= most:
+            behind = f": {before} before this file" if before else ""
+            message = f"the model has more than {most} elements{behind}"
+            raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", Span(file.path)), None)
         if open_:
             open_[-1].children.append(element)
-        if len(open_) >= deepest:
+        if depth + len(open_) >= MOST_DEPTH:
             message = f"more than {MOST_DEPTH} elements inside one another"
             place = place_of(file.path, data, element.start)
             raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", place), found[0].tag)
@@ -86,18 +75,6 @@ def _elements(file: ModelFile, index: int, deepest: int) -> list[Element]:
         place = Span(file.path, err.lineno, err.offset + 1)
         raise Malformed(Diagnostic("ROBOT004", Severity.ERROR, message, "", place, help), root) from err
     return found
-
-
-def _start_tags(data: bytes, enough: int) -> int:
-    """How many start tags a file has; what has no tag in it is left out where that may decide."""
-    # `<` begins start tags, end tags and what has no tag in it, and stands nowhere else in a well-formed text.
-    count = data.count(b"<") - data.count(b"</")
-    if count <= enough:
-        return count
-    count = 0
-    for markup in _TAG_OR_TEXT.finditer(data):
-        count += markup.lastindex is not None
-    return count
 
 
 _BOM = b"\xef\xbb\xbf"

@@ -244,12 +244,14 @@ class Expressions:
             return Value(SPENT, span)
         if self.depth >= MAX_DEPTH:
             return Value(Unknown(f"nested deeper than {MAX_DEPTH}"), span)
-        handler = _HANDLERS.get(type(node))
+        handler: Callable[[Any, Scope], Value | Data] | None = getattr(
+            self, f"fold_{type(node).__name__}", None
+        )
         if handler is None:
             return Value(Unknown(f"{calls.operator_name(node)} is not folded"), span)
         self.depth += 1
         try:
-            found = handler(self, node, scope)
+            found = handler(node, scope)
         finally:
             self.depth -= 1
         data = found.data if isinstance(found, Value) else found
@@ -258,20 +260,20 @@ class Expressions:
             self.budget.spend(len(data) // 64)
         return found if isinstance(found, Value) else Value(data, span)
 
-    # Expressions, by kind.
+    # Expressions, by the name of their node.
 
-    def _constant(self, node: ast.Constant, scope: Scope) -> Data:
+    def fold_Constant(self, node: ast.Constant, scope: Scope) -> Data:
         if node.value is None or isinstance(node.value, (bool, int, float, str)):
             return arithmetic.bounded(node.value)
         return Unknown(f"a {type(node.value).__name__} is not folded")
 
-    def _name(self, node: ast.Name, scope: Scope) -> Value:
+    def fold_Name(self, node: ast.Name, scope: Scope) -> Value:
         return self.lookup(node.id, scope, scope.source.span(node))
 
-    def _attribute(self, node: ast.Attribute, scope: Scope) -> Value:
+    def fold_Attribute(self, node: ast.Attribute, scope: Scope) -> Value:
         return self.attribute(self.eval(node.value, scope), node.attr)
 
-    def _subscript(self, node: ast.Subscript, scope: Scope) -> Value | Data:
+    def fold_Subscript(self, node: ast.Subscript, scope: Scope) -> Value | Data:
         owner = self.eval(node.value, scope)
         if not isinstance(node.slice, ast.Slice):
             index = self.eval(node.slice, scope).data
@@ -291,21 +293,21 @@ class Expressions:
                 return Seq(owner.data.items[part], owner.data.kind)
         return Unknown(reason_of(owner.data) or "a slice of it is not folded")
 
-    def _binary(self, node: ast.BinOp, scope: Scope) -> Data:
+    def fold_BinOp(self, node: ast.BinOp, scope: Scope) -> Data:
         left, right = self.eval(node.left, scope).data, self.eval(node.right, scope).data
         made = arithmetic.binary(node.op, left, right)
         if isinstance(made, (Seq, Table)) and not self.budget.spend(len(made.items)):
             return SPENT
         return made
 
-    def _unary(self, node: ast.UnaryOp, scope: Scope) -> Data:
+    def fold_UnaryOp(self, node: ast.UnaryOp, scope: Scope) -> Data:
         operand = self.eval(node.operand, scope)
         if isinstance(node.op, ast.Not):
             known = truth(operand)
             return Unknown(reason_of(operand.data) or "a test") if known is None else not known
         return arithmetic.unary(node.op, operand.data)
 
-    def _bool(self, node: ast.BoolOp, scope: Scope) -> Value:
+    def fold_BoolOp(self, node: ast.BoolOp, scope: Scope) -> Value:
         wanted = isinstance(node.op, ast.Or)
         value = self.eval(node.values[0], scope)
         for operand in node.values[1:]:
@@ -319,7 +321,7 @@ class Expressions:
             value = self.eval(operand, scope)
         return value
 
-    def _compare(self, node: ast.Compare, scope: Scope) -> Data:
+    def fold_Compare(self, node: ast.Compare, scope: Scope) -> Data:
         left = self.eval(node.left, scope).data
         for op, comparator in zip(node.ops, node.comparators, strict=True):
             right = self.eval(comparator, scope).data
@@ -330,7 +332,7 @@ class Expressions:
             left = right
         return True
 
-    def _if(self, node: ast.IfExp, scope: Scope) -> Value | Data:
+    def fold_IfExp(self, node: ast.IfExp, scope: Scope) -> Value | Data:
         test = self.eval(node.test, scope)
         known = truth(test)
         if known is not None:
@@ -352,12 +354,14 @@ class Expressions:
                 items.append(self.eval(node, scope))
         return items
 
-    def _sequence(self, node: ast.Tuple | ast.List | ast.Set, scope: Scope) -> Data:
+    def fold_Tuple(self, node: ast.Tuple | ast.List | ast.Set, scope: Scope) -> Data:
         items = self._items(node.elts, scope)
         kind = {ast.Tuple: "tuple", ast.List: "list"}.get(type(node), "set")
         return items if isinstance(items, Unknown) else arithmetic.bounded(Seq(items, kind))
 
-    def _dict(self, node: ast.Dict, scope: Scope) -> Data:
+    fold_List = fold_Set = fold_Tuple
+
+    def fold_Dict(self, node: ast.Dict, scope: Scope) -> Data:
         table = Table({})
         for key, one in zip(node.keys, node.values, strict=True):
             value = self.eval(one, scope)
@@ -375,7 +379,7 @@ class Expressions:
                 table.items[name] = value
         return arithmetic.bounded(table)
 
-    def _joined(self, node: ast.JoinedStr, scope: Scope) -> Data:
+    def fold_JoinedStr(self, node: ast.JoinedStr, scope: Scope) -> Data:
         text, reason, textual = "", None, True
         for part in node.values:
             data: Data
@@ -398,7 +402,7 @@ class Expressions:
                 return arithmetic.bounded(text)
         return text if reason is None else Unknown(reason, text if textual else None)
 
-    def _lambda(self, node: ast.Lambda, scope: Scope) -> Data:
+    def fold_Lambda(self, node: ast.Lambda, scope: Scope) -> Data:
         return self.function(node, scope, ())
 
     def function(self, node: ast.FunctionDef | ast.Lambda, scope: Scope, decorators: tuple[str, ...]) -> Func:
@@ -413,7 +417,7 @@ class Expressions:
         name = node.name if isinstance(node, ast.FunctionDef) else "a lambda"
         return Func(name, node, scope, defaults, decorators)
 
-    def _comprehension(
+    def fold_ListComp(
         self, node: ast.ListComp | ast.SetComp | ast.GeneratorExp | ast.DictComp, scope: Scope
     ) -> Data:
         table, items = Table({}), list[Value]()
@@ -435,6 +439,8 @@ class Expressions:
             return arithmetic.bounded(table)
         kinds = {ast.ListComp: "list", ast.SetComp: "set"}
         return arithmetic.bounded(Seq(items, kinds.get(type(node), "tuple")))
+
+    fold_SetComp = fold_GeneratorExp = fold_DictComp = fold_ListComp
 
     def _generate(
         self, loops: Sequence[ast.comprehension], scope: Scope, take: Callable[[Scope], Unknown | None]
@@ -461,12 +467,12 @@ class Expressions:
                     return problem
         return None
 
-    def _walrus(self, node: ast.NamedExpr, scope: Scope) -> Value:
+    def fold_NamedExpr(self, node: ast.NamedExpr, scope: Scope) -> Value:
         value = self.eval(node.value, scope)
         self.bind(node.target, value, scope)
         return value
 
-    def _call(self, node: ast.Call, scope: Scope) -> Value:
+    def fold_Call(self, node: ast.Call, scope: Scope) -> Value:
         span = scope.source.span(node)
         args = self._items(node.args, scope)
         if isinstance(args, Unknown):
@@ -491,28 +497,3 @@ class Expressions:
         elif unpacked is not None:
             return Value(Unknown(unpacked), span)
         return made
-
-
-_HANDLERS: dict[type[ast.AST], Callable[[Any, Any, Scope], Value | Data]] = {
-    ast.Constant: Expressions._constant,
-    ast.Name: Expressions._name,
-    ast.Attribute: Expressions._attribute,
-    ast.Subscript: Expressions._subscript,
-    ast.BinOp: Expressions._binary,
-    ast.UnaryOp: Expressions._unary,
-    ast.BoolOp: Expressions._bool,
-    ast.Compare: Expressions._compare,
-    ast.IfExp: Expressions._if,
-    ast.Tuple: Expressions._sequence,
-    ast.List: Expressions._sequence,
-    ast.Set: Expressions._sequence,
-    ast.Dict: Expressions._dict,
-    ast.JoinedStr: Expressions._joined,
-    ast.Lambda: Expressions._lambda,
-    ast.ListComp: Expressions._comprehension,
-    ast.SetComp: Expressions._comprehension,
-    ast.GeneratorExp: Expressions._comprehension,
-    ast.DictComp: Expressions._comprehension,
-    ast.NamedExpr: Expressions._walrus,
-    ast.Call: Expressions._call,
-}
