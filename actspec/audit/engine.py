@@ -16,6 +16,7 @@ from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.exclude import Exclude, glob_matches
 from actspec.audit.finding import Confidence, Finding, Skipped
+from actspec.audit.fix import without_doubtful
 from actspec.audit.ignores import (
     REMARKS,
     Looked,
@@ -100,7 +101,7 @@ def judge(
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
     problems += dict.fromkeys(about)
-    kept, suppressed = _in_order(after.kept), list(after.suppressed)
+    kept, suppressed = _in_order(without_doubtful(after.kept)), list(after.suppressed)
     kept = _split(
         kept,
         suppressed,

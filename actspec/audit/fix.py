@@ -20,6 +20,9 @@ from actspec.processes import IsolatedCall, LostError
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
 
+_OF_FIGURES = ("UNT", "SGN")
+"""Families of rules about what the figures of a file mean."""
+
 MOST_PASSES = 10
 """Chosen: fixes that overlap come one a pass; a chain of ten is two rules that undo each other."""
 
@@ -52,6 +55,39 @@ class Fixes:
 
     files: tuple[FixedFile, ...]
     refused: tuple[Diagnostic, ...]
+
+
+def without_doubtful(found: Sequence[Reported]) -> tuple[Reported, ...]:
+    """Findings without the fixes that another finding speaks against.
+
+    A fix takes the rest of its file for right: none is offered where the unit or sign of a whole file is in doubt, and
+    neither of two that put different text in the place of the same bytes.
+
+    Args:
+        found: All findings.
+    """
+    doubted = {
+        item.finding.span.path
+        for item in found
+        if not item.finding.joint and item.finding.code.rstrip("0123456789") in _OF_FIGURES
+    }
+    texts: dict[tuple[str, int, int], set[bytes]] = {}
+    for edit in (edit for item in found if item.finding.fix is not None for edit in item.finding.fix.edits):
+        if edit.start < edit.end:
+            texts.setdefault((edit.path, edit.start, edit.end), set()).add(edit.new)
+
+    def is_doubtful(fix: Fix) -> bool:
+        return any(
+            edit.path in doubted or len(texts.get((edit.path, edit.start, edit.end), ())) > 1
+            for edit in fix.edits
+        )
+
+    return tuple(
+        replace(item, finding=replace(item.finding, fix=None))
+        if item.finding.fix is not None and is_doubtful(item.finding.fix)
+        else item
+        for item in found
+    )
 
 
 def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsafe: bool) -> Fixes:

@@ -30,6 +30,7 @@ from actspec.files import FAULTS, replace_file, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, least_shown, render, renderer
+from actspec.report.tables import many
 from actspec.report.terminal import Progress, print_diagnostics, style_of
 from actspec.report.text import remarks
 
@@ -99,16 +100,24 @@ def _fix(
     from actspec.audit.fix import MOST_PASSES, apply_fixes, write_fixes
 
     before: set[tuple[str, bytes]] = set()
+    original: dict[str, bytes] = {}
     for _ in range(MOST_PASSES):
         fixes = apply_fixes(report.findings, report.case.files, arguments.unsafe_fixes)
         print_diagnostics(fixes.refused)
         if not fixes.files:
+            if not before:
+                print(_nothing_to_fix(report, arguments.unsafe_fixes), file=sys.stderr)
             break
         back = next((file for file in fixes.files if (file.path, file.new) in before), None)
         if back is not None:
-            message = "the remaining fixes are not applied: they undo earlier ones"
+            message = "its fixes undo each other: none is applied, and the file is as it was"
             print_diagnostics([Diagnostic("AUD011", Severity.WARNING, message, "", Span(back.path))])
+            write_fixes([replace(back, new=original[back.path])])
+            with again() as pending:
+                report = _audited(arguments, settings, pending)
             break
+        for file in fixes.files:
+            original.setdefault(file.path, file.old)
         before.update((file.path, file.old) for file in fixes.files)
         write_fixes(fixes.files)
         for file in fixes.files:
@@ -126,12 +135,20 @@ def _show_fixes(report: Report, unsafe: bool) -> int:
     fixes = apply_fixes(report.findings, report.case.files, unsafe)
     print_diagnostics(remarks(report, Severity.WARNING))
     print_diagnostics(fixes.refused)
+    if not fixes.files:
+        print(_nothing_to_fix(report, unsafe), file=sys.stderr)
     for file in fixes.files:
         for line in diff_lines(file.old, file.new, file.path, file.path):
             _print(line)
     if not report.complete:
         return EXIT_FAILED
     return EXIT_FINDINGS if fixes.files else EXIT_CLEAN
+
+
+def _nothing_to_fix(report: Report, unsafe: bool) -> str:
+    """That nothing was fixed, and how much `--unsafe-fixes` would."""
+    more = 0 if unsafe else sum(item.finding.fix is not None for item in report.findings)
+    return "nothing to fix" + (f" without --unsafe-fixes, {many(more, 'finding')} with it" if more else "")
 
 
 def _settings(arguments: argparse.Namespace) -> Settings:

@@ -121,6 +121,57 @@ def test_consent() -> None:
     assert fixed(LEG, comment, unsafe=False).files
 
 
+def offered(*found: Finding) -> list[bool]:
+    """Whether each finding has a fix to offer."""
+    rules = [
+        rule_of(code, code.lower(), *(f for f in found if f.code == code)) for code in {f.code for f in found}
+    ]
+    report = judge(case_of({"leg.xml": LEG, "b.xml": LEG}), Settings(), rules)
+    by_finding = {(f.finding.code, f.finding.joint): f.finding.fix is not None for f in report.findings}
+    return [by_finding[f.code, f.joint] for f in found]
+
+
+def test_fixes_that_contradict_are_not_offered() -> None:
+    """Two findings that put different text in one place: neither knows the other. Equal ones and other places stay."""
+    one = unsafe(edit(LEG, b'damping="2"', b'damping="1"'))
+    other = unsafe(edit(LEG, b'damping="2"', b'damping="3"'))
+    apart = unsafe(edit(LEG, b'"2"', b'"3"', nth=1))
+    assert offered(
+        finding("LIM901", "leg.xml", joint="hip", fix=one),
+        finding("DMP901", "leg.xml", joint="hip", fix=other),
+    ) == [False, False]
+    assert offered(
+        finding("LIM901", "leg.xml", joint="hip", fix=one),
+        finding("DMP901", "leg.xml", joint="knee", fix=one),
+    ) == [True, True]
+    assert offered(
+        finding("LIM901", "leg.xml", joint="hip", fix=one),
+        finding("DMP901", "leg.xml", joint="hip", fix=apart),
+    ) == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("code", "path", "joint", "stays"),
+    [
+        pytest.param("UNT901", "leg.xml", "", False, id="the file's unit is in doubt"),
+        pytest.param("SGN901", "leg.xml", "", False, id="the file's signs"),
+        pytest.param("UNT901", "leg.xml", "knee", True, id="the unit at another joint"),
+        pytest.param("UNT901", "b.xml", "", True, id="of another file"),
+        pytest.param("LIM902", "leg.xml", "", True, id="not its figures"),
+    ],
+)
+def test_nothing_is_fixed_where_the_rest_of_the_file_is_in_doubt(
+    code: str, path: str, joint: str, stays: bool
+) -> None:
+    """A fix takes joint ranges for right that another finding calls radians read as degrees."""
+    fix = unsafe(edit(LEG, b'damping="2"', b'damping="1"'))
+    found = offered(
+        finding("LIM901", "leg.xml", joint="hip", fix=fix),
+        finding(code, path, joint=joint, message="radians"),
+    )
+    assert found == [stays, False]
+
+
 def test_joints_share_the_fix_of_a_class() -> None:
     """Equal edits of several findings are one."""
     fix = unsafe(edit(LEG, b' damping="2"', b""))

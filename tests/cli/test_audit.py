@@ -138,19 +138,17 @@ def test_a_report_into_a_pipe() -> None:
 
 
 def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> None:
-    """Two models with steps of 5 and 10 ms share a delay of 20 ms, 4 or 2 samples: one is fixed, and it is said."""
-    Path("part.xml").write_text(
-        LEG.replace('<motor joint="hip"/>', '<motor joint="hip" delay="0.02" nsample="2"/>')
-    )
+    """Two models with steps of 5 and 10 ms share a delay of 20 ms, 4 or 2 samples: neither is written."""
+    text = LEG.replace('<motor joint="hip"/>', '<motor joint="hip" delay="0.02" nsample="2"/>')
+    Path("part.xml").write_text(text)
     for name, step in (("fast.xml", "0.005"), ("slow.xml", "0.01")):
-        text = f'<mujoco><option timestep="{step}"/><include file="part.xml"/></mujoco>'
-        Path(name).write_text(text)
+        Path(name).write_text(f'<mujoco><option timestep="{step}"/><include file="part.xml"/></mujoco>')
     run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes")
     assert capsys.readouterr().err.splitlines() == [
         'part.xml: Set nsample="4"',
-        "part.xml: AUD011 [warning]: the remaining fixes are not applied: they undo earlier ones",
+        "part.xml: AUD011 [warning]: its fixes undo each other: none is applied, and the file is as it was",
     ]
-    assert 'nsample="4"' in Path("part.xml").read_text()
+    assert Path("part.xml").read_text() == text
 
 
 def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
@@ -329,10 +327,20 @@ def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_fix_and_diff_without_fixes(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Where nothing can be fixed nothing is written, and --diff is clean."""
+    """Where nothing can be fixed nothing is written, --diff is clean, and both say so."""
     assert run("audit", "leg.xml", "--diff") == 0
-    assert capsys.readouterr().out == ""
+    assert capsys.readouterr() == ("", "nothing to fix\n")
     assert run("audit", "leg.xml", "--fix", "--unsafe-fixes", "--fail-on", "warning") == 1
+    assert capsys.readouterr().err == "nothing to fix\n"
+    text = LEG.replace('<motor joint="hip"/>', '<motor joint="hip" delay="0.02" nsample="2"/>')
+    Path("delay.xml").write_text(text)
+    for option in ("--fix", "--diff"):
+        assert run("audit", "delay.xml", "--select", "DLY102", option) == (1 if option == "--fix" else 0)
+        assert (
+            capsys.readouterr().err.splitlines()[-1]
+            == "nothing to fix without --unsafe-fixes, 1 finding with it"
+        )
+    assert Path("delay.xml").read_text() == text
     assert (folder / "leg.xml").read_text() == LEG
 
 

@@ -66,7 +66,8 @@ class NotTheServoMeant(RuleInParts):
                 -ratio,
                 f"write -{format_quantity(ratio, '', 3)} for a velocity gain; for a damping ratio write the kv that it "
                 "gives, because its meaning depends on MuJoCo's version",
-                fix=_bias_fix(found, ratio),
+                # Below that it may be a damping ratio, as MuJoCo takes it.
+                fix=_bias_fix(found, ratio) if absurd else None,
                 severity=Severity.ERROR if absurd else None,
                 confidence=Confidence.HIGH if absurd else self.confidence,
             )
@@ -111,7 +112,7 @@ class NotTheServoMeant(RuleInParts):
                 place_of(found, "biasprm"),
                 joint_of(found),
                 help='add biastype="affine"; a motor needs no biasprm',
-                fix=_type_fix(found),
+                fix=_type_fix(found) if servo else None,
                 severity=Severity.ERROR if servo else None,
                 confidence=Confidence.HIGH,
             )

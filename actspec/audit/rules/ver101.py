@@ -65,7 +65,8 @@ class RatioChangedMeaning(RuleInParts):
                 help=f'write kv="{format_quantity(chosen, "")}" and no dampratio, which is what '
                 f"{meant.text if meant is not None else 'MuJoCo 3.15 and later'} makes of it"
                 + ("" if meant is not None else "; tell the audit which version it is meant for"),
-                fix=_kv_fix(found, owner, chosen, safe=meant is not None and newer),
+                # Which of the two is right nobody knows who does not know the version.
+                fix=None if meant is None else _kv_fix(found, owner, chosen, safe=newer),
                 severity=self.severity if meant is None else Severity.INFO,
             )
 
