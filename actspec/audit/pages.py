@@ -19,6 +19,7 @@ FAMILIES = {
     "DRN": "randomisation ranges",
     "FRC": "friction",
     "GEA": "gears and inertia",
+    "KNW": "robots whose figures are published",
     "LIM": "limits",
     "NET": "actuator networks",
     "ORD": "joint order",

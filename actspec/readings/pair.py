@@ -97,7 +97,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             next(group for group in groups if min(bound) in group).append(index)
             continue
         fitting = [g for g, joints in enumerate(joints_of) if _fits(artifacts[index].config, joints)]
-        telling = [
+        alike = [
             g
             for g, joints in enumerate(joints_of)
             if any(words[index] & words[i] for i in named[g])
@@ -106,14 +106,14 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
         silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
         sole = len(named) == 1 and only and _says_something(artifacts[index].config)
         alone = fitting if sole else []
-        choice = next((found for found in (telling, silent, alone) if len(found) == 1), None)
-        if choice is None or (not telling and len(fitting) > 1):
+        choice = next((found for found in (alike, silent, alone) if len(found) == 1), None)
+        if choice is None or (not alike and len(fitting) > 1):
             groups.append([index])
         else:
             groups[choice[0]].append(index)
     for index in unnamed:
         if _is_events(artifacts[index]):
-            called = words[index] | _telling(os.path.splitext(os.path.basename(artifacts[index].path))[0])
+            called = words[index] | telling(os.path.splitext(os.path.basename(artifacts[index].path))[0])
             named_so = [group for group in groups if any(called & words[i] for i in group)]
             homes = named_so if len(named_so) == 1 else groups if not named_so and len(groups) == 1 else []
             if homes:
@@ -156,14 +156,15 @@ def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     """Telling words of the artifact's own name, and of its folder."""
     stem = os.path.splitext(os.path.basename(artifact.path))[0]
     folder = os.path.basename(os.path.dirname(os.path.abspath(artifact.path)))
-    own = _telling(artifact.name)
+    own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
-        own |= _telling(stem)
-    return own or _telling(stem), _telling(folder)
+        own |= telling(stem)
+    return own or telling(stem), telling(folder)
 
 
 @lru_cache(maxsize=1024)  # a folder's files share most of it
-def _telling(text: str) -> frozenset[str]:
+def telling(text: str) -> frozenset[str]:
+    """Words of a name that tell robots apart."""
     return frozenset(_words(text))
 
 

@@ -1,0 +1,182 @@
+"""Robots whose torque limits are published, and which of them an artifact is: by its name and by its joints.
+
+The table is `robots/known.json`, made of the specs that ship and of `robots/limits/published.yaml`; a test holds it
+to them.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import product
+
+from actspec.audit.case import Case
+from actspec.readings.artifact import Artifact, FileKind
+from actspec.readings.ledger import LedgerRow
+from actspec.readings.pair import distinctive, joint_names, matching
+from actspec.resources import data_path
+
+KNOWN_SHARE = 0.75
+"""Share of the known robot's joints that a file must have. Chosen: a G1 of 23 joints has 0.79 of those of 29."""
+
+OWN_SHARE = 0.6
+"""Share of a file's joints that must be the known robot's. Chosen: a G1 with two hands of seven joints has 0.67."""
+
+SAME = 0.02
+"""Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
+
+
+@dataclass(frozen=True, slots=True)
+class KnownJoint:
+    """What is published of one joint.
+
+    Attributes:
+        effort: Largest torque that its limit, peak or torque-speed line has [N*m].
+        armature: [kg*m^2]; None where nobody publishes it.
+        source: Title of the source of the torque.
+    """
+
+    effort: float
+    armature: float | None
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class KnownRobot:
+    """A robot whose limits are published.
+
+    Attributes:
+        name: As its spec has it.
+        words: What a file of it is called, any of them.
+        prefixes: What the names of its joints may begin with, in place of nothing.
+        variants: Name to joints; one without a name where there are none.
+    """
+
+    name: str
+    words: frozenset[str]
+    prefixes: tuple[str, ...]
+    variants: Mapping[str, Mapping[str, KnownJoint]]
+
+    @property
+    def joints(self) -> tuple[str, ...]:
+        """Its joints."""
+        return tuple(next(iter(self.variants.values())))
+
+
+@cache
+def known_robots() -> tuple[KnownRobot, ...]:
+    """Every known robot; none where this installation has no table."""
+    try:
+        table = json.loads(data_path("robots", "known.json").read_bytes())
+    except FileNotFoundError:
+        return ()
+    return tuple(
+        KnownRobot(
+            name,
+            frozenset(entry["words"]),
+            tuple(entry.get("prefixes", ("",))),
+            {
+                variant: {
+                    joint: KnownJoint(row["effort"], row.get("armature"), row["source"])
+                    for row in rows
+                    for joint in row["joints"]
+                }
+                for variant, rows in entry["variants"].items()
+            },
+        )
+        for name, entry in table.items()
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """A known robot that an artifact is.
+
+    Attributes:
+        index: Of the artifact.
+        robot: The known robot.
+        joints: Each row of the artifact whose joint is known, with the names of the joints that it is of: one for a
+            model, those that a pattern means for a configuration.
+        variants: The variants that its figures fit; all where none of them does, or nothing tells them apart.
+        told: Whether the figures leave out a variant.
+    """
+
+    index: int
+    robot: KnownRobot
+    joints: tuple[tuple[LedgerRow, tuple[str, ...]], ...]
+    variants: tuple[str, ...]
+    told: bool
+
+
+def likenesses(case: Case) -> tuple[Likeness, ...]:
+    """The artifacts that are known robots; those beside a spec are left to it."""
+    found = []
+    for index, artifact in enumerate(case.artifacts):
+        if FileKind.SPEC in case.kinds_by_artifact[index]:
+            continue
+        words = distinctive(artifact)
+        named = [robot for robot in known_robots() if robot.words & words]
+        if len(named) != 1:
+            continue
+        rows = _rows(case, index, artifact, named[0])
+        if rows:
+            found.append(_like(index, named[0], rows))
+    return tuple(found)
+
+
+def _rows(
+    case: Case, index: int, artifact: Artifact, robot: KnownRobot
+) -> tuple[tuple[LedgerRow, tuple[str, ...]], ...]:
+    """The first row of each known joint; none where the joints are not the robot's."""
+    by_joint: dict[str, LedgerRow] = {}
+    for row in case.rows_of(index):
+        if row.joint:
+            by_joint.setdefault(row.joint, row)
+    names = joint_names(artifact)
+    best: tuple[tuple[LedgerRow, tuple[str, ...]], ...] = ()
+    # Some files leave the ending out.
+    for prefix, ending in product(robot.prefixes, ("", "_joint")):
+        known = {f"{prefix}{joint}".removesuffix(ending): joint for joint in robot.joints}
+        if names is None and artifact.config is not None:
+            framework = artifact.config.framework
+            met = [(row, matching(framework, pattern, tuple(known))) for pattern, row in by_joint.items()]
+        else:
+            met = [
+                (row, (name,))
+                for joint, row in by_joint.items()
+                if (name := joint.rpartition("/")[2]) in known
+            ]
+        pairs = tuple((row, tuple(known[name] for name in found)) for row, found in met if found)
+        count = len({joint for _, joints in pairs for joint in joints})
+        of_own = len(pairs) / max(len(names or by_joint), 1)
+        if count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE:
+            best = max(best, pairs, key=len)
+    return best
+
+
+def _like(index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]) -> Likeness:
+    fitting = tuple(name for name, joints in robot.variants.items() if _fits(robot, joints, rows))
+    told = 0 < len(fitting) < len(robot.variants)
+    return Likeness(index, robot, rows, fitting or tuple(robot.variants), told)
+
+
+def _fits(
+    robot: KnownRobot,
+    joints: Mapping[str, KnownJoint],
+    rows: Sequence[tuple[LedgerRow, tuple[str, ...]]],
+) -> bool:
+    """Whether no figure that differs between the variants is another one here."""
+    for row, names in rows:
+        for name in names:
+            others = [variant[name] for variant in robot.variants.values()]
+            mine = joints[name]
+            if len({other.effort for other in others}) > 1 and not same(row.effort_limit, mine.effort):
+                return False
+    return True
+
+
+def same(value: float | None, published: float) -> bool:
+    """Whether a figure is a published one; one that is not stated may be any."""
+    return value is None or abs(value - published) <= SAME * published

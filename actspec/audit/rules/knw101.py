@@ -1,0 +1,100 @@
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from typing import ClassVar
+
+from actspec.audit.known import KnownJoint, Likeness, likenesses, same
+from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.joints import finite, shown, unit
+from actspec.diagnostics import listed
+from actspec.fields import is_placeholder
+from actspec.readings.ledger import LedgerRow
+
+
+class LimitBeyondPublished(RuleOver[Likeness]):
+    code = "KNW101"
+    name = "limit-is-not-the-published-one"
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    options: ClassVar[dict[str, float]] = {"times": 1.2}
+    needs = "no robot among the files whose limits are published"
+
+    def subjects(self, case: Case) -> Iterable[Likeness]:
+        """Artifacts that are known robots."""
+        return case.once(likenesses)
+
+    def judge(self, case: Case, subject: Likeness) -> Iterator[Finding]:
+        """Hold each limit against the largest published one, and against those of the robot's other joints."""
+        times = self.option(case, "times")
+        for row, names in subject.joints:
+            limit = finite(row.effort_limit)
+            if limit is None or is_placeholder(limit):
+                continue
+            found = self._beyond(subject, row, names, limit, times) or self._other_joint(
+                subject, row, names, limit, times
+            )
+            if found is not None:
+                yield found
+
+    def _beyond(
+        self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
+    ) -> Finding | None:
+        most = {name: _most(subject, name) for name in names}
+        worst = min(names, key=lambda name: most[name].effort)
+        published = most[worst]
+        if limit < times * published.effort:
+            return None
+        which = f" at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
+        return Finding(
+            self.code,
+            f"the limit of {shown(row, 'effort_limit', limit, 6)} is {limit / published.effort:.3g} times what is "
+            f"published for {subject.robot.name}{which}: {shown(row, 'effort_limit', published.effort, 6)}",
+            row.place("effort_limit"),
+            row.joint,
+            limit,
+            unit(row, "effort_limit"),
+            published.effort,
+            help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
+        )
+
+    def _other_joint(
+        self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
+    ) -> Finding | None:
+        """A limit that is another joint's, and by far not the joint's own in any variant."""
+        if len({_most(subject, name).effort for name in names}) > 1:
+            # One figure for joints of several kinds may be the least on purpose.
+            return None
+        name = names[0]
+        every = list(subject.robot.variants.values())
+        own = [joints[name].effort for joints in every]
+        if any(limit * times > effort for effort in own):
+            return None
+        theirs = next((found for joints in every if (found := _alike(joints, limit))), ())
+        if not theirs:
+            return None
+        published = _most(subject, name)
+        figure = shown(row, "effort_limit", published.effort, 6)
+        return Finding(
+            self.code,
+            f"the limit of {shown(row, 'effort_limit', limit, 6)} is that of {listed(theirs, 2)}; for this joint of "
+            f"{subject.robot.name} {figure} is published, {published.effort / limit:.3g} times as much",
+            row.place("effort_limit"),
+            row.joint,
+            limit,
+            unit(row, "effort_limit"),
+            published.effort,
+            help=f"{figure}: {published.source}",
+        )
+
+
+def _most(subject: Likeness, name: str) -> KnownJoint:
+    """What is published of a joint, of the variants that it may be the one with the largest torque."""
+    return max(
+        (subject.robot.variants[variant][name] for variant in subject.variants), key=lambda j: j.effort
+    )
+
+
+def _alike(joints: Mapping[str, KnownJoint], limit: float) -> tuple[str, ...]:
+    """Joints that have this limit published."""
+    return tuple(name for name, joint in joints.items() if math.isfinite(limit) and same(limit, joint.effort))

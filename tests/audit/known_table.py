@@ -1,0 +1,107 @@
+"""The table of known robots, made of the specs that ship and of `robots/limits/published.yaml`."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from actspec import api
+from actspec.ir import ActuatorSet, JointActuator, Quantity
+from actspec.readings.pair import telling
+
+ROBOTS = Path(__file__).parents[2] / "robots"
+TABLE = ROBOTS / "known.json"
+
+
+def table() -> str:
+    """The text of `robots/known.json`."""
+    published = yaml.safe_load((ROBOTS / "limits" / "published.yaml").read_text(encoding="utf-8"))
+    robots: dict[str, dict[str, Any]] = {}
+    models: set[str] = set()
+    for path in sorted(ROBOTS.glob("*.yaml")):
+        spec = api.load(path)
+        if spec.model.robot.model in models:
+            # Other gains of the same robot.
+            continue
+        models.add(spec.model.robot.model)
+        variants = spec.model.variants
+        for variant in (None, *sorted(variants)):
+            actuators = api.resolve(spec if variant is None else f"{path}#{variant}")
+            entry = robots.setdefault(
+                actuators.robot, {"words": sorted(telling(actuators.robot)), "variants": {}}
+            )
+            entry["variants"][actuators.variant or ""] = list(_groups(actuators))
+    for name, variants in published["variants"].items():
+        for variant, more in variants.items():
+            robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
+    for name, arm in published["robots"].items():
+        source = _title(published["sources"][arm["source"]])
+        groups = [
+            {"joints": joints, "effort": float(limit), "source": source}
+            for limit, joints in arm["limits"].items()
+        ]
+        robots[name] = {"words": arm["words"], "variants": {"": groups}}
+        if "prefixes" in arm:
+            robots[name]["prefixes"] = arm["prefixes"]
+    lines = []
+    for name, entry in sorted(robots.items()):
+        rows = [
+            f'      "{variant}": [\n' + ",\n".join(f"        {json.dumps(row)}" for row in rows) + "\n      ]"
+            for variant, rows in sorted(entry["variants"].items())
+        ]
+        head = "".join(
+            f'    "{key}": {json.dumps(entry[key])},\n' for key in ("words", "prefixes") if key in entry
+        )
+        lines.append(f'  "{name}": {{\n{head}    "variants": {{\n' + ",\n".join(rows) + "\n    }\n  }")
+    return "{\n" + ",\n".join(lines) + "\n}\n"
+
+
+def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
+    titles = {source.key: source.title for source in actuators.sources}
+    found: dict[tuple[float | None, ...], list[JointActuator]] = {}
+    for joint in actuators.joints:
+        found.setdefault((_value(_largest(joint)), _value(joint.armature)), []).append(joint)
+    for (effort, armature), joints in found.items():
+        row: dict[str, Any] = {"joints": [joint.joint for joint in joints], "effort": effort}
+        if armature:
+            row["armature"] = armature
+        row["source"] = titles[str(_largest(joints[0]).source)]
+        yield row
+
+
+def _largest(joint: JointActuator) -> Quantity:
+    """What its limit, peak or torque-speed line has most; the limit where they are equal."""
+    known = [
+        q for q in (joint.effort_limit, joint.peak_torque, joint.stall_torque) if q is not None and q.value
+    ]
+    return max(known, key=lambda quantity: float(f"{quantity.require():.4g}"))
+
+
+def _changed(
+    variants: dict[str, Any], more: dict[str, Any], published: dict[str, Any]
+) -> Iterator[dict[str, Any]]:
+    """The rows of the spec itself, the joints of a published variant in rows of their own."""
+    moved = {joint for joints in more["limits"].values() for joint in joints}
+    for row in variants["mode_5"]:
+        kept = [joint for joint in row["joints"] if joint not in moved]
+        if kept:
+            yield {**row, "joints": kept}
+    for limit, joints in more["limits"].items():
+        yield {
+            "joints": joints,
+            "effort": float(limit),
+            "source": _title(published["sources"][more["source"]]),
+        }
+
+
+def _value(quantity: Quantity | None) -> float | None:
+    value = None if quantity is None else quantity.value
+    return None if value is None else float(f"{value:.9g}")
+
+
+def _title(source: dict[str, Any]) -> str:
+    return str(source["title"])

@@ -1,0 +1,58 @@
+"""The table of known robots, and which robot a file is."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+
+from actspec.audit.known import known_robots
+from actspec.cli.main import main
+from tests.audit.known_table import ROBOTS, TABLE, table
+
+
+@pytest.mark.slow
+def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None:
+    """`robots/known.json` is made of the resolved specs and of the published limits; `--regen` writes it anew."""
+    text = table()
+    if request.config.getoption("--regen"):
+        TABLE.write_text(text, encoding="utf-8")
+    assert TABLE.read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize(
+    ("robot", "variant", "joint", "effort"),
+    [
+        ("unitree_go2", "", "FL_calf_joint", 45.43),
+        ("unitree_h1", "", "torso_joint", 200.0),
+        ("unitree_g1", "mode_5", "left_hip_roll_joint", 139.0),
+        # robots/limits/published.yaml: the deprecated revision.
+        ("unitree_g1", "mode_2", "left_hip_roll_joint", 88.0),
+        ("unitree_g1", "mode_2", "left_knee_joint", 139.0),
+        ("unitree_g1", "mode_15", "right_wrist_yaw_joint", 13.4),
+        # Its torque-speed line at rest is above the limit of 1.9123 N*m.
+        ("so101", "", "gripper", 3.24986),
+        ("ur10", "", "wrist_1_joint", 56.0),
+        ("franka", "", "joint7", 12.0),
+    ],
+)
+def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:
+    """Published figures, by hand."""
+    (known,) = [known for known in known_robots() if known.name == robot]
+    assert known.variants[variant][joint].effort == effort
+
+
+def test_every_revision_has_all_joints() -> None:
+    """Joints of two revisions are the same, each once."""
+    for known in known_robots():
+        assert len({frozenset(joints) for joints in known.variants.values()}) == 1, known.name
+    assert {known.name: len(known.joints) for known in known_robots()}["unitree_g1"] == 29
+
+
+@pytest.mark.parametrize("name", ["a1", "anymal_c", "anymal_d", "g1", "go1", "go2", "h1", "so101", "spot"])
+def test_our_own_models_are_known_and_right(name: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """Each model that ships is taken for its robot, alone, and has the published limits."""
+    path = str(ROBOTS / name / f"{name}.xml")
+    assert main(["audit", path, "--select", "KNW101", "--output-format", "json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert (record["findings"], record["skipped"]) == ([], [])
