@@ -11,6 +11,7 @@ from actspec import api, output
 from actspec.cli.options import add_format, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.compile import summary
+from actspec.report.doubts import doubts, refusal
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
 from actspec.spec.variants import named, split
 from actspec.targets.base import Approximation
@@ -23,7 +24,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Compile specs to the configuration of each target. Files go to build/ROBOT/TARGET/ and are replaced only "
         "when they differ.",
         "actspec compile robots/a1.yaml -t mujoco -o out",
-        "0 compiled; 1 stale files with --check or --diff, or approximations with --strict; 2 could not compile",
+        "0 compiled; 1 stale files with --check or --diff, or what --strict refuses; 2 could not compile",
     )
     add_specs(command)
     command.add_argument("-o", "--output", metavar="DIR", help="write below DIR (default: build/ROBOT)")
@@ -36,7 +37,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--strict",
         action="store_true",
-        help="write nothing and exit 1 on an approximation that the spec does not accept",
+        help="write nothing and exit 1 on an approximation that the spec does not accept, or a number that can hardly "
+        "be right",
     )
     command.add_argument(
         "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
@@ -59,8 +61,11 @@ def run(arguments: argparse.Namespace) -> int:
     files = [output.outputs(compilation) for compilation in done]
     stale = any(file.changed for group in files for file in group)
     refused = [loss for compilation in done for loss in compilation.unaccepted] if arguments.strict else []
+    doubtful = (
+        [item for compilation in done for item in doubts(compilation.diagnostics)] if arguments.strict else []
+    )
     dry = arguments.check or arguments.diff
-    if not dry and not refused:
+    if not dry and not refused and not doubtful:
         for group in files:
             output.write(group, force=arguments.force)
     if arguments.output_format == "json":
@@ -75,10 +80,10 @@ def run(arguments: argparse.Namespace) -> int:
                     if file.changed:
                         print(f"{file.path}: {'missing' if file.old is None else 'stale'}")
             else:
-                print("\n".join(summary(compilation, group, written=not refused)))
-        for line in _refusals(refused):
+                print("\n".join(summary(compilation, group, written=not refused and not doubtful)))
+        for line in (*_refusals(refused), *refusal(doubtful)):
             print(line, file=sys.stderr)
-    if refused or (dry and stale):
+    if refused or doubtful or (dry and stale):
         return EXIT_FINDINGS
     return EXIT_CLEAN
 

@@ -16,6 +16,7 @@ from actspec.cli.options import add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
 from actspec.files import FAULTS, replace_file, why
 from actspec.report.terminal import print_json
+from actspec.spec.plausible import CHECKS, Check
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -35,11 +36,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Print the pages of rules, or write them to a folder."""
     rules = all_rules()
+    checks = () if arguments.all else _checks(arguments.rule)
     if arguments.docs is not None:
         _write(arguments.docs, rules)
         return EXIT_CLEAN
     if not arguments.all:
-        rules = _chosen(arguments.rule, rules)
+        rules = _chosen(arguments.rule, rules, checks)
     if arguments.output_format == "json":
         print_json({"format": "actspec-rules/1", "rules": [record(rule) for rule in rules]})
     else:
@@ -60,15 +62,36 @@ def run(arguments: argparse.Namespace) -> int:
             for selector in arguments.rule
             if selector.startswith("ROBOT")
         ]
+        texts += [
+            f"# {check.code} {check.name}\n\n{check.judges}\n\n{check.because}\n\n"
+            "`validate`, `show` and `compile` report it (docs/checks.md). `sure: true` beside a value keeps it,\n"
+            f"`accept: {{spec.{check.code}: reason}}` all that the check reports.\n"
+            for check in checks
+        ]
         sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
     return EXIT_CLEAN
 
 
-def _chosen(selectors: list[str], rules: tuple[type[Rule], ...]) -> tuple[type[Rule], ...]:
+def _checks(selectors: list[str]) -> tuple[Check, ...]:
+    """The checks of a spec's numbers that selectors name."""
+    return tuple(
+        check
+        for check in CHECKS
+        if any(strength(selector, check.code, check.name) > 1 for selector in selectors)
+    )
+
+
+def _chosen(
+    selectors: list[str], rules: tuple[type[Rule], ...], checks: tuple[Check, ...]
+) -> tuple[type[Rule], ...]:
+    """The rules that selectors name; one that names a check need not name a rule."""
     out = Collector()
     if not selectors:
         out.error("AUD010", "names no rule", where="CODE", help="actspec rule LIM101, or --all")
-    check_selectors(selectors, rules, "CODE", None, out)
+    others = [
+        selector for selector in selectors if not any(strength(selector, c.code, c.name) > 1 for c in checks)
+    ]
+    check_selectors(others, rules, "CODE", None, out)
     out.raise_if_failed(AuditError)
     return selected(rules, selectors, ())
 

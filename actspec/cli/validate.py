@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import argparse
 import os
+import sys
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_format, add_specs, add_variant, describe
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FAILED,
+    EXIT_FINDINGS,
     ActspecError,
     Collector,
     Diagnostic,
@@ -19,6 +21,7 @@ from actspec.diagnostics import (
     one_line,
 )
 from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.report.doubts import doubts, refusal
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
 from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
@@ -34,12 +37,17 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "Check specs without a simulator and without opening the robot: keys, units, sources, references; "
         "every variant, unless one is named.",
         "actspec validate robots/a1.yaml",
-        "0 all are valid; 2 one is not",
+        "0 all are valid; 1 numbers that can hardly be right with --strict; 2 one is not valid",
     )
     add_specs(command)
     add_variant(command)
     command.add_argument(
         "--skip-other", action="store_true", help="skip files without the key `actspec`: for hooks"
+    )
+    command.add_argument(
+        "--strict",
+        action="store_true",
+        help="exit 1 on a number that can hardly be right, unless the spec says that it is",
     )
     add_format(command)
 
@@ -49,6 +57,7 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec.spec.validate import load_spec, validate_variants
 
     failed = False
+    doubtful: list[Diagnostic] = []
     records = []
     for path in arguments.spec:
         if arguments.skip_other and _is_other(path):
@@ -68,6 +77,8 @@ def run(arguments: argparse.Namespace) -> int:
         except ActspecError as err:
             failed, summary = True, ""
             diagnostics += err.diagnostics
+        if arguments.strict:
+            doubtful += doubts(diagnostics)
         if arguments.output_format == "json":
             records.append(
                 {
@@ -82,7 +93,12 @@ def run(arguments: argparse.Namespace) -> int:
             print(summary)
     if arguments.output_format == "json":
         print_json({"format": "actspec-validate/1", "files": records})
-    return EXIT_FAILED if failed else EXIT_CLEAN
+    else:
+        for line in refusal(doubtful):
+            print(line, file=sys.stderr)
+    if failed:
+        return EXIT_FAILED
+    return EXIT_FINDINGS if doubtful else EXIT_CLEAN
 
 
 def _is_other(path: str) -> bool:

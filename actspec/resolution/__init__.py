@@ -16,6 +16,7 @@ from actspec.resolution.simplified import simplifications
 from actspec.resolution.stated import bind, joint_inputs, stated_of
 from actspec.robot.view import RobotView
 from actspec.spec.document import Breaches
+from actspec.spec.plausible.joints import check_joints
 from actspec.spec.validate import Spec
 
 if TYPE_CHECKING:
@@ -89,6 +90,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     reports.tell(collector)
     for actuator in joints:
         _check_finite(actuator, collector)
+    check_joints(joints, spec.model, spec.document, collector)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action

@@ -26,6 +26,7 @@ from actspec.spec.models import (
     Timing,
     Tunable,
 )
+from actspec.spec.plausible import check_numbers
 from actspec.spec.rules import check_spec
 from actspec.spec.values import short
 
@@ -86,6 +87,7 @@ def validate(document: Document) -> Spec:
         )
     if model is not None:
         check_spec(model, document, breaches)
+        check_numbers(model, document, collector)
     else:
         rest = salvaged(data, faults)
         if rest is not None:

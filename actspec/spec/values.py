@@ -42,7 +42,7 @@ EXAMPLES: Mapping[Kind, str] = {
 }
 """How one writes each kind, for messages and editors."""
 
-VALUE_KEYS = ("value", "unit", "source", "std", "note")
+VALUE_KEYS = ("value", "unit", "source", "std", "note", "sure")
 
 
 @dataclass(frozen=True, slots=True)
@@ -122,6 +122,8 @@ def parse_value(
         for key, text in (("unit", unit_text), ("source", source), ("note", note)):
             if text is not None and not isinstance(text, str):
                 raise fault(f"must be text, got {short(text)}", _in_quotes(text), (key,))
+        if not isinstance(given.get("sure", True), bool):
+            raise fault(f"must be true or false, got {short(given['sure'])}", None, ("sure",))
     if isinstance(number, str) and number.strip() in (UNKNOWN, IDENTIFIED):
         word = number.strip()
         if word not in words:
@@ -352,6 +354,7 @@ def value_schema(number: Number) -> dict[str, Any]:
             "description": f"Standard deviation [{unit}].",
         },
         "note": {"type": "string", "description": "Remark."},
+        "sure": {"type": "boolean", "description": "The number is right, whatever it implies."},
     }
     if not kind.bare:
         # A bare value is right beside a `unit`.

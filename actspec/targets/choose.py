@@ -12,6 +12,7 @@ from actspec.diagnostics import Collector, Span, SpecError, listed, nearest, one
 from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion
 from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.spec.models import KINDS, IsaacSimTarget
+from actspec.spec.plausible import BY_CODE
 from actspec.spec.rules.robot import SPEC_ITSELF
 from actspec.targets.base import Approximation, Emission, TargetOptions
 
@@ -168,7 +169,7 @@ def check_accepted(
     lost[SPEC_ITSELF] = dict.fromkeys(loss.field for loss in simplified)
     for key in spec.model.accept:
         target, _, field = key.partition(".")
-        if target not in lost or field in lost[target]:
+        if target not in lost or field in lost[target] or (target == SPEC_ITSELF and field in BY_CODE):
             continue
         guess = nearest(field, list(lost[target]))
         whose = "the spec itself" if target == SPEC_ITSELF else f"the target '{target}'"

@@ -10,7 +10,7 @@ from actspec.audit.rules import check_actuators
 from actspec.audit.rules.stb101 import LIMIT, StepDrive
 from actspec.diagnostics import Severity
 from actspec.ir import ActuatorSet, InertiaRange
-from tests.fitting import NONE, fit, spec_of
+from tests.fitting import fit, spec_of
 
 HIP = "name: leg, model: robot.xml"
 MODEL = """<mujoco><worldbody><body><joint name="hip" axis="0 1 0" damping="%s"/><geom size="0.1" mass="1"/></body>
@@ -70,68 +70,7 @@ def test_damping_names_both_and_their_sum() -> None:
     assert found.help is not None and "`0.75 N*m*s/rad`" in found.help
 
 
-# --- FRC101, FRC106 ------------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize(
-    ("fields", "said"),
-    [
-        pytest.param("effort_limit: 20, friction: {coulomb: 20}", ["FRC101"], id="coulomb at the limit"),
-        pytest.param("effort_limit: 20, friction: {coulomb: 19.9}", [], id="coulomb below"),
-        pytest.param("friction: {coulomb: 200}", [], id="no limit known"),
-        # 0.5 x 20 = 10, half the effort limit.
-        pytest.param(
-            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {viscous: 0.5}",
-            ["FRC106"],
-            id="viscous at half the limit",
-        ),
-        pytest.param(
-            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {viscous: 0.49}", [], id="viscous below"
-        ),
-        pytest.param("effort_limit: 20, friction: {viscous: 200}", [], id="no speed known"),
-        pytest.param(
-            "effort_limit: 20, velocity_limit: 20 rad/s, friction: {coulomb: 30, viscous: 3}",
-            ["FRC101", "FRC106"],
-            id="both",
-        ),
-    ],
-)
-def test_implausible_friction(fields: str, said: list[str]) -> None:
-    """Friction that the drive cannot overcome is a wrong unit."""
-    text = spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: 1, {fields}}}, {REST}", robot=NONE)
-    assert codes(fit(text)) == said
-
-
 REST = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
-LINES = {
-    "line": "stall_torque: 20 N*m, no_load_speed: 10 rad/s",
-    "curve": "curve: {drive_torque: 20, brake_torque: 25, knee_speed: 5 rad/s, no_load_speed: 10 rad/s}",
-}
-
-
-@pytest.mark.parametrize("line", LINES)
-@pytest.mark.parametrize(("viscous", "said"), [("1", ["FRC106"]), ("0.99", [])])
-def test_viscous_friction_against_the_motors_speed(line: str, viscous: str, said: list[str]) -> None:
-    """With a motor the no-load speed counts (1 x 10 = 10, half the limit), not the joint's larger speed limit."""
-    text = spec_of(
-        f"legs: {{joints: [hip], motor: m, level: dc_motor, kp: 1, kd: 1, effort_limit: 20, velocity_limit: 100 rad/s, "
-        f"friction: {{viscous: {viscous}}}}}, {REST}",
-        motors=f"{{m: {{side: joint, {LINES[line]}}}}}",
-    )
-    assert codes(fit(text)) == said
-
-
-def test_friction_message_has_the_milli_reading() -> None:
-    """30 N*m may be 30 mN*m: the help says 0.03 N*m."""
-    text = spec_of(
-        f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: 1, effort_limit: 20, friction: {{coulomb: 30}}}}, {REST}"
-    )
-    (found,) = check_actuators(fit(text), {})
-    assert (
-        found.message
-        == "hip: the dry friction of 30 N*m is not below the effort limit of 20 N*m: the drive cannot move the joint"
-    )
-    assert found.help == "is it in mN*m (0.03 N*m), or a dimensionless coefficient?"
 
 
 # --- STB102 --------------------------------------------------------------------------------------

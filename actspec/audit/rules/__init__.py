@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from actspec.audit.finding import Finding
     from actspec.audit.rule import Rule
 
-_FIELDS = {"FRC101": ".friction.coulomb", "FRC106": ".friction.viscous"}
-"""Rule to the field of a group that its findings are about."""
-
 
 @cache
 def all_rules() -> tuple[type[Rule], ...]:
@@ -46,6 +43,8 @@ def check_actuators(
 ) -> tuple[Diagnostic, ...]:
     """What the rules that need no other file say of a spec that is compiled: one warning a rule and group, its worst.
 
+    FRC101 and FRC106 are not among them: `resolve` has judged friction before (`actspec.spec.plausible`).
+
     Args:
         actuators: What is compiled.
         explicit: What it is compiled to, in words, to the joints whose drive is explicit there: those of MuJoCo
@@ -54,8 +53,6 @@ def check_actuators(
     from actspec.audit.case import Case
     from actspec.audit.finding import Finding
     from actspec.audit.rules.dmp101 import DriveAndJointDamping
-    from actspec.audit.rules.frc101 import FrictionNotBelowEffort
-    from actspec.audit.rules.frc106 import ViscousTakesTheLimit
     from actspec.audit.rules.stb102 import ExplicitDrive
     from actspec.readings.artifact import Artifact, FileKind, Robot
     from actspec.readings.ledger import rows_of_spec
@@ -63,7 +60,7 @@ def check_actuators(
     artifact = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     robot = Robot(actuators.robot, (0,))
     case = Case((), (artifact,), rows_of_spec(artifact, 0), (robot,), explicit=explicit)
-    rules = (DriveAndJointDamping, FrictionNotBelowEffort, ViscousTakesTheLimit, ExplicitDrive)
+    rules = (DriveAndJointDamping, ExplicitDrive)
     found = [item for rule in rules for item in rule().check(case) if isinstance(item, Finding)]
     return tuple(_worst(actuators, found))
 
@@ -77,7 +74,7 @@ def _worst(actuators: ActuatorSet, found: list[Finding]) -> Iterator[Diagnostic]
     for (code, group), members in groups.items():
         worst = max(members, key=lambda finding: finding.value or 0.0)
         joints = [finding.joint for finding in members if finding.message == worst.message]
-        where = f"actuators.{group}{_FIELDS.get(code, '')}"
+        where = f"actuators.{group}"
         message = f"{listed(joints)}: {worst.message}"
         span = worst.span if worst.span.path else None
         yield Diagnostic(code, Severity.WARNING, message, where, span, worst.help)

@@ -1,0 +1,30 @@
+"""Impossible numbers: what a spec's figures imply, told at the number that cannot be right.
+
+`check_numbers` needs no robot and runs in `validate`; `joint_doubts` (module `joints`) judges what a spec gives at its
+robot's joints and runs in `resolve`, so that `show` and `compile` have both. The table of all checks is in `table`.
+"""
+
+from __future__ import annotations
+
+from actspec.diagnostics import Collector
+from actspec.spec.document import Document
+from actspec.spec.models import SpecModel
+from actspec.spec.plausible.groups import group_doubts, time_doubts
+from actspec.spec.plausible.motors import motor_doubts
+from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, tell
+
+__all__ = ["BY_CODE", "CHECKS", "Check", "check_numbers"]
+
+
+def check_numbers(model: SpecModel, document: Document, collector: Collector) -> None:
+    """Report the numbers of a spec that can hardly be right, whatever its robot is.
+
+    Args:
+        model: What the spec says; it is valid.
+        document: Where it says it.
+        collector: Takes warnings, and errors where nothing could be right.
+    """
+    spans = document.spans
+    doubts = [doubt for name, motor in model.motors.items() for doubt in motor_doubts(name, motor, spans)]
+    doubts += [*time_doubts(model, spans), *group_doubts(model, spans)]
+    tell(doubts, document, model.accept, collector)

@@ -1,0 +1,397 @@
+"""Checks of what a spec gives at its robot's joints: pose, inertia, gains, friction, action scale."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from actspec.diagnostics import Collector, Span, listed
+from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
+from actspec.spec.document import Document
+from actspec.spec.models import SpecModel
+from actspec.spec.plausible.groups import friction_words, return_words
+from actspec.spec.plausible.table import BY_CODE, Doubt, tell
+from actspec.units import format_quantity
+
+DEGREE = math.pi / 180.0
+VISCOUS_SHARE = 0.5
+"""Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
+POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
+"""A default position may be this far beyond the range [rad or m]."""
+OF_MOTOR = (0.3, 3.0)
+"""Armature over the inertia of the motor at the joint."""
+ARMATURE_RATE = (3.0, 3e5)
+"""Effort limit over armature [rad/s^2 or m/s^2]."""
+HEAVY = 50.0
+"""Armature over the inertia of the links: noticed where `HEAVY_RATE` holds too."""
+HEAVY_RATE = 30.0
+TOO_HEAVY = 300.0
+SMALL_LINK = 2e-3
+"""Links of less are fingers, whose armature is seldom the rotor's [kg*m^2]."""
+SOFT = 6.0
+"""Natural frequency [rad/s]: noticed where the limit needs an error above `SOFT_ERROR`."""
+SOFT_ERROR = 10.0
+"""[rad]."""
+TOO_SOFT = 1.0
+STIFF = 150.0
+"""Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
+STIFF_ERROR = 0.06
+"""[rad]."""
+TOO_STIFF = 1000.0
+STIFF_LINK = 1e-3
+"""Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
+DAMPING_RATIO = (0.015, 60.0)
+"""kd and viscous friction over 2 sqrt(kp I)."""
+SCALE = 2.0
+"""One unit of action over the joint's range and, by kp, over the effort limit."""
+RATE_SCALE = 10.0
+"""One unit of action over the fastest speed or the effort limit."""
+HOPELESS_SCALE = 20.0
+"""An error from this many times the bound on."""
+
+_OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
+
+
+@dataclass(frozen=True, slots=True)
+class _Found:
+    """A doubt about one joint.
+
+    Attributes:
+        doubt: The doubt.
+        joint: Name of the joint.
+        size: How far the number is from its bound.
+        derived: One of the numbers follows from others, such as the motor's.
+    """
+
+    doubt: Doubt
+    joint: str
+    size: float
+    derived: bool
+
+
+def check_joints(
+    joints: Sequence[JointActuator], model: SpecModel, document: Document, collector: Collector
+) -> None:
+    """Report the numbers that can hardly be right at the joints of the robot, each once, at its worst joint.
+
+    Args:
+        joints: The resolved spec.
+        model: The spec.
+        document: Where it says what it says.
+        collector: Takes warnings, and errors where nothing could be right.
+    """
+    told = [item for item in collector if item.code in BY_CODE]
+    reported = {".".join(item.where.split(".")[:2]) for item in told}
+    places = {item.span for item in told}
+    groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
+    for joint in joints:
+        for found in _joint_doubts(joint):
+            doubt = found.doubt
+            if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
+                # It follows from a number that is reported itself.
+                continue
+            groups.setdefault((doubt.code, doubt.span, doubt.where), []).append(found)
+    tell((_worst(members) for members in groups.values()), document, model.accept, collector)
+
+
+def _worst(members: list[_Found]) -> Doubt:
+    """The doubt of the worst joint, with the names of all."""
+    worst = max(members, key=lambda found: (found.doubt.error, found.size))
+    names = [worst.joint, *(found.joint for found in members if found.joint != worst.joint)]
+    doubt = worst.doubt
+    return Doubt(
+        doubt.code,
+        f"{listed(names, 3)}: {doubt.message}",
+        doubt.where,
+        doubt.span,
+        doubt.help,
+        doubt.judged,
+        doubt.error,
+    )
+
+
+def _joint_doubts(joint: JointActuator) -> Iterator[_Found]:
+    for check in (_pose, _friction, _viscous, _scale):
+        yield from check(joint)
+    inertia = list(_armature(joint))
+    # With a wrong inertia gains say nothing.
+    yield from inertia or _gains(joint)
+
+
+def _stated(quantity: Quantity | None) -> bool:
+    """Whether the spec has the number, or what it follows from."""
+    return (
+        quantity is not None
+        and quantity.value is not None
+        and quantity.span is not None
+        and quantity.origin in _OF_SPEC
+    )
+
+
+def _found(
+    joint: JointActuator,
+    code: str,
+    where: str,
+    size: float,
+    message: str,
+    help: str | None,
+    number: Quantity,
+    *others: Quantity | None,
+    error: bool = False,
+) -> _Found:
+    known = [other for other in others if other is not None]
+    judged = tuple(other.span for other in known)
+    derived = any(item.origin is Origin.DERIVED for item in (number, *known))
+    return _Found(Doubt(code, message, where, number.span, help, judged, error), joint.joint, size, derived)
+
+
+def _shown(quantity: Quantity, digits: int = 4) -> str:
+    return format_quantity(quantity.value, quantity.unit, digits)
+
+
+def _pose(joint: JointActuator) -> Iterator[_Found]:
+    """A default position outside of the range; published: to 0.02 rad (calf of the B2)."""
+    pose = joint.default_position
+    if pose.value is None or pose.origin is not Origin.AUTHORED or joint.position_range is None:
+        return
+    low, high = joint.position_range
+    beyond = max(low - pose.value, pose.value - high)
+    if beyond <= POSE_TOLERANCE[joint.kind]:
+        return
+    help = None
+    unit = pose.unit
+    if joint.kind is JointKind.HINGE and low <= pose.value * DEGREE <= high:
+        help = f"is it in degrees? Then write {pose.value:g} deg, {format_quantity(pose.value * DEGREE, unit, 4)}"
+    elif low <= -pose.value <= high:
+        help = f"is the sign wrong? {format_quantity(-pose.value, unit)} is inside"
+    yield _found(
+        joint,
+        "SPEC190",
+        "robot.default_pose",
+        beyond,
+        f"the default position {_shown(pose)} is outside of the joint's range, {format_quantity(low, unit, 4)} to "
+        f"{format_quantity(high, unit, 4)}",
+        help,
+        pose,
+        error=beyond > (max(high - low, math.pi) if joint.kind is JointKind.HINGE else high - low),
+    )
+
+
+def _friction(joint: JointActuator) -> Iterator[_Found]:
+    """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
+    coulomb, limit = joint.friction_coulomb, joint.effort_limit
+    if not coulomb.value or not limit.value or not (_stated(coulomb) or _stated(limit)):
+        return
+    words = friction_words(coulomb.value, coulomb.unit, limit.value, limit.unit)
+    if words is None:
+        return
+    message, help, error = words
+    number, other, field = (
+        (coulomb, limit, "friction.coulomb") if _stated(coulomb) else (limit, coulomb, "effort_limit")
+    )
+    where = f"actuators.{joint.group}.{field}"
+    yield _found(
+        joint, "FRC101", where, coulomb.value / limit.value, message, help, number, other, error=error
+    )
+
+
+def _viscous(joint: JointActuator) -> Iterator[_Found]:
+    """Viscous friction at the end of the torque-speed line; published: to 0.43 of the limit (ANYmal D)."""
+    viscous, limit = joint.friction_viscous, joint.effort_limit
+    speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
+    if not _stated(viscous) or not viscous.value or not limit.value or speed is None or not speed.value:
+        return
+    torque = viscous.value * speed.value
+    if torque < VISCOUS_SHARE * limit.value:
+        return
+    unit = viscous.unit
+    yield _found(
+        joint,
+        "FRC106",
+        f"actuators.{joint.group}.friction.viscous",
+        torque / limit.value,
+        f"the viscous friction of {_shown(viscous)} takes {format_quantity(torque, limit.unit, 3)} at the joint's "
+        f"{_shown(speed)}, of an effort limit of {_shown(limit)}",
+        f"is it in m{unit} ({format_quantity(viscous.value / 1000, unit, 3)}), or times 57.3 "
+        f"({format_quantity(viscous.value * DEGREE, unit, 3)})? The slope of the torque-speed line belongs to the "
+        "motor, not to friction",
+        viscous,
+        limit,
+        speed,
+    )
+
+
+def _armature(joint: JointActuator) -> Iterator[_Found]:
+    """An armature against the motor's inertia, the effort limit and the links."""
+    armature, limit = joint.armature, joint.effort_limit
+    if not _stated(armature) or not armature.value:
+        return
+    value, unit = armature.value, armature.unit
+    motor = joint.reflected_inertia
+    if armature.origin is not Origin.DERIVED and motor.value:
+        ratio = value / motor.value
+        if not OF_MOTOR[0] <= ratio <= OF_MOTOR[1]:
+            yield _found(
+                joint,
+                "SPEC191",
+                f"actuators.{joint.group}.armature",
+                max(ratio, 1 / ratio),
+                f"an armature of {_shown(armature)} is {format_quantity(ratio, '', 3)} times the "
+                f"{_shown(motor)} that the motor has at the joint ({motor.formula or 'as stated'})",
+                "is it the rotor's own, before the gear? Leave armature out: it follows from the motor"
+                if ratio < 1
+                else "leave armature out: it follows from the motor; or correct the one that is wrong",
+                armature,
+                motor,
+            )
+            return
+    rate = limit.value / value if limit.value else None
+    links = None if joint.inertia_held is None else joint.inertia_held.high - value
+    words = None
+    large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
+    if rate is not None and (rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large)):
+        words = (
+            f"an armature of {_shown(armature)}: the effort limit of {_shown(limit)} would turn the rotor alone with "
+            f"{format_quantity(rate, 'rad/s^2' if joint.kind is JointKind.HINGE else 'm/s^2', 3)}"
+        )
+    elif large and links is not None:
+        heavy = HEAVY if rate is not None and rate < HEAVY_RATE else TOO_HEAVY
+        if value >= heavy * links:
+            words = (
+                f"an armature of {_shown(armature)} is {format_quantity(value / links, '', 3)} times the inertia of "
+                f"the links that the joint moves, at most {format_quantity(links, unit, 3)}"
+            )
+    if words is None:
+        return
+    much = rate is None or rate < ARMATURE_RATE[1]
+    yield _found(
+        joint,
+        "SPEC191",
+        f"actuators.{joint.group}.armature",
+        value if much else 1 / value,
+        words,
+        "look for a wrong unit (g*cm^2 as kg*m^2), or a gear that is counted twice"
+        if much
+        else "is it the rotor's own, before the gear? The armature is rotor inertia x gear^2",
+        armature,
+        limit,
+        motor,
+    )
+
+
+def _gains(joint: JointActuator) -> Iterator[_Found]:
+    """kp and kd by natural frequency and damping ratio."""
+    kp, kd, held, limit = joint.kp, joint.kd, joint.inertia_held, joint.effort_limit
+    if (
+        kp is None
+        or not kp.value
+        or not (_stated(kp) or _stated(kd))
+        or joint.command is not Command.POSITION
+    ):
+        return
+    number, other = (kp, kd) if _stated(kp) and kp.span is not None else (kd, kp)
+    assert number is not None
+    where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
+    active = (kd.value if kd is not None else None) or 0.0
+    exchanged = None if kd is None else return_words(kp.value, active, _shown(kp), _shown(kd))
+    words: tuple[str, str | None, float] | None = None
+    if exchanged is not None:
+        words = (*exchanged, active / kp.value)
+    elif held is not None and joint.kind is JointKind.HINGE and held.reference > 0.0:
+        words = _by_frequency(kp, joint, held.reference, limit.value)
+        if words is None and active and kd is not None and _stated(kd):
+            number, other, where = kd, kp, f"actuators.{joint.group}.kd"
+            words = _by_damping(kp, kd, joint, held.reference)
+    if words is not None:
+        message, help, size = words
+        others = (other, limit, joint.armature)
+        yield _found(joint, "SPEC192", where, size, message, help, number, *others)
+
+
+def _by_frequency(
+    kp: Quantity, joint: JointActuator, inertia: float, limit: float | None
+) -> tuple[str, str, float] | None:
+    """Message, help and size where the natural frequency is no joint's."""
+    stiffness = kp.require()
+    frequency = math.sqrt(stiffness / inertia)
+    error = None if limit is None else limit / stiffness
+    message = (
+        f"kp {_shown(kp)} makes {format_quantity(frequency, 'rad/s', 3)} of the joint's "
+        f"{format_quantity(inertia, 'kg*m^2', 3)}"
+    )
+    if error is not None:
+        message += f", and needs an error of {format_quantity(error, 'rad', 3)} for the effort limit"
+    if frequency < TOO_SOFT or (frequency < SOFT and error is not None and error > SOFT_ERROR):
+        degrees = format_quantity(stiffness / DEGREE, kp.unit, 4)
+        return (
+            message,
+            f"is it per degree? Per radian it is {degrees}, and kd 57.3 times as well",
+            1 / frequency,
+        )
+    tight = error is not None and error < STIFF_ERROR
+    if inertia >= STIFF_LINK and (frequency > TOO_STIFF or (frequency > STIFF and tight)):
+        radians = format_quantity(stiffness * DEGREE, kp.unit, 4)
+        return message, f"is it multiplied by 57.3? Without that it is {radians}", frequency
+    return None
+
+
+def _by_damping(
+    kp: Quantity, kd: Quantity, joint: JointActuator, inertia: float
+) -> tuple[str, str, float] | None:
+    """Message, help and size where the damping ratio is no joint's."""
+    damping = kd.require() + (joint.friction_viscous.value or 0.0)
+    ratio = damping / (2.0 * math.sqrt(kp.require() * inertia))
+    if DAMPING_RATIO[0] <= ratio <= DAMPING_RATIO[1]:
+        return None
+    message = (
+        f"kd {_shown(kd)} beside kp {_shown(kp)} gives a damping ratio of {format_quantity(ratio, '', 2)} with the "
+        f"joint's {format_quantity(inertia, 'kg*m^2', 3)}"
+    )
+    per = "per degree? Per radian it is " if ratio < 1 else "multiplied by 57.3? Without that it is "
+    meant = kd.require() / DEGREE if ratio < 1 else kd.require() * DEGREE
+    return message, f"is kd {per}{format_quantity(meant, kd.unit, 4)}", max(ratio, 1 / ratio)
+
+
+def _scale(joint: JointActuator) -> Iterator[_Found]:
+    """One unit of action against range, speed and effort limit; published: 0.41 of the range, 0.75 of the limit."""
+    scale, limit = joint.action_scale, joint.effort_limit
+    if scale is None or not scale.value:
+        return
+    reach = abs(scale.value)
+    if joint.command is Command.POSITION:
+        span = None if joint.position_range is None else joint.position_range[1] - joint.position_range[0]
+        if span is None and joint.kind is JointKind.HINGE:
+            span = 2.0 * math.pi
+        torque = None if joint.kp is None or not joint.kp.value else joint.kp.value * reach
+        if not span or reach <= SCALE * span:
+            return
+        if torque is not None and limit.value and torque <= SCALE * limit.value:
+            return
+        size, unit = reach / span / SCALE, joint.default_position.unit
+        words = (
+            f"one unit of action is {format_quantity(reach, unit, 4)} of command, "
+            f"{format_quantity(reach / span, '', 3)} times the joint's whole range"
+        )
+        if torque is not None and limit.value:
+            words += f", and asks for {format_quantity(torque, limit.unit, 3)} of {_shown(limit)}"
+    else:
+        speed = joint.no_load_speed if joint.curve is None else joint.curve.no_load_speed
+        fast = speed if speed is not None and speed.value else joint.velocity_limit
+        most = fast if joint.command is Command.VELOCITY else limit
+        if not most.value or reach <= RATE_SCALE * most.value:
+            return
+        size = reach / most.value / RATE_SCALE
+        words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {_shown(most)}"
+    help = f"did you mean {scale.value / 100:g}?" if size >= 5.0 else None
+    yield _found(
+        joint,
+        "SPEC193",
+        f"actuators.{joint.group}.action_scale",
+        size,
+        words,
+        help,
+        scale,
+        joint.kp,
+        error=size >= HOPELESS_SCALE,
+    )

@@ -1,0 +1,220 @@
+"""The checks that notice impossible numbers: what each judges and why its bound stands where it does; what one finds.
+
+A bound is told with the extremes of published figures: the specs in robots/ and what `actspec import` writes of 281
+files: unitree_mujoco, unitree_ros, unitree_rl_gym, and the wheels playground 0.2.0, gymnasium 1.4.0,
+gymnasium-robotics 1.4.2, brax, example-robot-data, mjlab 1.6.0. Of 123 more, of dm_control, metaworld, robosuite and
+myosuite, they report none (`benchmarks/plausible.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted
+from actspec.spec.document import Document, SourceMap
+
+
+@dataclass(frozen=True, slots=True)
+class Check:
+    """One check.
+
+    Attributes:
+        code: Its code.
+        name: Its name.
+        judges: What it reports.
+        because: Its bounds, and what published robots have.
+    """
+
+    code: str
+    name: str
+    judges: str
+    because: str
+
+
+CHECKS = (
+    Check(
+        "SPEC180",
+        "torque-above-stall",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line.",
+        "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
+        "an error. The largest peak in robots/motors is 1 times the stall torque.",
+    ),
+    Check(
+        "SPEC181",
+        "torque-constant",
+        "Torque constant times current far from the torque, or times no-load speed far from the voltage.",
+        "N*m/A and V*s/rad are one unit. A warning outside of 0.4 to 2.5 times the torque: amplitudes for effective "
+        "values, phases for lines, losses and saturation make up to 2. Outside of 0.2 to 3 times the voltage: field "
+        "weakening and the load of the gear. robots/motors/feetech.yaml has 0.97 of it.",
+    ),
+    Check(
+        "SPEC182",
+        "gear-below-one",
+        "A gear ratio below 1: the output would turn faster than the rotor.",
+        "A warning; an error below 0.05, as no joint is geared up twenty times. Published: 5 to 345.",
+    ),
+    Check(
+        "SPEC183",
+        "beyond-any-motor",
+        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot.",
+        "A warning from 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
+        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros).",
+    ),
+    Check(
+        "SPEC184",
+        "speed-of-side",
+        "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s.",
+        "Behind a gear of 3 or more a rotor below 60 rad/s, an output above 100 rad/s; a rotor above 8000 rad/s; an "
+        "output above 1000 rad/s divided by the root of its torque in N*m. Published: rotors of 180 (Go2) to 2044 "
+        "rad/s (STS3215), outputs to 40 rad/s, speed times root of torque to 439 (ankle of the H2).",
+    ),
+    Check(
+        "SPEC185",
+        "rotor-inertia",
+        "A rotor that its own torque would turn too slowly or too fast: inertia in another unit or on the other side.",
+        "Torque over inertia at the rotor from 1500 to 5e6 rad/s^2, at the output from 1 to 1e6: a warning outside, an "
+        "error outside of a hundred times that. Published: 29400 (Unitree 4010) to 125000 (7520) at the rotor, 114 "
+        "(STS3215) to 8640 at the output.",
+    ),
+    Check(
+        "SPEC186",
+        "time-scale",
+        "A time step, control period, delay, cutoff or bandwidth that is no robot's: seconds for milliseconds.",
+        "Steps of 20 us to 50 ms (published: 1 to 20 ms), control periods to 0.5 s, delays to 0.25 s (0 to 12.5 ms), "
+        "cutoffs of 0.2 Hz to 5 kHz, bandwidths of 0.5 Hz to 20 kHz: a warning outside, an error from ten times on.",
+    ),
+    Check(
+        "SPEC187",
+        "limit-of-motor",
+        "An effort limit far from what the motor gives at the joint.",
+        "A warning above 3 times the largest of its torques or below a fiftieth of it, an error above 30 times. "
+        "Published: 0.59 (STS3215) to 1.003 (Spot's hips).",
+    ),
+    Check(
+        "FRC101",
+        "friction-not-below-effort",
+        "Dry friction that takes half of the effort limit or more.",
+        "A warning from 0.5 on, an error from 2 times on. Published: to 0.36 (head of the TIAGo), and two robots whose "
+        "URDF is wrong: Allegro (12 of 15 N*m in a finger), TALOS (1 of 1 N*m in the gripper).",
+    ),
+    Check(
+        "FRC106",
+        "viscous-takes-the-limit",
+        "Viscous friction that takes half of the effort limit at the motor's no-load speed.",
+        "A warning from 0.5 times the limit on. Published: to 0.43 (ANYmal D, PACE). Speed limits are not "
+        "taken: those of published URDFs are often placeholders, of 100 or 1e4 rad/s, and make up to 3333 times.",
+    ),
+    Check(
+        "SPEC190",
+        "pose-outside-the-range",
+        "A default position outside of the joint's range.",
+        "A warning from 0.05 rad (5 mm) beyond an end on, an error from the width of the range, or pi, beyond it. "
+        "Published: to 0.02 rad beyond (calf of the B2).",
+    ),
+    Check(
+        "SPEC191",
+        "armature",
+        "An armature that is not the motor's inertia at the joint, or far from the links and the torque.",
+        "Outside of 0.3 to 3 times what rotor inertia and gears give. Without those: effort limit over armature below "
+        "3 or above 3e5 rad/s^2; from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, "
+        "from 300 times on in any case. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at "
+        "150 rad/s^2 (gymnasium's ant).",
+    ),
+    Check(
+        "SPEC192",
+        "gains",
+        "kp and kd exchanged, or given per degree or times 57.3, by natural frequency and damping ratio.",
+        "The inertia is the links' and the armature at the reference pose. kd over kp above 1 s (published: 0.0071 to "
+        "0.25 s). Below 6 rad/s where the limit needs an error of more than 10 rad, or below 1 rad/s (published: 6.2 "
+        "rad/s and up; an error of 25 rad at most, at 16 rad/s). Above 150 rad/s where it needs less than 0.06 rad, or "
+        "above 1000 rad/s, of 1e-3 kg*m^2 or more (203 rad/s, at 0.1 rad). A damping ratio below 0.015 with friction "
+        "(0.064) or above 60 (12).",
+    ),
+    Check(
+        "SPEC193",
+        "action-scale",
+        "An action scale of which one unit reaches beyond every limit.",
+        "A command of a position: more than twice the joint's range, and kp times it more than twice the effort limit "
+        "(published: 0.84 and 0.75 times). Of a speed: ten times the fastest that the joint turns. Of a torque: ten "
+        "times the effort limit. A warning; an error from twenty times that.",
+    ),
+)
+"""Every check, in the order in which they are explained."""
+
+BY_CODE: Mapping[str, Check] = {check.code: check for check in CHECKS}
+
+
+@dataclass(frozen=True, slots=True)
+class Doubt:
+    """A number that can hardly be right.
+
+    Attributes:
+        code: Of its check.
+        message: What it implies.
+        where: Dotted path of the number.
+        span: Where it is written.
+        help: What was probably meant.
+        judged: Where the other numbers are written that were judged with it; `sure` at any of them keeps all.
+        error: Nothing could be right.
+    """
+
+    code: str
+    message: str
+    where: str
+    span: Span | None
+    help: str | None = None
+    judged: tuple[Span | None, ...] = ()
+    error: bool = False
+
+    @property
+    def diagnostic(self) -> Diagnostic:
+        """What is reported of it."""
+        severity = Severity.ERROR if self.error else Severity.WARNING
+        return Diagnostic(self.code, severity, self.message, self.where, self.span, self.help)
+
+
+def at(
+    spans: SourceMap,
+    code: str,
+    message: str,
+    path: Path,
+    help: str | None = None,
+    *others: Path,
+    error: bool = False,
+) -> Doubt:
+    """A doubt about the number at `path`, judged with those at `others`."""
+    judged = tuple(spans.value(other) for other in others)
+    return Doubt(code, message, dotted(path), spans.value(path), help, judged, error)
+
+
+def tell(doubts: Iterable[Doubt], document: Document, accept: Collection[str], collector: Collector) -> None:
+    """Report doubts, but for those that the author is sure of.
+
+    Args:
+        doubts: What the checks found.
+        document: The spec; `sure: true` in a value keeps it.
+        accept: Keys of the spec's `accept`; `spec.CODE` keeps all that a check finds.
+        collector: Takes the rest; a number that has the same code there already is not reported again.
+    """
+    sure = None
+    reported = {(item.code, item.span) for item in collector}
+    for doubt in doubts:
+        if f"spec.{doubt.code}" in accept or (doubt.code, doubt.span) in reported:
+            continue
+        sure = frozenset(_sure(document.data, document.spans)) if sure is None else sure
+        if sure.isdisjoint((doubt.span, *doubt.judged)):
+            collector.add(doubt.diagnostic)
+
+
+def _sure(node: Any, spans: SourceMap, path: Path = ()) -> Iterator[Span]:
+    """Where a value is written whose author is sure of it."""
+    if isinstance(node, dict):
+        if node.get("sure") is True and "value" in node:
+            yield spans.value(path)
+        for key, value in node.items():
+            yield from _sure(value, spans, (*path, key))
+    elif isinstance(node, list):
+        for index, value in enumerate(node):
+            yield from _sure(value, spans, (*path, index))

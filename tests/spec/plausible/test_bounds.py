@@ -1,0 +1,325 @@
+"""Each check of numbers just inside and just outside of its bounds, and what keeps a number."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec import api
+from actspec.cli.main import main
+from actspec.diagnostics import ActspecError, Diagnostic, Severity
+from actspec.spec.plausible import BY_CODE, CHECKS
+from tests.fitting import fit, spec_of
+
+ROBOTS = Path(__file__).resolve().parents[3] / "robots"
+REST = "rest: {joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}"
+
+
+def said(text: str, model: str | None = None) -> list[Diagnostic]:
+    """What the checks of numbers report of a spec, errors or not."""
+    try:
+        found = fit(text, model).diagnostics
+    except ActspecError as err:
+        found = err.diagnostics
+    return [item for item in found if item.code in BY_CODE]
+
+
+def codes(text: str, model: str | None = None) -> list[str]:
+    """Code, with `!` for an error."""
+    return [item.code + "!" * (item.severity is Severity.ERROR) for item in said(text, model)]
+
+
+@pytest.mark.parametrize(
+    ("motor", "expected"),
+    [
+        # 1.02 and 3 times the stall torque; any continuous torque above it.
+        ("side: joint, stall_torque: 10, peak_torque: 10.2", []),
+        ("side: joint, stall_torque: 10, peak_torque: 10.3", ["SPEC180"]),
+        ("side: joint, stall_torque: 10, peak_torque: 31", ["SPEC180!"]),
+        ("side: joint, stall_torque: 10, continuous_torque: 11", ["SPEC180!"]),
+        ("side: joint, stall_torque: unknown, peak_torque: 31", []),
+        (
+            "side: joint, peak_torque: 13, curve: {drive_torque: 12, brake_torque: 20, knee_speed: 1 rad/s, "
+            "no_load_speed: 9 rad/s}",
+            ["SPEC180"],
+        ),
+        # 0.1 x 40 = 4 N*m of 10 is 0.4; 0.1 x 39 is below.
+        ("side: joint, peak_torque: 10, torque_constant: 0.1, peak_current: 40", []),
+        ("side: joint, peak_torque: 10, torque_constant: 0.1, peak_current: 39", ["SPEC181"]),
+        # 1 V*s/rad x 24 rad/s is 24 of 24 V; of 120 V it is 0.2.
+        ("side: joint, no_load_speed: 24 rad/s, torque_constant: 1, nominal_voltage: 24", []),
+        ("side: joint, no_load_speed: 24 rad/s, torque_constant: 1, nominal_voltage: 121", ["SPEC181"]),
+        ("gear_ratio: 1", []),
+        ("gear_ratio: 0.99", ["SPEC182"]),
+        ("gear_ratio: 0.04", ["SPEC182!"]),
+        # 9.99 x 100; 10 x 100 x 0.9 with an efficiency; 3000 N*m.
+        ("side: motor, gear_ratio: 100, peak_torque: 9.99", []),
+        ("side: motor, gear_ratio: 100, peak_torque: 10", ["SPEC183"]),
+        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10", []),
+        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10", ["SPEC183!"]),
+        # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
+        ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
+        ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),
+        # A rotor of 60 rad/s or more behind a gear of 3 or more; an output of up to 100 rad/s.
+        ("side: motor, gear_ratio: 3, no_load_speed: 59 rad/s", ["SPEC184"]),
+        ("side: motor, gear_ratio: 3, no_load_speed: 60 rad/s", []),
+        ("side: motor, gear_ratio: 2.9, no_load_speed: 59 rad/s", []),
+        ("side: joint, gear_ratio: 3, no_load_speed: 101 rad/s", ["SPEC184"]),
+        ("side: joint, gear_ratio: 2.9, no_load_speed: 101 rad/s", []),
+        ("side: joint, gear_ratio: 100, no_load_speed: 81 rad/s", ["SPEC184"]),
+        ("side: joint, gear_ratio: 100, no_load_speed: 80 rad/s", []),
+        # 200 x sqrt(25) = 1000.
+        ("side: joint, stall_torque: 25, no_load_speed: 200 rad/s", []),
+        ("side: joint, stall_torque: 25, no_load_speed: 201 rad/s", ["SPEC184"]),
+        # 3 N*m / 2e-3 kg*m^2 = 1500 rad/s^2 at the rotor; at the output of 10 it is 30 N*m.
+        ("side: joint, gear_ratio: 10, stall_torque: 30, rotor_inertia: 2e-3", []),
+        ("side: joint, gear_ratio: 10, stall_torque: 30, rotor_inertia: 2.1e-3", ["SPEC185"]),
+        ("side: joint, gear_ratio: 10, stall_torque: 30, rotor_inertia: 0.21", ["SPEC185!"]),
+        ("side: joint, gear_ratio: 10, stall_torque: 30, rotor_inertia: 5e-7", ["SPEC185"]),
+        ("side: joint, stall_torque: 30, reflected_inertia: 29", []),
+        ("side: joint, stall_torque: 30, reflected_inertia: 31", ["SPEC185"]),
+    ],
+)
+def test_motors(motor: str, expected: list[str]) -> None:
+    assert (
+        codes(
+            spec_of(
+                REST + ", legs: {joints: [hip], level: ideal_pd, command: effort}",
+                motors=f"{{m: {{{motor}}}}}",
+            )
+        )
+        == expected
+    )
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ("effort_limit: 20, friction: {coulomb: 9.9}", []),
+        ("effort_limit: 20, friction: {coulomb: 10}", ["FRC101"]),
+        ("effort_limit: 20, friction: {coulomb: 40}", ["FRC101!"]),
+        ("friction: {coulomb: 200}", []),
+        ("effort_limit: 20, friction: {viscous: 200}, velocity_limit: 20 rad/s", []),
+        # The motor's 20 N*m are the limit where none is stated.
+        ("motor: m, friction: {coulomb: 10}", ["FRC101"]),
+        # 1 x 10 rad/s of 20 N*m.
+        ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
+        ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
+        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106"]),
+        ("motor: m, effort_limit: 60", []),
+        ("motor: m, effort_limit: 61", ["SPEC187"]),
+        ("motor: m, effort_limit: 61, reduction: 2", []),
+        ("motor: m, effort_limit: 61, motors_per_joint: 2", []),
+        ("motor: m, effort_limit: 601", ["SPEC187!"]),
+        ("motor: m, effort_limit: 0.39", ["SPEC187"]),
+        # kd / kp is a time, of 1 s at most.
+        ("kp: 2, kd: 2", []),
+        ("kp: 2, kd: 2.1", ["SPEC192"]),
+        ("kp: 0, kd: 2.1", []),
+        ("kp: 20, kd: 2.1, overrides: {hip: {kp: 2}}", ["SPEC192"]),
+        # 3.03 and 2.99 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
+        ("effort_limit: 20, armature: 6.6", []),
+        ("effort_limit: 20, armature: 6.7", ["SPEC191"]),
+        ("motor: m, armature: 0.299", []),
+        ("motor: m, armature: 0.301", ["SPEC191"]),
+        ("motor: m, armature: 0.029", ["SPEC191"]),
+        ("delay: 250 ms", []),
+        ("delay: 251 ms", ["SPEC186"]),
+        ("delay: 2.6 s", ["SPEC186!"]),
+        ("delay: 0 s", []),
+        ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
+        ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
+        # Without a range the joint turns once: 4 pi = 12.57.
+        ("action_scale: 12.5", []),
+        ("action_scale: 12.6", ["SPEC193"]),
+        ("action_scale: 12.6, kp: 3, effort_limit: 19", []),
+        ("command: velocity, action_scale: 101, velocity_limit: 10 rad/s", ["SPEC193"]),
+        ("command: effort, action_scale: 200, effort_limit: 20", []),
+        ("command: effort, action_scale: 4001, effort_limit: 20", ["SPEC193!"]),
+    ],
+)
+def test_groups(fields: str, expected: list[str]) -> None:
+    """What needs no inertia and no range."""
+    given = {part.split(":")[0].strip() for part in fields.split(",")}
+    command = (
+        "velocity"
+        if "command: velocity" in fields
+        else "effort"
+        if "command: effort" in fields
+        else "position"
+    )
+    own = {"level": "level: ideal_pd", "kp": "kp: 9", "kd": "kd: 1"}
+    if command != "position":
+        own.pop("kp")
+    if command == "effort":
+        own.pop("kd")
+    rest = "".join(f", {text}" for key, text in own.items() if key not in given)
+    text = spec_of(
+        f"legs: {{joints: [hip]{rest}, {fields}}}, {REST}",
+        motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}}",
+    )
+    assert codes(text) == expected
+
+
+MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
+<joint name="hip" axis="0 1 0" range="-1 0.5"/><inertial pos="0 0 0" mass="1" diaginertia="1 0.1 1"/></body>
+</worldbody></mujoco>"""
+"""A link of 0.1 kg*m^2 about its joint."""
+
+
+@pytest.mark.parametrize(
+    ("fields", "pose", "expected"),
+    [
+        ("kp: 10, kd: 0.2", "hip: 0.54 rad", []),
+        ("kp: 10, kd: 0.2", "hip: -1.06 rad", ["SPEC190"]),
+        ("kp: 10, kd: 0.2", "hip: 3.7 rad", ["SPEC190!"]),
+        # sqrt(3.6 / 0.1) = 6 rad/s; 36.1 / 3.61 = 10 rad.
+        ("kp: 3.61, kd: 0.1, effort_limit: 37", "", []),
+        ("kp: 3.59, kd: 0.1, effort_limit: 35.8", "", []),
+        ("kp: 3.59, kd: 0.1, effort_limit: 36", "", ["SPEC192"]),
+        ("kp: 0.09, kd: 0.01", "", ["SPEC192"]),
+        # sqrt(2250 / 0.1) = 150 rad/s; 135 / 2250 = 0.06 rad.
+        ("kp: 2251, kd: 3, effort_limit: 136", "", []),
+        ("kp: 2251, kd: 3, effort_limit: 135", "", ["SPEC192"]),
+        ("kp: 2249, kd: 3, effort_limit: 134", "", []),
+        # 2 sqrt(10 x 0.1) = 2: a damping ratio of 0.015 is 0.03.
+        ("kp: 10, kd: 0.031", "", []),
+        ("kp: 10, kd: 0.029", "", ["SPEC192"]),
+        ("kp: 10, kd: 0.029, friction: {viscous: 0.01}", "", []),
+        ("kp: 10, kd: 0", "", []),
+        # 50 x 0.1 = 5 kg*m^2, and 150 / 5.01 = 29.9 rad/s^2 below 30; 300 x 0.1.
+        ("kp: 900, kd: 9, effort_limit: 150, armature: 5.01", "", ["SPEC191"]),
+        ("kp: 900, kd: 9, effort_limit: 151, armature: 5.01", "", []),
+        ("kp: 900, kd: 9, effort_limit: 145, armature: 4.9", "", []),
+        ("kp: 900, kd: 30, effort_limit: 2000, armature: 30.1", "", ["SPEC191"]),
+        # The range is 1.5 rad: twice that; 8 x 3.1 of 12 N*m.
+        ("kp: 8, kd: 0.2, effort_limit: 12, action_scale: 2.9", "", []),
+        ("kp: 8, kd: 0.2, effort_limit: 12, action_scale: 3.1", "", ["SPEC193"]),
+    ],
+)
+def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
+    robot = f"name: leg, model: robot.xml, default_pose: {{{pose}}}"
+    assert (
+        codes(spec_of(f"legs: {{joints: [hip], level: ideal_pd, {fields}}}", robot=robot), MODEL) == expected
+    )
+
+
+@pytest.mark.parametrize(
+    ("timing", "expected"),
+    [
+        ("physics_dt: 20 us", []),
+        ("physics_dt: 19 us", ["SPEC186"]),
+        ("physics_dt: 50 ms", []),
+        ("physics_dt: 51 ms", ["SPEC186"]),
+        ("physics_dt: 0.6 s", ["SPEC186!"]),
+        ("physics_dt: 5 ms, decimation: 100", []),
+        ("physics_dt: 5 ms, decimation: 101", ["SPEC186"]),
+    ],
+)
+def test_timing(timing: str, expected: list[str]) -> None:
+    assert (
+        codes(
+            spec_of(
+                f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1}}, {REST}",
+                more=f"timing: {{{timing}}}",
+            )
+        )
+        == expected
+    )
+
+
+def test_the_message_of_friction_has_the_milli_reading() -> None:
+    """30 N*m may be 30 mN*m: the help says 0.03 N*m."""
+    (found,) = said(
+        spec_of(
+            "legs: {joints: [hip], level: ideal_pd, kp: 9, kd: 1, effort_limit: 20, friction: {coulomb: 30}}, "
+            + REST
+        )
+    )
+    assert found.where == "actuators.legs.friction.coulomb"
+    assert (
+        found.message
+        == "the dry friction of 30 N*m is not below the effort limit of 20 N*m: the drive cannot move the joint"
+    )
+    assert found.help == "is it in mN*m (0.03 N*m), or a dimensionless coefficient?"
+
+
+@pytest.mark.parametrize(
+    ("ratio", "more"),
+    [
+        ("{value: 0.5, sure: true}", ""),
+        ("{value: 0.04, sure: true}", ""),
+        ("0.5", "accept: {spec.SPEC182: a belt that gears up}"),
+    ],
+)
+def test_a_number_is_kept(ratio: str, more: str) -> None:
+    """By `sure: true` beside it, an error too, or by the check's code in `accept`."""
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1}}, {REST}",
+        motors=f"{{m: {{gear_ratio: {ratio}}}}}",
+        more=more,
+    )
+    assert codes(text) == []
+
+
+def test_sure_at_either_of_two_numbers_keeps_both() -> None:
+    text = f"legs: {{joints: [hip], level: ideal_pd, kp: 1, kd: {{value: 2, sure: SURE}}}}, {REST}"
+    assert codes(spec_of(text.replace("SURE", "true"))) == []
+    assert codes(spec_of(text.replace("SURE", "false"))) == ["SPEC192"]
+
+
+def test_sure_is_true_or_false() -> None:
+    with pytest.raises(ActspecError, match=r"legs\.kp\.sure: must be true or false, got yes"):
+        fit(spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: {{value: 9, sure: yes}}, kd: 1}}, {REST}"))
+
+
+def test_what_follows_from_a_wrong_number_is_not_reported_as_well() -> None:
+    """The armature of a gear of 1/6 is 1300 times too small: one message, at the gear."""
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, motor: m, kp: 9, kd: 1}}, {REST}",
+        motors="{m: {side: joint, stall_torque: 20, gear_ratio: 0.1667, rotor_inertia: 1e-4}}",
+    )
+    assert codes(text) == ["SPEC182"]
+
+
+@pytest.mark.parametrize("spec", sorted(path.name for path in ROBOTS.glob("*.yaml")))
+def test_the_robot_library_is_sound(spec: str) -> None:
+    assert [str(item) for item in api.resolve(ROBOTS / spec).diagnostics if item.code in BY_CODE] == []
+
+
+def test_strict_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """compile writes nothing and exits 1, validate exits 1; without --strict both warn."""
+    spec = tmp_path / "s.yaml"
+    spec.write_text(
+        spec_of(
+            f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1}}, {REST}", motors="{m: {gear_ratio: 0.5}}"
+        ),
+        encoding="utf-8",
+    )
+    assert main(["validate", str(spec)]) == 0
+    assert "s.yaml:3:26: SPEC182 [warning] motors.m.gear_ratio: 0.5 rotor turns" in capsys.readouterr().err
+    assert main(["validate", "--strict", str(spec)]) == 1
+    assert "--strict: 1 number that can hardly be right" in capsys.readouterr().err
+    arguments = ["compile", str(spec), "-t", "mujoco", "-o", str(tmp_path / "out")]
+    assert main([*arguments, "--strict"]) == 1
+    assert 'accept: {spec.SPEC182: "the reason"}' in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    assert main(arguments) == 0
+
+
+def test_the_page_lists_every_check() -> None:
+    """docs/checks.md has a row a check, in the words of the table."""
+    page = (ROBOTS.parent / "docs" / "checks.md").read_text(encoding="utf-8")
+    for check in CHECKS:
+        assert f"| {check.code} | {check.judges} |" in page
+
+
+def test_every_check_is_explained(capsys: pytest.CaptureFixture[str]) -> None:
+    """`actspec rule` prints a check by its code or name, and the rule of the same code as well."""
+    assert main(["rule", *(check.code for check in CHECKS)]) == 0
+    text = capsys.readouterr().out
+    for check in CHECKS:
+        assert f"# {check.code} {check.name}\n" in text and check.because in text
+    assert main(["rule", "rotor-inertia"]) == 0
+    assert capsys.readouterr().out.startswith("# SPEC185 rotor-inertia\n")
