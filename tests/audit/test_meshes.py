@@ -23,7 +23,7 @@ MODEL = """<mujoco model="arm">
       %s
       <body pos="0 0 -0.3">
         <joint name="elbow" axis="0 1 0" range="-2 2"/>
-        <geom size="0.05" mass="0.1"/>
+        <geom size="0.05" mass="0.1" pos="0 0 -0.2"/>
       </body>
     </body>
   </worldbody>

@@ -145,7 +145,7 @@ def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
     Returns: The largest torque at the joint [N*m or N] and how it comes about; None where nothing bounds it.
     """
     command, kp, kd = row.command_range, row.kp, row.kd
-    if command is None or kp is None or kd is None or "gain" in view.unknown:
+    if command is None or kp is None or "gain" in view.unknown:
         return None, ""
     own = row.position_range or command
     if kp > 0.0 and row.control in ("dcmotor", "pid"):
@@ -153,7 +153,7 @@ def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:
     elif kp > 0.0:
         # gain x control and bias x position are two numbers, which need not be one kp.
         targets = tuple(view.gear**2 * view.gain * end / kp + view.gear * view.offset / kp for end in command)
-    elif kd > 0.0 and row.control == "velocity":
+    elif kd is not None and kd > 0.0 and row.control == "velocity":
         speed = largest(command)
         return kd * speed, f"kv {shown(row, 'kd', kd)} x {shown(row, 'velocity_limit', speed)}"
     else:
