@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 from collections import Counter
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -91,7 +91,7 @@ def judge(
     baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
     real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
-    resolved = _resolve(found, everything, settings, real_path)
+    resolved = _resolve(found, everything, settings, real_path, case.robot_by_path())
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
     called = {rule.code: (rule.code, *rule.names()) for rule in everything}
@@ -198,6 +198,7 @@ def _resolve(
     rules: Sequence[type[Rule]],
     settings: Settings,
     real_path: Callable[[str], str],
+    robots: Mapping[str, int],
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once."""
     by_code = {rule.code: rule for rule in rules}
@@ -216,7 +217,7 @@ def _resolve(
             finding.message,
         )
         confidence = finding.confidence or rule.confidence
-        unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
+        unique.setdefault(key, Reported(finding, rule.name, severity, confidence, robots.get(span.path)))
     return _in_order(unique.values())
 
 

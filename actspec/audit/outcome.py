@@ -30,12 +30,14 @@ class Reported:
         name: Of the rule.
         severity: After the settings.
         confidence: The finding's, else the rule's.
+        robot: The robot whose file it is in, as its index in `Case.robots`; None: of no robot, or nobody knows.
     """
 
     finding: Finding
     name: str
     severity: Severity
     confidence: Confidence
+    robot: int | None = None
 
 
 class Means(str, Enum):

@@ -24,7 +24,7 @@ class FindingGroup:
     Attributes:
         members: In the report's order, at least one.
         alike: Others that say the same of the same file with other figures; these are the worst.
-        copies: Where other files have the same notes, which are not repeated there.
+        copies: Where other files have the same, which is not repeated there.
         of_others: Whether some of those are of other joints, in words.
         copy_of: Where the same of another file is reported in full; None: nowhere.
     """
@@ -44,6 +44,11 @@ class FindingGroup:
     def joints(self) -> tuple[str, ...]:
         """Their joints, each once."""
         return tuple(dict.fromkeys(item.finding.joint for item in self.members if item.finding.joint))
+
+    @property
+    def concerned(self) -> tuple[object, ...]:
+        """Their joints, and those of the others with what is said of them."""
+        return (*self.joints, *((item.finding.joint, item.finding.message) for item in self.alike))
 
     @property
     def spans(self) -> tuple[Span, ...]:
@@ -102,34 +107,64 @@ class FindingGroup:
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
     """What people read, in the order of the findings.
 
-    Of groups that differ in figures only one stands for all. What more than `MOST_ALIKE` files have alike is reported
-    in full for the first: a note there for all of them, whatever their joints; a warning or error of the same joints
-    is still there for each file, which somebody has to mend. Nothing may be looked up in the result.
+    Of groups that differ in figures only one stands for all. What the files of one robot have alike, copies and
+    variants of it, is reported once, and so is a note that more than `MOST_ALIKE` files have alike, whatever their
+    joints; a warning or error of the same joints in files of several robots is still there for each file, which
+    somebody has to mend. Nothing may be looked up in the result.
 
     Args:
         found: Findings in the report's order.
     """
-    groups = grouped(found, fold=True)
+    groups = _without_copies(grouped(found, fold=True))
     alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
-        item, finding = group.first, group.first.finding
-        worse = [(other.finding.joint, other.finding.message) for other in group.alike]
-        whose = () if item.severity is Severity.INFO and not worse else (*group.joints, *worse)
-        key = (finding.code, finding.message, finding.help, item.severity, item.confidence, *whose)
-        alike.setdefault(key, []).append(group)
+        whose = () if group.first.severity is Severity.INFO and not group.alike else group.concerned
+        alike.setdefault((*_said(group), *whose), []).append(group)
     changed: dict[int, FindingGroup | None] = {}
     for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
-        spans = tuple(other.first.finding.span for other in others)
         if first.first.severity is Severity.INFO:
-            strange = any(other.joints != first.joints for other in others)
-            changed[id(first)] = replace(
-                first, copies=spans, of_others=" for other joints" if strange else ""
-            )
+            changed[id(first)] = _with_copies(first, others)
             changed.update((id(other), None) for other in others)
         else:
             changed.update((id(other), replace(other, copy_of=first.first.finding.span)) for other in others)
     each = (changed.get(id(group), group) for group in groups)
     return tuple(group for group in each if group is not None)
+
+
+def _said(group: FindingGroup) -> tuple[object, ...]:
+    """What a group says, but for its place and joints."""
+    item, finding = group.first, group.first.finding
+    return (finding.code, finding.message, finding.help, item.severity, item.confidence)
+
+
+def _without_copies(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
+    """Groups, those of one robot's files that say the same at the one that concerns most joints."""
+    copies: dict[tuple[object, ...], list[FindingGroup]] = {}
+    for group in groups:
+        robot = group.first.robot
+        copies.setdefault((*_said(group), id(group) if robot is None else robot), []).append(group)
+    kept: dict[int, FindingGroup] = {}
+    for same in copies.values():
+        main = max(same, key=lambda group: len(group.concerned))
+        others = [group for group in same if group is not main]
+        if all(set(group.concerned) <= set(main.concerned) for group in others):
+            kept[id(main)] = _with_copies(main, others)
+        else:
+            kept.update((id(group), group) for group in same)
+    return tuple(kept[id(group)] for group in groups if id(group) in kept)
+
+
+def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingGroup:
+    """A group with where the others are."""
+    if not others:
+        return main
+    strange = not {joint for other in others for joint in other.joints} <= set(main.joints)
+    places = (span for other in others for span in (other.first.finding.span, *other.copies))
+    return replace(
+        main,
+        copies=(*main.copies, *dict.fromkeys(places)),
+        of_others=" for other joints" if strange else main.of_others,
+    )
 
 
 def grouped(

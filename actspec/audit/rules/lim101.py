@@ -23,6 +23,10 @@ _URDF = {
     "velocity_limit": "the URDF's velocity is 0: MuJoCo leaves it out, and a solver that enforces it holds the joint",
 }
 
+_BOTH_ZERO = (
+    "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
+    "joint that can give nothing and is held"
+)
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
@@ -56,10 +60,14 @@ class NoEffectiveLimit(RuleInParts):
         for row in case.rows:
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
-            for field in _LIMITS:
-                limit: float | None = getattr(row, field)
-                if limit is not None and field in row.stated:
-                    idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
+            idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
+            limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
+            urdf = case.artifacts[row.artifact].kind is FileKind.URDF
+            if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
+                yield (self._zero(row, "effort_limit", _BOTH_ZERO),)
+                continue
+            for field, limit in limits.items():
+                if limit is not None:
                     yield self._stated(case, row, field, limit, idle)
 
     def _missing(

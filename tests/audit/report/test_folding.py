@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
 
 from actspec.audit.engine import judge
 from actspec.audit.finding import Finding, Skipped
-from actspec.audit.outcome import Report
+from actspec.audit.outcome import Report, Reported
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
@@ -136,3 +137,16 @@ def test_many_silent_rules_are_one_line() -> None:
     )
     many = [*few, Skipped("NET909", "no 9"), Skipped("NET909", "no 8")]
     assert render(_report(*many), "full", ReportOptions(chosen=True)).startswith("4 rules did not apply;")
+
+
+def test_copies_of_a_robot_are_reported_once() -> None:
+    """Variants of one robot are one finding with a list, a warning too; another robot's file stays by itself."""
+
+    def of(robot: int, *places: tuple[str, str]) -> list[Reported]:
+        report = _report(*(_one(1, "no limit", joint, path=path) for path, joint in places))
+        return [replace(item, robot=robot) for item in report.findings]
+
+    first, second = for_people([*of(3, ("a", "l"), ("b", "l"), ("b", "r")), *of(4, ("c", "l"))])
+    assert first.headline() == "l, r: no limit (the same in a)"
+    assert (second.first.finding.span.path, second.copies) == ("c", ())
+    assert len(for_people(of(3, ("a", "l"), ("b", "r")))) == 2
