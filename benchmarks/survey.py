@@ -318,9 +318,8 @@ def _text(
         lines += ["| file | joints | rule | finding | why |", "|---|---|---|---|---|"]
         for one in errors:
             joints, message = _cell(listed(one.joints, 2)), _cell(one.message)
-            lines.append(
-                f"| {one.file}:{one.line} | {joints} | {one.code} | {message} | {_cell(reasons[id(one)].why)} |"
-            )
+            why = _cell(reasons[id(one)].why) if id(one) in reasons else ""
+            lines.append(f"| {one.file}:{one.line} | {joints} | {one.code} | {message} | {why} |")
     else:
         lines.append(
             "None: no file contradicts itself, its simulator or its neighbours so that nobody could mean it."

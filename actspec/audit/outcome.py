@@ -140,7 +140,8 @@ class Report:
 
 
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:
-    """Why a file was judged from its text alone; for a URDF without a mass that is no loss."""
+    """Why a file was judged from its text alone; for a URDF without a mass, and a part of a model, that is no loss."""
+    part = any(artifact.is_part for artifact in file.artifacts)
     for refusal in dict.fromkeys(artifact.text_only for artifact in file.artifacts):
         if refusal is None:
             continue
@@ -148,7 +149,7 @@ def _from_text(file: FileReading) -> Iterator[Diagnostic]:
             message, severity = "no link has a mass, so what needs inertia is not judged", Severity.INFO
         else:
             message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
-            severity = Severity.WARNING
+            severity = Severity.INFO if part else Severity.WARNING
         yield Diagnostic("AUD013", severity, message, "", Span(file.path))
 
 

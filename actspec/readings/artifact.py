@@ -221,6 +221,18 @@ class Artifact:
     networks: tuple[NetworkReading, ...] = ()
     text_only: str | None = None
 
+    @property
+    def is_part(self) -> bool:
+        """Whether it is an MJCF for others to include or mount: without `<compiler>`, which the whole model has.
+
+        Whether its angles are degrees, and what it is integrated with, is then in a file that is not here.
+        """
+        return self.kind is FileKind.MJCF and not self.states(b"<compiler")
+
+    def states(self, tag: bytes) -> bool:
+        """Whether a robot file or one of its includes has an element; one in a comment counts too."""
+        return self.robot is not None and any(tag in file.data for file in self.robot.files)
+
 
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""

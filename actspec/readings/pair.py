@@ -1,19 +1,25 @@
 """Which artifacts describe the same robot.
 
-By joint names, which are the truth, and by what the files call the robot, because every quadruped of
-one vendor has the same joint names: a Go1 and a Go2 are never compared by accident.
+By joint names, which are the truth, by what the files and folders call the robot, because every quadruped of one
+vendor has the same joint names, and by figures, because every pendulum has: a Go1 and a Go2 are never compared by
+accident.
 """
 
 from __future__ import annotations
 
+import math
 import os
 import re
-from collections.abc import Iterable, Sequence
-from functools import lru_cache
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from functools import cache, lru_cache
 
+from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
+from actspec.readings.compare import DEGREES
+from actspec.readings.joint import read_joints
+from actspec.robot.view import RobotView
 
 SHARE = 0.8
 """Joints that two artifacts must share, of the smaller one. Chosen: a G1 of 23 joints and one of 29 share all 23;
@@ -22,6 +28,15 @@ a hand and a leg share none."""
 VARIANT = 0.5
 """Patterns that must match where the names say that it is the same robot. Chosen: a cfg for a robot with hands
 belongs to the model without them."""
+
+LIKENESS = 0.5
+"""Of two models' figures that must agree. Chosen: a file with all limits wrong and ranges and masses right is above."""
+
+_FEW = 5
+"""Figures of two models below which nothing is told from them. Chosen: two kinds of two joints, and a third of one."""
+
+_FOLDERS = 3
+"""Folders above a file whose names tell robots of one family apart. Chosen: `anymal_b_description/urdf/anymal.urdf`."""
 
 # fmt: off
 _GENERIC = frozenset((
@@ -63,8 +78,12 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
     def agree(one: int, other: int) -> bool:
         # A file without a name of its own goes by its folder, which says nothing against the file beside it.
         unnamed = not calls[one][0] or not calls[other][0]
-        return _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
+        named = _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
+        return named and not _told_apart(
+            artifacts[one].path, artifacts[other].path, words[one] & words[other]
+        )
 
+    figures = cache(lambda index: figures_of(artifacts[index].robot))
     held = next((names[i] for i, a in enumerate(artifacts) if a.spec is not None and a.path == spec), None)
     bound = {
         i for i, own in enumerate(names) if held and own is not None and _overlap(sets[i], frozenset(held))
@@ -80,6 +99,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
                 if all(
                     (_overlap(sets[index], sets[i]) and agree(index, i)) or {index, i} <= bound for i in group
                 )
+                and any({index, i} <= bound or _may_be_one(artifacts, figures, index, i) for i in group)
             ),
             None,
         )
@@ -190,6 +210,87 @@ def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
         return True
     signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in (one - other, other - one)]
     return bool(one & other) and not signs[0] & signs[1]
+
+
+def _told_apart(one: str, other: str, shared: frozenset[str]) -> bool:
+    """Whether folders tell apart what the files call alike: `anymal_b_description`, `anymal_c_description`."""
+    signs = [
+        {
+            word
+            for name in os.path.dirname(os.path.abspath(path)).split(os.sep)[-_FOLDERS:]
+            for word in _telling(name)
+            if word.rpartition("_")[0] in shared
+        }
+        for path in (one, other)
+    ]
+    return bool(signs[0] and signs[1]) and not signs[0] & signs[1]
+
+
+def _may_be_one(
+    artifacts: Sequence[Artifact], figures: Callable[[int], _Figures], one: int, other: int
+) -> bool:
+    """Whether figures do not speak against one robot. An MJCF and a URDF are compared, whatever they say."""
+    return artifacts[one].kind is not artifacts[other].kind or are_alike(figures(one), figures(other))
+
+
+_Figures = Mapping[str, Mapping[str, tuple[float, ...]]]
+"""Kind of figure to what each joint has."""
+
+
+def are_alike(one: _Figures, other: _Figures) -> bool:
+    """Whether the figures of two models may be of one robot: by joint names alone every pendulum is the same.
+
+    Kinds of figure (ranges, limits, what the links weigh) speak each with the share of joints on which they agree.
+    Less than half of what they say together is two robots; two kinds, or few figures, say nothing.
+
+    Args:
+        one: From `figures_of`.
+        other: Likewise.
+    """
+    shares, count = [], 0
+    for kind in one.keys() & other.keys():
+        same = [_is_same(kind, mine, other[kind][j]) for j, mine in one[kind].items() if j in other[kind]]
+        if same:
+            shares.append(sum(same) / len(same))
+            count += len(same)
+    return len(shares) < 3 or count < _FEW or sum(shares) >= LIKENESS * len(shares)
+
+
+def _is_same(kind: str, one: Sequence[float], other: Sequence[float]) -> bool:
+    if kind == "inertia":
+        return math.isclose(one[0], other[0], rel_tol=0.2, abs_tol=1e-9)
+    # A range in degrees is of the robot that has it in radians.
+    factors = (1.0, DEGREES, 1.0 / DEGREES) if kind == "range" else (1.0,)
+    least = 0.02 if kind == "range" else 0.0
+    return any(
+        all(math.isclose(f * a, b, rel_tol=0.02, abs_tol=least) for a, b in zip(one, other, strict=True))
+        for f in factors
+    )
+
+
+def figures_of(robot: RobotView | None) -> _Figures:
+    """What tells a model from another with the same joints: ranges, limits, and the links' inertia at each joint.
+
+    Args:
+        robot: The model; None: something else, which has none of its own.
+    """
+    if robot is None:
+        return {}
+    found: dict[str, dict[str, tuple[float, ...]]] = {}
+    for name, reading in read_joints(robot).items():
+        joint = reading.joint
+        if "range" not in joint.unknown:
+            found.setdefault("range", {})[name] = joint.range or (-math.inf, math.inf)
+        for kind, limit in (("effort", reading.drive_limit.value), ("speed", joint.velocity_limit)):
+            if limit is not None and 0.0 < limit < PLACEHOLDER:
+                found.setdefault(kind, {})[name] = (limit,)
+        at_zero = joint.zero_inertia[0] if joint.zero_inertia is not None else None
+        if at_zero is None and reading.inertia is not None and not robot.keyframes:
+            at_zero = reading.inertia.held.reference
+        armature = reading.armature.value or 0.0
+        if at_zero is not None:
+            found.setdefault("inertia", {})[name] = (at_zero - armature,)
+    return found
 
 
 def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:

@@ -31,10 +31,10 @@ MOST_YAML_BYTES = 8 * 1024 * 1024
 FAULT = "AUD008"
 """Code of a file that was lost to a fault, and not for what is in it."""
 
-_ROBOT_ROOT = re.compile(rb"<(?:mujoco|robot)[\s>/]")
+_ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
 
-KINDS = {"mujoco": FileKind.MJCF, "robot": FileKind.URDF}
-"""Root element to the kind of file."""
+KINDS = {"mujoco": FileKind.MJCF, "mujocoinclude": FileKind.MJCF, "robot": FileKind.URDF}
+"""Root element to the kind of file; a `mujocoinclude` is a part of a model."""
 
 _REPORTED_BY_RULES = ("ROBOT125",)
 """Codes of what a rule finds too: limits of 0, LIM101."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import pytest
 
@@ -196,3 +197,46 @@ def test_each_framework_matches_in_its_way(
 ) -> None:
     """The same text means other joints to Isaac Lab, legged_gym and a deploy file."""
     assert matching(framework, pattern, ("l_hip", "hip_2", "aaa")) == selected
+
+
+def _with(artifact: Artifact, path: str, scales: Sequence[float]) -> Artifact:
+    """The model with ranges, effort and speed limits of its own: 1 rad, 10 N*m and 20 rad/s times the scales."""
+    assert artifact.robot is not None
+    turn, effort, speed = scales
+    joints = tuple(
+        replace(
+            joint,
+            range=(-turn, turn),
+            effort_range=(-10.0 * effort, 10.0 * effort),
+            velocity_limit=20.0 * speed,
+        )
+        for joint in artifact.robot.joints
+    )
+    return replace(artifact, path=path, robot=replace(artifact.robot, path=path, joints=joints))
+
+
+@pytest.mark.parametrize(
+    ("scales", "count"),
+    [((1.0, 9.0, 1.0), 1), ((1.0, 9.0, 0.5), 2), ((57.29577951, 1.0, 0.5), 1), ((1.5, 3.0, 0.5), 2)],
+    ids=["limits wrong", "one third agrees", "in degrees", "nothing agrees"],
+)
+def test_figures_tell_robots_apart(scales: tuple[float, float, float], count: int) -> None:
+    """Two models of one format with the same joints are one robot where half of their figures are the same."""
+    base = model("one/arm.xml", "arm", ARM)
+    pairs = pair([_with(base, "one/arm.xml", (1.0, 1.0, 1.0)), _with(base, "two/arm.xml", scales)])
+    assert len(pairs) == count
+
+
+def test_formats_are_compared_whatever_they_say() -> None:
+    """An MJCF and a URDF of one name are there to be held to each other."""
+    base = model("arm.xml", "arm", ARM)
+    urdf = replace(_with(base, "arm.urdf", (1.5, 3.0, 0.5)), kind=FileKind.URDF)
+    assert len(pair([_with(base, "arm.xml", (1.0, 1.0, 1.0)), urdf])) == 1
+
+
+def test_folders_tell_versions_apart() -> None:
+    """`anymal.urdf` of ANYmal B and of C, by folders further up; folders that tell nothing do not part copies."""
+    paths = ("anymal_b_description/urdf/anymal.xml", "anymal_c_description/urdf/anymal.xml")
+    assert len(pair([model(path, "anymal", DOG) for path in paths])) == 2
+    copies = ("run_1/urdf/anymal.xml", "run_2/urdf/anymal.xml", "anymal_b_description/urdf/anymal.xml")
+    assert len(pair([model(path, "anymal", DOG) for path in copies])) == 1

@@ -17,12 +17,16 @@ from actspec.fields import FIELDS, is_placeholder
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
+from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import joint_names
 from actspec.units import format_quantity
 
 TIMES = 3.0
 """From here a ratio is given as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+
+GRAVE = 2.0
+"""From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
 
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
@@ -286,6 +290,23 @@ def is_no_limit(found: Disagreement) -> bool:
     return min(values) <= 0.0 or is_placeholder(max(values))
 
 
+def is_times_off(case: Case, found: Disagreement) -> bool:
+    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes."""
+    ratio = abs(found.ratio or 1.0)
+    if max(ratio, 1.0 / ratio) < GRAVE - 1e-9:
+        return False
+    return not any(_is_of_control(case, rows) for rows in (found.rows, found.others))
+
+
+def _is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
+    """Whether the control range of an MJCF's motors limits a joint, which is a matter of its task."""
+    robot, limit = case.artifacts[rows[0].artifact].robot, rows[0].effort_limit
+    if robot is None or limit is None:
+        return False
+    bound = read_joint(robot, rows[0].joint).force_bound.value
+    return bound is not None and bound > limit * (1.0 + 1e-9)
+
+
 def ratio_of(found: Disagreement, *fields: str) -> float | None:
     """The ratio of another figure of the same two files; None where one does not state it."""
     mine, theirs = stated_figure(found.rows, fields), stated_figure(found.others, fields)
@@ -337,6 +358,10 @@ class SourceRule(RuleInParts):
         """What it does to the robot, with a number."""
         raise NotImplementedError
 
+    def is_grave(self, case: Case, found: Disagreement) -> bool:
+        """Whether no variant explains it: two files of one robot cannot both be right."""
+        return False
+
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """By what the files are."""
         return self.severity, self.confidence
@@ -347,6 +372,8 @@ class SourceRule(RuleInParts):
         severity, confidence = self.severity_of(case, found)
         if found.variant:
             severity, confidence = Severity.INFO, Confidence.LOW
+        if self.is_grave(case, found):
+            severity, confidence = Severity.ERROR, Confidence.MEDIUM
         other = found.others[0].file
         return Finding(
             self.code,

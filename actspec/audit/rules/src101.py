@@ -8,6 +8,7 @@ from actspec.audit.rules.source_pairs import (
     Disagreement,
     SourceRule,
     is_no_limit,
+    is_times_off,
     ratio_of,
 )
 from actspec.readings.compare import hidden_gear
@@ -29,6 +30,10 @@ class EffortLimit(SourceRule):
         """A forgotten reduction says more than that the figures differ."""
         gears = {(item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)}
         return [item for item in findings if (item.span, item.joint) not in gears]
+
+    def is_grave(self, case: Case, found: Disagreement) -> bool:
+        """Twice or half the limit, or more."""
+        return is_times_off(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

@@ -6,6 +6,7 @@ from actspec.audit.rules.source_pairs import (
     Disagreement,
     SourceRule,
     is_no_limit,
+    is_times_off,
     ratio_of,
 )
 from actspec.readings.compare import angle_slip, hidden_gear
@@ -22,6 +23,10 @@ class VelocityLimit(SourceRule):
         if is_no_limit(found) or angle_slip(found.ratio, tolerance):
             return True
         return hidden_gear(ratio_of(found, "effort_limit"), found.ratio)
+
+    def is_grave(self, case: Case, found: Disagreement) -> bool:
+        """Twice or half the limit, or more."""
+        return is_times_off(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""

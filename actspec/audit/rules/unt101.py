@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
@@ -10,7 +11,7 @@ from actspec.audit.rules.actuator_texts import written_actuators
 from actspec.audit.rules.joints import by_joint, shown
 from actspec.diagnostics import Span
 from actspec.ir import JointKind
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.compare import DEGREES
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
@@ -30,8 +31,9 @@ class RangeInDegrees(RuleInParts):
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare ranges with each other and with what joints do."""
+        locked = case.once(read_as_degrees)
         found: list[LedgerRow] = []
-        for rows in by_joint(case, FileKind.MJCF).values():
+        for (index, _), rows in by_joint(case, FileKind.MJCF).items():
             for row in rows:
                 command, joint = row.command_range, row.position_range
                 if row.control != "position" or row.kind is not JointKind.HINGE:
@@ -39,22 +41,38 @@ class RangeInDegrees(RuleInParts):
                 if command is None or joint is None:
                     continue
                 yield ()
-                if _is_degrees_of(command, joint):
+                if _is_degrees_of(command, joint) and index not in locked:
                     found.append(row)
-        fixes = _range_fixes(case) if found else {}
+        fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
-            yield (self._of_control(row, row.command_range, row.position_range, fixes.get(row.span)),)
-        for _, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
-            robot = artifact.robot
-            hinges = [] if robot is None else [joint for joint in robot.joints if _is_limited_hinge(joint)]
-            locked = [joint for joint in hinges if largest(joint.range or (0.0, 0.0)) <= _LOCKED]
-            degrees = robot is not None and not any(b"radian" in file.data for file in robot.files)
-            if artifact.kind is FileKind.MJCF and degrees and len(locked) == len(hinges) >= _SEVERAL:
-                yield (self._of_file(locked),)
+            if _turns(row):
+                yield (self._of_control(row, row.command_range, row.position_range, fixes.get(row.span)),)
+            elif not case.artifacts[row.artifact].is_part:
+                yield (self._of_range(row, row.command_range, row.position_range),)
+        for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
+            hinges = _limited_hinges(artifact)
+            if index in locked:
+                if not artifact.is_part or os.path.realpath(artifact.path) not in case.once(Case.included):
+                    yield (self._of_file(hinges, artifact.is_part),)
                 continue
+            virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
-                yield self._of_joint(case, hinge)
+                yield () if hinge.range in virtual else self._of_joint(case, hinge)
+
+    def _of_range(self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float]) -> Finding:
+        low, high = (shown(row, "default_position", end) for end in joint)
+        return Finding(
+            self.code,
+            f"the joint's range is {low} ... {high}, and its servo's control range {DEGREES:.3g} times that: radians, "
+            "which MuJoCo takes for degrees in this file",
+            row.place("position_range"),
+            row.joint,
+            largest(joint),
+            "rad",
+            largest(command),
+            'write the range in degrees, or add <compiler angle="radian"/>',
+        )
 
     def _of_control(
         self, row: LedgerRow, command: tuple[float, float], joint: tuple[float, float], fix: Fix | None
@@ -93,19 +111,24 @@ class RangeInDegrees(RuleInParts):
             confidence=Confidence.MEDIUM,
         )
 
-    def _of_file(self, joints: list[JointView]) -> Finding:
+    def _of_file(self, joints: list[JointView], is_part: bool) -> Finding:
         first = joints[0]
         ends = first.range or (0.0, 0.0)
+        # What includes or mounts a part has the angle.
+        unless = ", unless what includes it has the angle" if is_part else ""
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0 ({first.name}: "
-            f"{format_quantity(ends[0], '', 3)} ... {format_quantity(ends[1], '', 3)} rad): radians, read as degrees",
+            f"{format_quantity(ends[0], '', 3)} ... {format_quantity(ends[1], '', 3)} rad): radians, "
+            f"read as degrees{unless}",
             first.places.get("range", first.span),
             "",
             largest(ends),
             "rad",
             largest(ends) * DEGREES,
             'add <compiler angle="radian"/>',
+            severity=Severity.INFO if is_part else None,
+            confidence=Confidence.LOW if is_part else None,
         )
 
 
@@ -115,8 +138,39 @@ _LOCKED = 3.2 / DEGREES
 _SEVERAL = 3
 
 
-def _is_limited_hinge(joint: JointView) -> bool:
-    return joint.kind is JointKind.HINGE and joint.range is not None and "range" not in joint.unknown
+_TURN = 2.0 * math.pi
+"""Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _turns(row: LedgerRow) -> bool:
+    """Whether a control range that is 57.3 times the joint's is the one that cannot be in radians."""
+    return row.command_range is not None and largest(row.command_range) > _TURN
+
+
+def read_as_degrees(case: Case) -> frozenset[int]:
+    """MJCFs without `angle="radian"` in which no hinge may move: their ranges are in radians."""
+    return frozenset(
+        index
+        for index, artifact in case.of_kind(FileKind.MJCF)
+        if not artifact.states(b"radian")
+        and len(hinges := _limited_hinges(artifact)) >= _SEVERAL
+        and all(largest(joint.range or (0.0, 0.0)) <= _LOCKED for joint in hinges)
+    )
+
+
+def _limited_hinges(artifact: Artifact) -> list[JointView]:
+    joints = () if artifact.robot is None else artifact.robot.joints
+    return [
+        joint
+        for joint in joints
+        if joint.kind is JointKind.HINGE and joint.range is not None and "range" not in joint.unknown
+    ]
+
+
+def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:
+    """Ranges that slides of the file have too: a base that floats on virtual joints gets one for all."""
+    joints = () if artifact.robot is None else artifact.robot.joints
+    return {joint.range for joint in joints if joint.kind is JointKind.SLIDE}
 
 
 def _is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:

@@ -2,11 +2,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import SPEEDS, joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.unt101 import read_as_degrees
 from actspec.ir import JointKind
 from actspec.readings.compare import DEGREES
 from actspec.readings.ledger import LedgerRow
@@ -29,6 +30,7 @@ class Factor57(RuleInParts):
 
     def _compared(self, case: Case) -> Iterator[Finding]:
         relative = self.option(case, "relative")
+        ranges: dict[tuple[int, int], list[Finding]] = {}
 
         def off_pairs(one: LedgerRow, other: LedgerRow) -> list[_Pair]:
             if JointKind.SLIDE in (one.kind, other.kind):
@@ -39,18 +41,41 @@ class Factor57(RuleInParts):
             off = off_pairs(one, other)
             severity = Severity.ERROR if len({pair.place for pair in off}) > 1 else self.severity
             for pair in off:
-                yield self._finding(one, other, pair, severity)
+                wrong, right, pair = _deviating(one, other, pair)
+                found = self._finding(wrong, right, pair, severity)
+                if pair.place == "position_range":
+                    ranges.setdefault((wrong.artifact, right.artifact), []).append(found)
+                else:
+                    yield found
+        locked = case.once(read_as_degrees)
+        for (index, _), several in ranges.items():
+            # UNT101 has the whole file, and a part has its angle from what includes it.
+            if index not in locked and not case.artifacts[index].is_part:
+                yield from self._of_files(several)
+
+    def _of_files(self, found: list[Finding]) -> Iterator[Finding]:
+        """Ranges of many joints are one finding: it is the file's angle that is wrong."""
+        # Both ends of a range are one figure.
+        joints = {one.joint: one for one in reversed(found)}
+        first = found[0]
+        if len(joints) < _MANY:
+            yield from reversed(joints.values())
+            return
+        yield replace(
+            first,
+            message=f"{first.joint} and {len(joints) - 1} more joints: {first.message}",
+            joint="",
+            help="check <compiler angle> of both files",
+        )
 
     def _finding(self, one: LedgerRow, other: LedgerRow, pair: _Pair, severity: Severity) -> Finding:
         first, second = pair.values
-        # A gain is smaller per degree, an angle or a speed is larger in degrees.
-        per_angle = pair.place in _PER_ANGLE
-        if (abs(first) < abs(second)) != per_angle:
-            one, other, first, second = other, one, second, first
-        factor = "1/57.3 of" if per_angle else "57.3 times"
-        what = (
-            "a figure per degree, taken per radian" if per_angle else "a figure in degrees, taken for radians"
-        )
+        smaller = abs(first) < abs(second)
+        factor = "1/57.3 of" if smaller else "57.3 times"
+        what = "a figure in degrees, taken for radians"
+        if smaller:
+            per_angle = pair.place in _PER_ANGLE
+            what = "a figure per degree, taken per radian" if per_angle else "radians, taken for degrees"
         return Finding(
             self.code,
             f"the {pair.name} of {shown(one, pair.unit, first, 4)} is {factor} the "
@@ -83,7 +108,22 @@ class _Pair:
     values: tuple[float, float]
 
 
+_MANY = 3
+
+_TURN = 2.0 * math.pi
+"""Chosen: an end of a range beyond a full turn is in degrees; where both are below, it is the smaller that is wrong."""
+
 _PER_ANGLE = ("kp", "kd", "joint_damping")
+
+
+def _deviating(one: LedgerRow, other: LedgerRow, pair: _Pair) -> tuple[LedgerRow, LedgerRow, _Pair]:
+    """The two rows, first the one whose figure deviates from what joints and gains are."""
+    first, second = map(abs, pair.values)
+    # A gain is smaller per degree, an angle or speed larger in degrees, a range small in radians read as degrees.
+    smaller = pair.place in _PER_ANGLE or (pair.place == "position_range" and max(first, second) <= _TURN)
+    if (first < second) == smaller:
+        return one, other, pair
+    return other, one, replace(pair, values=(pair.values[1], pair.values[0]))
 
 
 def _figures(row: LedgerRow) -> tuple[object, ...]:
