@@ -372,7 +372,8 @@ class SourceRule(RuleInParts):
         severity, confidence = self.severity_of(case, found)
         if found.variant:
             severity, confidence = Severity.INFO, Confidence.LOW
-        if self.is_grave(case, found):
+        # Beside a spec, which tells who is wrong, SPC101 has the error.
+        if FileKind.SPEC not in case.kinds_by_artifact[found.rows[0].artifact] and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM
         other = found.others[0].file
         return Finding(
