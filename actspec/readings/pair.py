@@ -218,7 +218,7 @@ def _told_apart(one: str, other: str, shared: frozenset[str]) -> bool:
         {
             word
             for name in os.path.dirname(os.path.abspath(path)).split(os.sep)[-_FOLDERS:]
-            for word in _telling(name)
+            for word in telling(name)
             if word.rpartition("_")[0] in shared
         }
         for path in (one, other)
