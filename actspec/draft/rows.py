@@ -75,10 +75,7 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
             return
         hint = hints.get(key, "")
         silent = _silence(key, name, quantity, kinds)
-        if silent is not None:
-            rows[key] = Row("unknown", hint or silent, lost_of(quantity), _places(quantity))
-        else:
-            rows[key] = Row(sourced(quantity), hint, lost_of(quantity), _places(quantity))
+        rows[key] = _row(quantity, hint) if silent is None else _row(quantity, hint or silent, "unknown")
 
     add("kp", joint.kp, "kp")
     add("kd", joint.kd, "kd")
@@ -87,11 +84,11 @@ def rows_of(joint: JointActuator, kinds: Sequence[FileKind], *, speeds: bool) ->
     add("armature", joint.armature, "armature")
     cutoff = joint.filter_cutoff
     if cutoff is not None and cutoff.known:
-        rows["command_filter"] = Row(f"{{cutoff: {sourced(cutoff)}}}", "", lost_of(cutoff), _places(cutoff))
+        rows["command_filter"] = _row(cutoff, value=f"{{cutoff: {sourced(cutoff)}}}")
     if joint.delay is not None:
         nominal = joint.delay.nominal
         hint = "" if nominal.known else nominal.note or "not stated"
-        rows["delay"] = Row(_delay(joint.delay), hint, lost_of(nominal), _places(nominal))
+        rows["delay"] = _row(nominal, hint, _delay(joint.delay))
     add("encoder_bias", joint.encoder_bias, "encoder_bias", always=False)
     if joint.action_scale is not None:
         add("action_scale", joint.action_scale, "action_scale", always=False)
@@ -126,9 +123,7 @@ def motor_of(joint: JointActuator) -> dict[str, Row]:
     for name in ("peak_torque", "continuous_torque", "reflected_inertia"):
         figures[name] = getattr(joint, name)
     return {
-        name: Row(sourced(quantity), "", lost_of(quantity), _places(quantity))
-        for name, quantity in figures.items()
-        if quantity is not None and quantity.known
+        name: _row(quantity) for name, quantity in figures.items() if quantity is not None and quantity.known
     }
 
 
@@ -204,6 +199,12 @@ def lost_of(quantity: Quantity) -> tuple[Lost, ...]:
         for other in quantity.lost
         if other.known and stated(other)
     )
+
+
+def _row(quantity: Quantity, hint: str = "", value: str | None = None) -> Row:
+    """The line of a quantity, which stands there itself where there is no other value."""
+    text = sourced(quantity) if value is None else value
+    return Row(text, hint, lost_of(quantity), _places(quantity))
 
 
 def _places(quantity: Quantity) -> tuple[Span, ...]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span
 from actspec.fields import units_of
@@ -37,35 +38,40 @@ HELD_FROM = 1_000_000
 _COMMANDS = {command.value: command for command in Command}
 
 
+@dataclass
 class ConfigJoint:
     """One joint of one group.
 
     Attributes:
+        config: The configuration.
+        group: Its group.
+        joint: Name of the joint.
+        pattern: What selects it.
+        named: All joints of the robot.
+        view: The joint in the robot's file; None: there is none.
+        versions: What the configuration is written for.
+        physics_dt: The simulation's step [s]; None: nobody states it.
         notes: What a spec cannot hold, or says otherwise; complete once the actuator is made.
     """
 
-    def __init__(
-        self,
-        config: RobotConfig,
-        group: ActuatorGroup,
-        joint: str,
-        pattern: str,
-        named: tuple[str, ...],
-        view: JointView | None,
-        versions: Versions,
-        physics_dt: float | None,
-    ) -> None:
-        self.notes: list[str] = []
-        self._config = config
-        self._group = group
-        self._joint = joint
-        self._pattern = pattern
-        self._view = view
-        self._versions = versions
-        self._physics_dt = physics_dt
+    config: RobotConfig
+    group: ActuatorGroup
+    joint: str
+    pattern: str
+    named: tuple[str, ...]
+    view: JointView | None
+    versions: Versions
+    physics_dt: float | None
+    notes: list[str] = field(default_factory=list, init=False)
+
+    def __post_init__(self) -> None:
+        """What its class makes of the settings."""
+        config, group = self.config, self.group
         self._control = control_of_group(config.framework, group)
-        self._figures = figures_of(config, group, joint, pattern, named, versions, physics_dt)
-        self._units = units_of(JointKind.HINGE if view is None else view.kind)
+        self._figures = figures_of(
+            config, group, self.joint, self.pattern, self.named, self.versions, self.physics_dt
+        )
+        self._units = units_of(JointKind.HINGE if self.view is None else self.view.kind)
         self._own = is_own_class(group)
 
     def actuator(self, randomize: tuple[Randomization, ...]) -> JointActuator:
@@ -74,7 +80,7 @@ class ConfigJoint:
         Args:
             randomize: Its ranges.
         """
-        units, view = self._units, self._view
+        units, view = self._units, self.view
         network = self._network()
         kp, kd, command = self._gains()
         if network is not None:
@@ -92,10 +98,10 @@ class ConfigJoint:
         coulomb, static = self._dry_friction()
         self._note_class()
         return JointActuator(
-            joint=self._joint,
+            joint=self.joint,
             kind=JointKind.HINGE if view is None else view.kind,
-            group=self._group.name,
-            pattern=self._pattern,
+            group=self.group.name,
+            pattern=self.pattern,
             level=level,
             command=command,
             kp=kp,
@@ -124,7 +130,7 @@ class ConfigJoint:
             position_range=self._position_range(),
             network=network,
             randomize=randomize,
-            span=self._group.span,
+            span=self.group.span,
         )
 
     def _quantity(self, found: Found, unit: str) -> Quantity:
@@ -147,11 +153,11 @@ class ConfigJoint:
 
     def _kept(self, name: str) -> str | None:
         """What stands where a configuration does not state a number of the joint itself."""
-        if self._config.framework is Framework.ISAACLAB:
+        if self.config.framework is Framework.ISAACLAB:
             return "the USD's own"
-        if self._config.framework is Framework.MJLAB and name in ("armature", "frictionloss"):
+        if self.config.framework is Framework.MJLAB and name in ("armature", "frictionloss"):
             return f"the model's own {name} from mjlab 1.3 on, 0 before"
-        if self._config.framework is Framework.MJLAB:
+        if self.config.framework is Framework.MJLAB:
             return f"the model's own {name}"
         return None
 
@@ -176,8 +182,8 @@ class ConfigJoint:
 
     def _named_command(self) -> Command | None:
         """What the command is in so many words; our own class only reads them for its filter and its clamp."""
-        written = self._group.settings.get("command")
-        if written is None or not (self._own or self._config.framework is Framework.DEPLOY):
+        written = self.group.settings.get("command")
+        if written is None or not (self._own or self.config.framework is Framework.DEPLOY):
             return None
         readers = ("filter_cutoff", "command_low", "command_high")
         if self._own and not any(name in self._figures for name in readers):
@@ -192,14 +198,14 @@ class ConfigJoint:
         solver = self._figures.get("solver_effort_limit")
         if solver is not None and solver.value is not None and solver.value < (found.value or 0.0):
             names = ("effort_limit_sim", "joint_effort_limit")
-            name = next(name for name in names if name in self._group.settings)
+            name = next(name for name in names if name in self.group.settings)
             self.notes.append(f"the solver clips at {solver.value:g} {unit} too ({name}), below effort_limit")
         return found
 
     def _no_limit(self) -> str | None:
-        if self._config.framework is Framework.ISAACLAB and self._control != "implicit":
+        if self.config.framework is Framework.ISAACLAB and self._control != "implicit":
             return "Isaac Lab before 2.3.1 does not clip then, later it clips at the USD's"
-        return self._kept("limit") if self._config.framework is Framework.ISAACLAB else None
+        return self._kept("limit") if self.config.framework is Framework.ISAACLAB else None
 
     def _line(self, name: str, unit: str) -> Quantity | None:
         """A point of the torque-speed line; None without one, or where it is put out of the way."""
@@ -229,7 +235,7 @@ class ConfigJoint:
     def _dry_friction(self) -> tuple[Quantity, Quantity | None]:
         """Sliding friction, and the static one where it is another number."""
         unit = self._units.torque
-        isaaclab = self._config.framework is Framework.ISAACLAB
+        isaaclab = self.config.framework is Framework.ISAACLAB
         sliding = self._figure("frictionloss", unit, self._kept("friction" if isaaclab else "frictionloss"))
         static = self._optional("friction_static", unit)
         return sliding, None if static is None or static.value == sliding.value else static
@@ -243,12 +249,12 @@ class ConfigJoint:
 
     def _delay(self) -> Delay | None:
         """Physics steps in the frameworks, seconds in a deploy file; Isaac Lab 3.0 has one lag, the largest."""
-        if self._config.framework is Framework.DEPLOY:
+        if self.config.framework is Framework.DEPLOY:
             return self._delay_in_seconds()
-        low, high = lags_of(self._config.framework, self._group, self._versions)
-        step, sampling, losses = self._physics_dt, "episode", list[str]()
-        if self._config.framework is Framework.MJLAB:
-            sampling, losses = _mjlab_sampling(self._group)
+        low, high = lags_of(self.config.framework, self.group, self.versions)
+        step, sampling, losses = self.physics_dt, "episode", list[str]()
+        if self.config.framework is Framework.MJLAB:
+            sampling, losses = _mjlab_sampling(self.group)
         if high is None:
             return None
         most, least = high.number, 0.0 if low is None else low.number
@@ -282,26 +288,26 @@ class ConfigJoint:
         return Delay(nominal or unknown("s", "a range", place), ends[0], ends[1], "episode")
 
     def _position_range(self) -> tuple[float, float] | None:
-        if self._view is not None:
-            return self._view.range
-        if self._config.framework is not Framework.DEPLOY:
+        if self.view is not None:
+            return self.view.range
+        if self.config.framework is not Framework.DEPLOY:
             return None
         low, high = (self._figure(f"position_{end}", "").value for end in ("low", "high"))
         return None if low is None or high is None else (low, high)
 
     def _network(self) -> Network | None:
-        reading = self._group.network
+        reading = self.group.network
         if self._control != "network":
             if reading is not None:
                 self.notes.append(f"the network {reading.file} beside the gains is left out")
             return None
         if reading is None:
-            return Network("", None, self._group.span)
+            return Network("", None, self.group.span)
         manifest = None if reading.manifest is None else reading.manifest.path
         return Network(reading.path or reading.file, manifest, reading.span)
 
     def _note_class(self) -> None:
-        group = self._group
+        group = self.group
         if self._own:
             self.notes.append(f"{group.cls} is read as the class that actspec writes")
         elif "joint_parameter_lookup" in group.settings:

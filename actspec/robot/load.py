@@ -68,19 +68,18 @@ def load_robot(path: str) -> RobotView:
 
     Raises: RobotError: the file cannot be read or understood.
     """
-    from actspec.robot.xml import parse_document, read_model_files
+    from actspec.robot.xml import open_document
 
-    files = read_model_files(path)
-    document = parse_document(files)
+    document = open_document(path)
     tag = document.root.tag
     if tag == "mujoco":
         from actspec.robot.read_mjcf import read_mjcf
 
-        return read_mjcf(files, document)
+        return read_mjcf(document.files, document)
     if tag == "robot":
         from actspec.robot.read_urdf import read_urdf
 
-        return read_urdf(files, document)
+        return read_urdf(document.files, document)
     raise _no_robot(document)
 
 

@@ -46,29 +46,13 @@ MOST_CHAIN = 64
 _ROOTS = ("mujoco", "mujocoinclude")
 
 
-def read_model_files(path: str) -> tuple[ModelFile, ...]:
-    """Read a model's main file and, if it is an MJCF, its includes from disk.
-
-    A main file without includes is not parsed here.
-
-    Args:
-        path: The main file.
-
-    Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
-    """
-    main = read_main(path)
-    if b"<include" not in main.data:
-        return (main,)
-    return _assemble(main, _on_disk).files
-
-
 def open_document(path: str) -> XmlDocument:
     """Read a model's files from disk and parse them, each once.
 
     Args:
         path: The main file.
 
-    Raises: RobotError: as `read_model_files` and `parse_document`.
+    Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
     """
     return _assemble(read_main(path), _on_disk)
 
@@ -99,7 +83,7 @@ def parse_document(files: Sequence[ModelFile]) -> XmlDocument:
     """Parse a model's files.
 
     Args:
-        files: As `read_model_files` gives them, or with the same includes and other bytes.
+        files: As `open_document` reads them, or with the same includes and other bytes.
 
     Raises:
         RobotError: a file is not UTF-8, not well-formed, holds a DOCTYPE, is too large or deep, or is

@@ -15,7 +15,7 @@ from actspec.ir import ActuatorSet, JointActuator
 from actspec.readings.compare import same
 from actspec.readings.dynamics import SETTING_NOUNS
 from actspec.robot.view import ModelFormat
-from actspec.robot.xml import read_model_files
+from actspec.robot.xml import open_document
 from actspec.simulate.rollout import PLACES, drivers
 from actspec.units import format_number, format_quantity
 from actspec.verify.agreement import Row, TargetFiles, alike
@@ -230,7 +230,7 @@ def _compiled(path: str) -> mujoco.MjModel | None:
     from actspec.robot.mjspec import compile_spec, open_spec
 
     try:
-        return compile_spec(open_spec(read_model_files(path), format=ModelFormat.MJCF))
+        return compile_spec(open_spec(open_document(path).files, format=ModelFormat.MJCF))
     except RobotError:
         return None
 

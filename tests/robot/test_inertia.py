@@ -15,7 +15,7 @@ from actspec.robot import inertia
 from actspec.robot.inertia import InertiaUnknown, latin_hypercube, pose_inertia
 from actspec.robot.mjspec import compile_spec, open_spec
 from actspec.robot.view import ModelFormat
-from actspec.robot.xml import read_model_files
+from actspec.robot.xml import open_document
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 GO2 = CORPUS / "unitree_mujoco" / "unitree_robots" / "go2" / "go2.xml"
@@ -242,7 +242,7 @@ def test_splitmix64_is_the_published_one() -> None:
 def test_extremes_agree_with_sobol(which: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Go2: the extremes over our 256 poses are those of 4096 Sobol poses, within 10 % at every joint."""
     qmc = pytest.importorskip("scipy.stats.qmc")
-    files = read_model_files(str(GO2))
+    files = open_document(str(GO2)).files
     model = compile_spec(open_spec(files, format=ModelFormat.MJCF), files)
     ours = pose_inertia(model)
 

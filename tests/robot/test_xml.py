@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from actspec.diagnostics import RobotError, Span
 from actspec.robot import xml
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import parse_document, read_model_files
+from actspec.robot.xml import open_document, parse_document
 from actspec.robot.xml_tree import Element, XmlDocument
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS") or Path(__file__).parents[2].parent / "shared" / "corpus")
@@ -465,7 +465,7 @@ def test_includes_are_mujocos(name: str, tmp_path: Path, monkeypatch: pytest.Mon
         answer = None
     assert answer == bodies
     try:
-        document = parse_document(read_model_files(path))
+        document = open_document(path)
     except RobotError as err:
         assert answer is None, str(err)
     else:
@@ -483,7 +483,7 @@ def test_files_and_spans_of_includes(tmp_path: Path) -> None:
             "m/c.xml": "<mujocoinclude><z/></mujocoinclude>",
         },
     )
-    files = read_model_files(path)
+    files = open_document(path).files
     folder = str(tmp_path / "m")
     assert [(f.path, f.include) for f in files] == [
         (path, ""),
@@ -509,7 +509,7 @@ def test_relative_main_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
         {"m/main.xml": including("s/a.xml"), "m/s/a.xml": including("b.xml"), "m/s/b.xml": BODY % "sub"},
     )
     monkeypatch.chdir(tmp_path)
-    assert [f.path for f in read_model_files("m/main.xml")] == ["m/main.xml", "m/s/a.xml", "m/s/b.xml"]
+    assert [f.path for f in open_document("m/main.xml").files] == ["m/main.xml", "m/s/a.xml", "m/s/b.xml"]
 
 
 def test_file_included_by_two_others(tmp_path: Path) -> None:
@@ -523,7 +523,7 @@ def test_file_included_by_two_others(tmp_path: Path) -> None:
             "m/c.xml": "<mujoco><x/></mujoco>",
         },
     )
-    document = parse_document(read_model_files(path))
+    document = open_document(path)
     first, second = document.walk("x")
     assert (first.file, second.file) == (2, 4)
     assert document.is_repeated(first) and not document.is_repeated(document.root)
@@ -550,7 +550,7 @@ def test_content_of_a_foreign_file_is_never_shown(secret: str, kind: str, tmp_pa
     """An include of any file of the machine says that it is no MJCF, and nothing of what is in it."""
     path = written(tmp_path, {"m/main.xml": including("../secret"), "secret": secret})
     with pytest.raises(RobotError) as caught:
-        read_model_files(path)
+        open_document(path)
     assert str(caught.value) == (
         f"{path}:1:9: ROBOT008: the included file '../secret' {kind}\n"
         "  help: an included file is XML with the root <mujoco> or <mujocoinclude>"
@@ -561,7 +561,7 @@ def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:
     """Once the root shows that a file is an MJCF, its errors are given in full, at its own lines."""
     path = written(tmp_path, {"m/main.xml": including("b.xml"), "m/b.xml": "<mujoco>\n<a>\n</mujoco>"})
     with pytest.raises(RobotError) as caught:
-        read_model_files(path)
+        open_document(path)
     assert str(caught.value) == (
         f"{tmp_path}/m/b.xml:3:3: ROBOT004: </mujoco> stands where <a> (line 2) is to be closed"
     )
@@ -579,7 +579,7 @@ def test_all_include_errors_at_once(tmp_path: Path) -> None:
         },
     )
     with pytest.raises(RobotError) as caught:
-        read_model_files(path)
+        open_document(path)
     assert [str(d) for d in caught.value.diagnostics] == [
         f"{path}:2:1: ROBOT006: the include cannot be followed: there is no file 'leg.xml'\n"
         f"  help: tried {tmp_path}/m/leg.xml; did you mean 'legs.xml'?",
@@ -595,7 +595,7 @@ def test_circle_names_the_chain(tmp_path: Path) -> None:
         {"m/main.xml": including("a.xml"), "m/a.xml": including("b.xml"), "m/b.xml": including("a.xml")},
     )
     with pytest.raises(RobotError) as caught:
-        read_model_files(path)
+        open_document(path)
     folder = tmp_path / "m"
     assert str(caught.value) == (
         f"{folder}/b.xml:1:9: ROBOT007: the includes go in a circle: "
@@ -611,7 +611,7 @@ def test_repeated_includes_do_not_explode(tmp_path: Path) -> None:
         files[f"m/b{step}.xml"] = files[f"m/c{step}.xml"] = including(f"a{step + 1}.xml")
     files["m/a20.xml"] = "<mujoco><option/></mujoco>"
     with pytest.raises(RobotError, match=r"ROBOT002: more than 1000 includes, or 64 in a chain$"):
-        read_model_files(written(tmp_path, files))
+        open_document(written(tmp_path, files))
 
 
 def test_many_faulty_includes_end_soon() -> None:
@@ -626,15 +626,15 @@ def test_pipes_devices_and_folders_are_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     for name, kind in ((str(tmp_path / "pipe"), "not a regular file"), ("/dev/zero", "not a regular file")):
         with pytest.raises(RobotError) as caught:
-            read_model_files(name)
+            open_document(name)
         assert str(caught.value) == f"{name}: ROBOT001: {name!r} is {kind}"
         path = written(tmp_path, {"m/main.xml": including(name)})
         with pytest.raises(RobotError) as caught:
-            read_model_files(path)
+            open_document(path)
         assert str(caught.value).endswith(f"ROBOT006: the include cannot be followed: {name!r} is {kind}")
     for name in (str(tmp_path / "none.xml"), str(tmp_path / "m" / "main.xml" / "x"), "a\0b", "a" * 5000):
         with pytest.raises(RobotError, match="ROBOT001"):
-            read_model_files(name)
+            open_document(name)
 
 
 def test_large_file_is_refused(tmp_path: Path) -> None:
@@ -643,7 +643,7 @@ def test_large_file_is_refused(tmp_path: Path) -> None:
     with path.open("wb") as stream:
         stream.truncate(64 * 1024 * 1024 + 1)
     with pytest.raises(RobotError) as caught:
-        read_model_files(str(path))
+        open_document(str(path))
     assert str(caught.value) == f"{path}: ROBOT001: {str(path)!r} is larger than 64 MiB"
 
 
@@ -679,9 +679,9 @@ def test_real_files_as_lxml_reads_them(path: Path) -> None:
         with pytest.raises(etree.XMLSyntaxError):
             etree.fromstring(data)
         with pytest.raises(RobotError, match="25:2: ROBOT004: a closing tag whose element is closed already"):
-            read_model_files(str(path))
+            open_document(str(path))
         return
-    document = parse_document(read_model_files(str(path)))
+    document = open_document(str(path))
     theirs = [
         (f"{e.prefix}:{etree.QName(e).localname}" if e.prefix else e.tag, dict(e.attrib))
         for e in etree.fromstring(data).iter(etree.Element)

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from actspec.diagnostics import RobotError
 from actspec.robot.view import ModelFile
-from actspec.robot.xml import parse_document, read_model_files
+from actspec.robot.xml import open_document, parse_document
 from actspec.robot.xml_edit import (
     AppendChild,
     Edit,
@@ -454,7 +454,7 @@ def test_numbers_that_are_none(x: float) -> None:
 def real(path: Path) -> XmlDocument:
     """A real file, parsed; one of them is not well-formed."""
     try:
-        return parse_document(read_model_files(str(path)))
+        return open_document(str(path))
     except RobotError:
         pytest.skip("not well-formed")
 

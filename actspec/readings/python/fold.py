@@ -32,6 +32,7 @@ from actspec.readings.python.values import (
     Unknown,
     Value,
     ancestors,
+    either,
     perhaps,
     possible,
     reason_of,
@@ -85,10 +86,6 @@ class Expressions:
 
     def bind(self, target: ast.expr, value: Value, scope: Scope) -> None:
         """Assign to a target."""
-        raise NotImplementedError
-
-    def either(self, values: Sequence[Value], reason: str) -> Value:
-        """One of several values, of which nobody knows which: known where they are equal."""
         raise NotImplementedError
 
     # Names.
@@ -337,7 +334,7 @@ class Expressions:
         known = truth(test)
         if known is not None:
             return self.eval(node.body if known else node.orelse, scope)
-        return self.either(
+        return either(
             [self.eval(node.body, scope), self.eval(node.orelse, scope)],
             f"depends on a test that is not folded: {reason_of(test.data) or 'unknown'}",
         )

@@ -26,10 +26,10 @@ from actspec.readings.python.values import (
     Table,
     Unknown,
     Value,
+    either,
     perhaps,
     possible,
     reason_of,
-    same,
     truth,
 )
 
@@ -212,12 +212,12 @@ class Interpreter(Objects):
         for name in changed:
             values = [names.get(name) for names in left]
             known = [self.resolved(value, scope) for value in values if value is not None]
-            merged = self.either(known, reason)
+            merged = either(known, reason)
             if len(known) < len(values):
                 merged = perhaps(known, reason, merged.span)
             scope.names[name] = merged
         if ended == len(bodies):
-            scope.returned = self.either(returned, reason) if returned else None
+            scope.returned = either(returned, reason) if returned else None
             return True
         scope.maybe.extend(perhaps((value,), reason) for value in returned)
         return False
@@ -227,10 +227,6 @@ class Interpreter(Objects):
         done = self.run(body, scope)
         returned, scope.returned = scope.returned, None
         return done, returned
-
-    def either(self, values: Sequence[Value], reason: str) -> Value:
-        first, *others = values
-        return first if all(same(first, one) for one in others) else perhaps(values, reason)
 
     def _loop(self, node: ast.For | ast.AsyncFor | ast.While, scope: Scope) -> None:
         before = dict(scope.names)

@@ -363,6 +363,12 @@ def perhaps(values: Sequence[Value], reason: str, span: Span | None = None) -> V
     return Value(Unknown(reason, among=possible(values)), span or values[0].span)
 
 
+def either(values: Sequence[Value], reason: str) -> Value:
+    """One of several values, of which nobody knows which: known where they are equal."""
+    first, *others = values
+    return first if all(same(first, one) for one in others) else perhaps(values, reason)
+
+
 def truth(value: Value) -> bool | None:
     """Python's truth of a value; None when it is not known."""
     data = value.data

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import RobotError, shortened
 from actspec.files import FAULTS, read_regular
 from actspec.robot.view import ModelFormat
-from actspec.robot.xml import read_model_files
+from actspec.robot.xml import open_document
 from actspec.simulate.excitation import HeldMotions
 from actspec.simulate.experiment import Experiment
 from actspec.simulators import UnknownVersion
@@ -174,7 +174,7 @@ def _model(question: Question, folder: Path | None) -> Iterator[Path]:
     from actspec.robot.mjspec import compile_spec, open_spec
 
     try:
-        spec = open_spec(read_model_files(question.main), format=ModelFormat.MJCF)
+        spec = open_spec(open_document(question.main).files, format=ModelFormat.MJCF)
         model = compile_spec(spec)
     except RobotError as err:
         raise EngineRefused(shortened(err.diagnostics[0].message, 300)) from err
