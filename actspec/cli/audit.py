@@ -101,6 +101,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     fixes.add_argument("--diff", action="store_true", help="write no fix; show them, exit 1 if there are any")
     known = command.add_argument_group("known findings")
     known.add_argument("--baseline", metavar="FILE", help="leave out the findings in FILE")
+    known.add_argument(
+        "--no-baseline", action="store_true", help="show the findings in the baseline of the settings too"
+    )
     known.add_argument("--write-baseline", metavar="FILE", help="write the findings to FILE, and exit 0")
     command.add_argument(
         "--jobs", metavar="N", type=_jobs, help="processes that read files (default: one a core)"

@@ -161,6 +161,8 @@ def _settings(arguments: argparse.Namespace) -> Settings:
             out.error("AUD010", f"needs --output-format {' or '.join(formats)}", where=option)
     if arguments.write_baseline is not None and (arguments.fix or arguments.unsafe_fixes or arguments.diff):
         out.error("AUD010", "fix first, then write what is left", where="--write-baseline")
+    if arguments.no_baseline and arguments.baseline is not None:
+        out.error("AUD010", "and --baseline exclude each other", where="--no-baseline")
     select = tuple(code for group in arguments.select or () for code in group)
     ignore = tuple(code for group in arguments.ignore or () for code in group)
     for option, given, codes in (
@@ -191,8 +193,10 @@ def _settings(arguments: argparse.Namespace) -> Settings:
     fail_on = NEVER if arguments.exit_zero else arguments.fail_on
     if fail_on is not None:
         settings = replace(settings, fail_on=None if fail_on == NEVER else Severity(fail_on))
-    if arguments.baseline is not None or arguments.write_baseline is not None:
-        settings = replace(settings, baseline=None if arguments.write_baseline else arguments.baseline)
+    if arguments.no_baseline or arguments.write_baseline is not None:
+        settings = replace(settings, baseline=None)
+    elif arguments.baseline is not None:
+        settings = replace(settings, baseline=arguments.baseline)
     return settings
 
 

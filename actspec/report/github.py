@@ -10,6 +10,7 @@ from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity, Span, one_line
 from actspec.report import ReportOptions
 from actspec.report.findings import grouped
+from actspec.report.text import remarks
 
 LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 
@@ -23,7 +24,7 @@ def render(report: Report, options: ReportOptions) -> str:
         if item.finding.help:
             text += f"\nhelp: {one_line(item.finding.help)}"
         lines.append(command(item.severity, f"{item.finding.code} {item.name}", item.finding.span, text))
-    for problem in report.for_people(options.least):
+    for problem in remarks(report, options.least):
         text = one_line(f"{problem.where}: {problem.message}" if problem.where else problem.message)
         lines.append(command(problem.severity, problem.code, problem.span, text))
     return "".join(f"{line}\n" for line in lines)

@@ -98,6 +98,7 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
         (["--jobs", "0"], 2),
         (["--config", "gone.toml"], 2),
         (["--baseline", "gone.json"], 2),
+        (["--baseline", "gone.json", "--no-baseline"], 2),
         (["--statistics", "--output-format", "json"], 2),
         (["--ledger", "--output-format", "sarif"], 2),
         (["--write-baseline", "b.json", "--diff"], 2),
@@ -321,6 +322,8 @@ def test_baseline(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
         "known.json: AUD007 [warning]: LIM101 is in the baseline and is no longer found in leg.xml (hip)\n"
         "  help: write the baseline again with --write-baseline known.json\n"
     )
+    assert run("audit", "leg.xml", "--no-baseline", "--fail-on", "warning") == 1
+    assert "LIM101" in capsys.readouterr().out
     # Written anew it does not hide itself first.
     assert run("audit", "leg.xml", "--write-baseline", "known.json") == 0
     assert len(json.loads((folder / "known.json").read_text())["findings"]) == 1

@@ -7,6 +7,7 @@ depends on is not installed once more: it comes from the environment of the test
 from __future__ import annotations
 
 import os
+import shlex
 import shutil
 import subprocess
 import sys
@@ -278,6 +279,28 @@ def test_other_files_are_passed_over(
         assert name not in "".join(capsys.readouterr())
         assert main([command, "--", name]) == (1 if command == "audit" else 2)
         capsys.readouterr()
+
+
+def test_the_audit_hook_is_calm(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """One line a warning, notes counted; what the settings exclude is passed over though pre-commit names it."""
+    monkeypatch.chdir(tmp_path)
+    (hook,) = [
+        h for h in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text()) if h["id"] == "actspec-audit"
+    ]
+    Path("vendor").mkdir()
+    for name in ("leg.xml", "vendor/leg.xml"):
+        # Without armature: GEA104, a note.
+        Path(name).write_text(BARE.replace('armature="0.01"', ""))
+    Path("vendor/broken.xml").write_text("<mujoco>")
+    Path("actspec.toml").write_text('[audit]\nexclude = ["vendor"]\nselect = ["LIM101", "GEA104"]\n')
+    command, *entry = shlex.split(hook["entry"])
+    assert command == "actspec"
+    assert main([*entry, *hook["args"], "leg.xml", "vendor/broken.xml", "vendor/leg.xml"]) == 0
+    first, *rest = capsys.readouterr().out.splitlines()
+    assert first.startswith("leg.xml:3:13: LIM101 [warning] knee: ")
+    assert rest == ["1 note (GEA104): --notes shows it", "1 warning affecting 1 joint in 1 file"]
 
 
 def test_what_is_not_there_is_told(capsys: pytest.CaptureFixture[str]) -> None:
