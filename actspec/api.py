@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Collector, Diagnostic, EmitError, ResolveError, RobotError
+from actspec.diagnostics import Collector, Diagnostic, EmitError, ResolveError
 from actspec.output import Compilation
 
 if TYPE_CHECKING:
@@ -37,19 +37,9 @@ def load_robot(spec: Spec) -> RobotView:
     Raises:
         RobotError: the model is not there or cannot be read.
     """
-    from actspec.robot import load as robots
+    from actspec.robot.load import robot_of
 
-    model = spec.model.robot.model
-    if model == "none":
-        from actspec.robot.load import listed_robot
-
-        return listed_robot(spec)
-    try:
-        return robots.load_robot(robots.find_model(model, os.path.dirname(spec.document.path)))
-    except RobotError as err:
-        place = spec.span("robot", "model")
-        placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]
-        raise type(err)(placed) from err
+    return robot_of(spec)
 
 
 def resolve(spec: Spec | str | os.PathLike[str], robot: RobotView | None = None) -> ActuatorSet:

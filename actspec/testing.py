@@ -141,12 +141,11 @@ def compared(
     versions = named_versions([target] if isinstance(target, str) else target, out)
     out.raise_if_failed(AuditError)
     names = _field_names(fields)
-    paths = [os.fspath(one) for one in (spec, cfg_or_file) if isinstance(one, (str, os.PathLike))]
-    read = {reading.path: reading for reading in read_all(tuple(dict.fromkeys(paths)), {})}
-    ours = _resolved(spec) if not isinstance(spec, (str, os.PathLike)) else read[os.fspath(spec)]
-    theirs = (
-        (read[os.fspath(cfg_or_file)],) if isinstance(cfg_or_file, (str, os.PathLike)) else _live(cfg_or_file)
-    )
+    ours = _resolved(spec)
+    if isinstance(cfg_or_file, (str, os.PathLike)):
+        theirs = read_all((os.fspath(cfg_or_file),), {})
+    else:
+        theirs = _live(cfg_or_file)
     case = case_of((ours, *theirs), versions, {}, ours.path)
     pair = one_robot(case, len(ours.artifacts), len(theirs[0].artifacts), robot)
     mine, other = (dynamics_of(case.artifacts[i], case.rows_of(i)) for i in pair)
@@ -161,8 +160,8 @@ def _no_joint(pattern: str, joints: Joints, spec: str) -> NoReturn:
     raise ValueError(f"no joint of {spec} matches {pattern!r}, it has {listed(joints)}")
 
 
-def _resolved(spec: Spec | ActuatorSet) -> FileReading:
-    """A loaded or resolved spec as a reading."""
+def _resolved(spec: Spec | ActuatorSet | str | os.PathLike[str]) -> FileReading:
+    """A spec as a reading."""
     from actspec.api import resolve
     from actspec.audit.read import artifact_of
     from actspec.ir import ActuatorSet
@@ -170,7 +169,7 @@ def _resolved(spec: Spec | ActuatorSet) -> FileReading:
 
     actuators = spec if isinstance(spec, ActuatorSet) else resolve(spec)
     span = actuators.joints[0].span if actuators.joints else None
-    path = span.path if span is not None else actuators.robot
+    path = os.fspath(spec) if isinstance(spec, (str, os.PathLike)) else span.path if span else actuators.robot
     return FileReading(path, FileKind.SPEC, None, (artifact_of(path, actuators),))
 
 

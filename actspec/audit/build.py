@@ -38,14 +38,14 @@ def _fitted(reading: FileReading, readings: Sequence[FileReading]) -> FileReadin
     """A spec whose own robot could not be read, on another one."""
     if reading.kind is not FileKind.SPEC or reading.artifacts:
         return reading
-    from actspec.audit.read import artifact_of, resolved_on
+    from actspec.audit.read import artifact_of, resolved
     from actspec.diagnostics import ActspecError
 
     for robot in (artifact.robot for other in readings for artifact in other.artifacts):
         if robot is None:
             continue
         try:
-            actuators = resolved_on(reading.path, robot)
+            actuators = resolved(reading.path, robot)
         except ActspecError:
             continue
         artifact = artifact_of(reading.path, actuators)

@@ -6,6 +6,7 @@ import json
 import os
 import re
 from collections.abc import Iterable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest
@@ -58,6 +59,23 @@ def find_model(reference: str, base: str) -> str:
             "a path is relative to the spec's folder; a file of an installed distribution is package://DIST/path",
         )
     raise _error("ROBOT101", f"there is no model {reference!r}", _near(name, _names(folder)))
+
+
+def robot_of(spec: Spec) -> RobotView:
+    """The robot that a spec names.
+
+    Raises:
+        RobotError: the model is not there or cannot be read; what has no place of its own is where it is named.
+    """
+    model = spec.model.robot.model
+    if model == "none":
+        return listed_robot(spec)
+    try:
+        return load_robot(find_model(model, os.path.dirname(spec.document.path)))
+    except RobotError as err:
+        place = spec.span("robot", "model")
+        placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]
+        raise type(err)(placed) from err
 
 
 def load_robot(path: str) -> RobotView:
