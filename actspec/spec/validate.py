@@ -28,6 +28,7 @@ from actspec.spec.models import (
 )
 from actspec.spec.plausible import check_numbers
 from actspec.spec.rules import check_spec
+from actspec.spec.shape import misplaced
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
@@ -76,6 +77,9 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
+    for item in misplaced(data):
+        breaches.error(item.code, item.message, item.path, item.help, key=item.key)
+    collector.raise_if_failed(SpecError)
     faults: list[Path] = []
     model = checked(SpecModel, document, collector, faults)
     if model is not None and version is not None and version < SPEC_VERSION:
@@ -188,6 +192,9 @@ def _in_yaml_words(
         return f"must be a list{got}", f'write `["{short(given)}"]`' if single else None
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = _keys(model) if model is not None else []
+        if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
+            first = next(iter(given[0]), "name")
+            return "must be a mapping, and `- ` makes it a list", f"write `{short(first)}: ...` without `- `"
         return f"must be a mapping{got}", f"its keys: {listed(keys, 40)}" if keys else "write `{name: ...}`"
     if kind == "string_type":
         single = isinstance(given, (bool, int, float))

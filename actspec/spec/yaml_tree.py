@@ -12,7 +12,8 @@ import sys
 from typing import Any
 
 from actspec.diagnostics import Collector, Span, nearest
-from actspec.spec.yaml_text import BREAK, Stop, cut, got, place, text_of
+from actspec.spec.yaml_problems import plain_problem
+from actspec.spec.yaml_text import Stop, cut, got, place, text_of
 
 MAX_DEPTH = 40
 """Deepest nesting of collections. Chosen: the language needs 7."""
@@ -313,15 +314,13 @@ class _Builder:
         problem = str(getattr(err, "problem", None) or "")
         context = str(getattr(err, "context", None) or "")
         mark = getattr(err, "problem_mark", None) or getattr(err, "context_mark", None)
-        message, help = plain_problem(problem, context, text, mark)
         start = getattr(err, "context_mark", None)
         if start is not None and "end of stream" in problem:
             mark = start
-        elif start is not None and "flow" in context:
-            help = f"it begins at {self.at(start)}"
-        span = Span(self.path) if mark is None else self.at(mark)
+        found = plain_problem(problem, context, text, mark, start)
+        span = Span(self.path) if found.mark is None else self.at(found.mark)
         self.stack.clear()
-        self.fatal("SPEC004", message, span, help)
+        self.fatal("SPEC004", found.message, span, found.help)
 
 
 def _core(text: str) -> Scalar:
@@ -343,58 +342,3 @@ def _core(text: str) -> Scalar:
     if _NOT_FINITE.fullmatch(text):
         return float(text.replace(".", ""))
     return text
-
-
-_QUOTE = "quote text that begins with one of [ ] { } * & ! | > % @ `"
-_SINGLE = "put text with backslashes into single quotes"
-_PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
-    (
-        "mapping values are not allowed",
-        "a `: ` is not expected here",
-        "check the indentation, or quote the text",
-    ),
-    ("could not find expected ':'", "this key has no `:`", "write `key: value`; check the indentation"),
-    (
-        "unknown escape character",
-        "this backslash begins no escape of double quotes",
-        "put a pattern into single quotes, such as '\\d+'",
-    ),
-    ("invalid Unicode", "an escape in double quotes names no character", None),
-    ("hexdecimal", "an escape in double quotes lacks digits", _SINGLE),
-    ("hexadecimal", "an escape in double quotes lacks digits", _SINGLE),
-    ("unexpected end of stream", "this quote is never closed", "close it"),
-    ("node content", "a value is expected here", None),
-    ("<document start>", "the text goes on after its end", "check the indentation; begin with `actspec: 1`"),
-    ("',' or ']'", "a list in [ ] lacks a `,` or its `]`", None),
-    ("',' or '}'", "a mapping in { } lacks a `,` or its `}`", None),
-)
-
-
-def plain_problem(problem: str, context: str, text: str, mark: Any) -> tuple[str, str | None]:
-    """Message and help for an error.
-
-    Args:
-        problem: What PyYAML found.
-        context: What it was reading.
-        text: The file.
-        mark: PyYAML's place of the error; None: unknown.
-    """
-    lines = BREAK.split(text)
-    at = ""
-    if mark is not None and mark.line < len(lines):
-        at = lines[mark.line][mark.column : mark.column + 1]
-    if "cannot start any token" in problem:
-        return f"a value cannot begin with {at or 'this character'}", _QUOTE
-    if "alias" in context:
-        help = "a joint pattern must be quoted: '.*_hip_joint'"
-        return "`*` begins an alias here, and this is no alias", help
-    if "anchor" in context:
-        return "`&` begins an anchor here, and this is no anchor", "quote the text"
-    for part, message, advice in _PROBLEMS:
-        if part in problem:
-            return message, advice
-    if "block collection" in context:
-        return "a list item must begin with `- ` at the indentation of its list", _QUOTE
-    if "block mapping" in context:
-        return "a key is expected here, at the indentation of its mapping", _QUOTE
-    return f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else ""), None

@@ -167,11 +167,15 @@ def not_a_number(given: str, kind: Kind) -> UnitError:
     )
 
 
+_THOUSANDS = re.compile(r"[-+]?[1-9][0-9]{0,2}(?:,[0-9]{3})+(?![0-9])")
+
+
 def decimal_comma(given: str, kind: Kind) -> UnitError:
     """The error for a number such as `0,5`."""
     return UnitError(
         f"{shortened(given.strip())} is not {an(kind.noun)}: a comma inside a number",
-        f"decimals have a point (`{shortened(given.strip().replace(',', '.', 1))}`), thousands no mark",
+        f"decimals have a point (`{shortened(given.strip().replace(',', '.', 1))}`), thousands no mark"
+        + (f" (`{shortened(given.strip().replace(',', ''))}`)" if _THOUSANDS.match(given.strip()) else ""),
     )
 
 

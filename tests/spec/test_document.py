@@ -294,7 +294,7 @@ def test_all_errors_of_a_file_are_told_at_once() -> None:
         "SPEC009 7:1 the key null reads as nothing, and keys are text",
         "SPEC008 8:4 the tag !!python/object/apply:os.system is not allowed",
         "SPEC008 9:4 the tag !foo is not allowed",
-        "SPEC004 10:5 a `: ` is not expected here",
+        "SPEC004 10:5 the `: ` inside this text begins a mapping",
     ]
 
 
@@ -443,13 +443,13 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
         ),
         pytest.param("a: 1\nb: 'x\nc: 1\n", 2, "this quote is never closed", "close it", id="open quote"),
         pytest.param(
-            "a: [x,\n y", 2, "a list in [ ] lacks a `,` or its `]`", "it begins at s.yaml:1:4", id="open list"
+            "a: [x,\n y", 1, "this list lacks a `,` or its `]`", "close it with `]`", id="open list"
         ),
         pytest.param(
             "a: {x: 1\nb: 1}",
-            2,
-            "a mapping in { } lacks a `,` or its `}`",
-            "it begins at s.yaml:1:4",
+            1,
+            "this mapping lacks a `,` or its `}`, and line 2 does not go on with it",
+            "close it with `}`",
             id="missing comma",
         ),
         pytest.param(
@@ -476,9 +476,34 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
         pytest.param(
             "a: 1\n  b: 2",
             2,
-            "a `: ` is not expected here",
-            "check the indentation, or quote the text",
+            "this line is indented by 2 spaces, below line 1 which has 0 and a value already",
+            "indent it by 0 spaces as line 1, if it is a key beside it",
             id="indentation",
+        ),
+        pytest.param(
+            "a:\n  b: 1\n  c:\n      d: 1\n    e: 2",
+            5,
+            "this line is indented by 4 spaces, and what is open above it by 0, 2, 6",
+            "indent it by one of these, or check the indentation of line 3",
+            id="no level",
+        ),
+        pytest.param(
+            "a: 1\nb:2\nc: 3", 2, "`b:2` lacks a space behind its colon", "write `b: 2`", id="no space"
+        ),
+        pytest.param("a: 1\nb = 2\nc: 3", 2, "`b = 2` has `=` in place of `:`", "write `b: 2`", id="equals"),
+        pytest.param(
+            "a: Manual: part 2",
+            1,
+            "the `: ` inside this text begins a mapping",
+            'put it into quotes: a: "Manual: part 2"',
+            id="colon in a text",
+        ),
+        pytest.param(
+            "a: - 1",
+            1,
+            "a list item `- ` cannot stand behind its key",
+            "write the items on lines of their own, or in [ ]",
+            id="item behind its key",
         ),
     ],
 )

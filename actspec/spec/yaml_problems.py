@@ -1,0 +1,178 @@
+"""What a YAML parser found, in plain words: the line that is wrong, and what to write in its place."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Any
+
+from actspec.spec.yaml_text import BREAK, cut
+
+_QUOTE = "quote text that begins with one of [ ] { } * & ! | > % @ `"
+_SINGLE = "put text with backslashes into single quotes"
+_PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
+    (
+        "mapping values are not allowed",
+        "a `: ` is not expected here",
+        "check the indentation, or quote the text",
+    ),
+    ("could not find expected ':'", "this key has no `:`", "write `key: value`; check the indentation"),
+    (
+        "unknown escape character",
+        "this backslash begins no escape of double quotes",
+        "put a pattern into single quotes, such as '\\d+'",
+    ),
+    ("invalid Unicode", "an escape in double quotes names no character", None),
+    ("hexdecimal", "an escape in double quotes lacks digits", _SINGLE),
+    ("hexadecimal", "an escape in double quotes lacks digits", _SINGLE),
+    ("unexpected end of stream", "this quote is never closed", "close it"),
+    ("node content", "a value is expected here", None),
+    ("<document start>", "the text goes on after its end", "check the indentation; begin with `actspec: 1`"),
+    (
+        "sequence entries are not allowed",
+        "a list item `- ` cannot stand behind its key",
+        "write the items on lines of their own, or in [ ]",
+    ),
+)
+
+_NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
+_EQUALS = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*)\s*=\s*(\S.*)")
+_KEY = re.compile(r"""(?:- +)?("[^"]*"|'[^']*'|[^\s#'"\[{][^#]*?):(?:\s|$)""")
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """What is wrong with a text.
+
+    Attributes:
+        message: In plain words.
+        help: What to write; None: nothing is known.
+        mark: PyYAML's mark of the place, or one like it; None: unknown.
+    """
+
+    message: str
+    help: str | None
+    mark: Any
+
+
+@dataclass(frozen=True, slots=True)
+class _Mark:
+    """A place as PyYAML has it: line and column from 0."""
+
+    line: int
+    column: int
+
+
+def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) -> Problem:
+    """An error of the parser in plain words.
+
+    Args:
+        problem: What PyYAML found.
+        context: What it was reading.
+        text: The file.
+        mark: PyYAML's place of the error; None: unknown.
+        start: Where what it was reading begins; None: unknown.
+    """
+    lines = BREAK.split(text)
+    at = ""
+    if mark is not None and mark.line < len(lines):
+        at = lines[mark.line][mark.column : mark.column + 1]
+    if "cannot start any token" in problem:
+        return Problem(f"a value cannot begin with {at or 'this character'}", _QUOTE, mark)
+    if "alias" in context:
+        help = "a joint pattern must be quoted: '.*_hip_joint'"
+        return Problem("`*` begins an alias here, and this is no alias", help, mark)
+    if "anchor" in context:
+        return Problem("`&` begins an anchor here, and this is no anchor", "quote the text", mark)
+    if "could not find expected ':'" in problem and start is not None:
+        found = _no_colon(lines[start.line].strip() if start.line < len(lines) else "", start)
+        if found is not None:
+            return found
+    if "mapping values are not allowed" in problem and mark is not None:
+        found = _second_colon(lines, mark)
+        if found is not None:
+            return found
+    if "flow" in context and ("',' or ']'" in problem or "',' or '}'" in problem) and start is not None:
+        kind, end = ("list", "]") if "]" in problem else ("mapping", "}")
+        ends = mark is None or not "".join(lines[mark.line :])[mark.column :].strip()
+        until = "" if ends else f", and line {mark.line + 1} does not go on with it"
+        return Problem(f"this {kind} lacks a `,` or its `{end}`{until}", f"close it with `{end}`", start)
+    for part, message, advice in _PROBLEMS:
+        if part in problem:
+            return Problem(message, advice, mark)
+    if "block" in context and mark is not None:
+        found = _no_level(lines, mark)
+        if found is not None:
+            return found
+    if "block collection" in context:
+        return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
+    if "block mapping" in context:
+        return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
+    message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
+    return Problem(message, None, mark)
+
+
+def _no_colon(line: str, start: Any) -> Problem | None:
+    """A line `kd:0.5` or `kd = 0.5`, on which the parser waits for a colon."""
+    for form, what in ((_NO_SPACE, "lacks a space behind its colon"), (_EQUALS, "has `=` in place of `:`")):
+        match = form.fullmatch(line)
+        if match is not None:
+            return Problem(f"`{cut(line)}` {what}", f"write `{match[1]}: {cut(match[2])}`", start)
+    return None
+
+
+def _second_colon(lines: list[str], mark: Any) -> Problem | None:
+    """A `: ` where a value stands already: in a text, or on a line that is indented below a value."""
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    key = _KEY.match(line.strip())
+    if key is not None and len(line) - len(line.lstrip()) + key.end(1) < mark.column:
+        value = line.strip()[key.end() :].strip()
+        help = f'put it into quotes: {key[1]}: "{cut(value)}"' if '"' not in value else "quote the text"
+        return Problem("the `: ` inside this text begins a mapping", help, mark)
+    above = _above(lines, mark.line)
+    if above is None:
+        return None
+    own, number = _indent(line), above
+    if own > _indent(lines[number]):
+        return Problem(
+            f"this line is indented by {own} spaces, below line {number + 1} which has {_indent(lines[number])} and a "
+            "value already",
+            f"indent it by {_indent(lines[number])} spaces as line {number + 1}, if it is a key beside it",
+            _Mark(mark.line, own),
+        )
+    return None
+
+
+def _no_level(lines: list[str], mark: Any) -> Problem | None:
+    """A line whose indentation is none of those that are open above it."""
+    if mark.line >= len(lines) or not lines[mark.line].strip():
+        return None
+    own = _indent(lines[mark.line])
+    open_levels: list[tuple[int, int]] = []
+    for number, line in enumerate(lines[: mark.line]):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        while open_levels and open_levels[-1][0] >= _indent(line):
+            open_levels.pop()
+        open_levels.append((_indent(line), number))
+    levels = [level for level, _ in open_levels]
+    if own in levels or not levels or own > levels[-1]:
+        return None
+    # The key that is open between the levels around it: its own indentation may be what is wrong.
+    outer = next((number for level, number in reversed(open_levels) if level < own), None)
+    named = ", ".join(str(level) for level in levels)
+    help = f"indent it by one of these, or check the indentation of line {(outer or 0) + 1}"
+    message = f"this line is indented by {own} spaces, and what is open above it by {named}"
+    return Problem(message, help, _Mark(mark.line, own))
+
+
+def _above(lines: list[str], number: int) -> int | None:
+    """The last line above one that holds something."""
+    for other in range(min(number, len(lines)) - 1, -1, -1):
+        if lines[other].strip() and not lines[other].lstrip().startswith("#"):
+            return other
+    return None
+
+
+def _indent(line: str) -> int:
+    return len(line) - len(line.lstrip(" "))
