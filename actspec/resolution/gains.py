@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from actspec.ir import Command, InertiaRange, Level, Origin, Quantity, tidy, unknown
+from actspec.ir import Command, InertiaRange, Level, Origin, Quantity, unknown
 from actspec.resolution.stated import JointInputs
 from actspec.spec.fields import DerivedGain
 from actspec.spec.values import SpecValue
@@ -32,7 +32,7 @@ def stiffness(
         if gain.method == "torque_at_error":
             derived = _torque_at_error(inputs, gain, effort)
         else:
-            derived = _natural_frequency(inputs, gain, armature, held)
+            derived = _natural_frequency(inputs, gain, _inertia(inputs, gain, armature, held, "kp"))
         if derived is None:
             return unknown(inputs.unit(Kind.STIFFNESS))
     return _gain(
@@ -64,7 +64,7 @@ def velocity_gain(
     gain = inputs.stated.get("kd")
     derived = None
     if isinstance(gain, DerivedGain):
-        derived = _damping_ratio(inputs, gain, kp, armature, held)
+        derived = _damping_ratio(inputs, gain, kp, _inertia(inputs, gain, armature, held, "kd"))
         if derived is None:
             return unknown(inputs.unit(Kind.VELOCITY_GAIN))
     return _gain(
@@ -106,63 +106,41 @@ def _torque_at_error(inputs: JointInputs, gain: DerivedGain, effort: Quantity) -
         message = "kp is derived from effort_limit, which is unknown"
         inputs.error("RES004", message, "kp", "state effort_limit")
         return None
-    return Quantity(
-        tidy(fraction * effort.require() / error),
-        inputs.unit(Kind.STIFFNESS),
-        Origin.DERIVED,
-        span=inputs.span("kp"),
-        formula=f"{format_number(fraction)} x {format_quantity(effort.value, effort.unit)} (effort_limit) / "
-        f"{format_quantity(error, inputs.unit(Kind.POSITION))}",
-    )
+    limit = format_quantity(effort.value, effort.unit)
+    formula = f"{format_number(fraction)} x {limit} (effort_limit) / "
+    formula += format_quantity(error, inputs.unit(Kind.POSITION))
+    return inputs.derived("kp", Kind.STIFFNESS, fraction * effort.require() / error, formula)
 
 
-def _natural_frequency(
-    inputs: JointInputs, gain: DerivedGain, armature: Quantity, held: InertiaRange | None
-) -> Quantity | None:
+Inertia = tuple[float, str] | None
+"""Inertia that a derived gain names, with its name for the formula; None after an error."""
+
+
+def _natural_frequency(inputs: JointInputs, gain: DerivedGain, inertia: Inertia) -> Quantity | None:
     """kp = I (2 pi frequency)^2; None after an error."""
-    inertia = _inertia(inputs, gain, armature, held, "kp")
     if inertia is None:
         return None
     frequency = _given(gain, "frequency")
     # As a product: a power of floats raises where a product is infinite.
     omega = 2.0 * math.pi * frequency
-    return Quantity(
-        tidy(inertia[0] * omega * omega),
-        inputs.unit(Kind.STIFFNESS),
-        Origin.DERIVED,
-        span=inputs.span("kp"),
-        formula=f"{inertia[1]} x (2 pi {format_quantity(frequency, 'Hz')})^2",
-    )
+    formula = f"{inertia[1]} x (2 pi {format_quantity(frequency, 'Hz')})^2"
+    return inputs.derived("kp", Kind.STIFFNESS, inertia[0] * omega * omega, formula)
 
 
 def _damping_ratio(
-    inputs: JointInputs,
-    gain: DerivedGain,
-    kp: Quantity | None,
-    armature: Quantity,
-    held: InertiaRange | None,
+    inputs: JointInputs, gain: DerivedGain, kp: Quantity | None, inertia: Inertia
 ) -> Quantity | None:
     """kd = 2 ratio sqrt(kp I); None after an error."""
-    inertia = _inertia(inputs, gain, armature, held, "kd")
     if inertia is None:
         return None
     if kp is None or not kp.known:
         why = "unknown" if kp is not None else "not there with `command: velocity`"
-        inputs.error(
-            "RES004",
-            f"kd is derived from kp, which is {why}",
-            "kd",
-            "state kp" if kp is not None else "write kd: 0.5 N*m*s/rad",
-        )
+        help = "state kp" if kp is not None else "write kd: 0.5 N*m*s/rad"
+        inputs.error("RES004", f"kd is derived from kp, which is {why}", "kd", help)
         return None
-    ratio = _given(gain, "ratio")
-    return Quantity(
-        tidy(2.0 * ratio * math.sqrt(kp.require() * inertia[0])),
-        inputs.unit(Kind.VELOCITY_GAIN),
-        Origin.DERIVED,
-        span=inputs.span("kd"),
-        formula=f"2 x {format_number(ratio)} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})",
-    )
+    ratio, root = _given(gain, "ratio"), math.sqrt(kp.require() * inertia[0])
+    formula = f"2 x {format_number(ratio)} x sqrt({format_quantity(kp.value, kp.unit)} (kp) x {inertia[1]})"
+    return inputs.derived("kd", Kind.VELOCITY_GAIN, 2.0 * ratio * root, formula)
 
 
 def _given(gain: DerivedGain, key: str) -> float:
@@ -174,20 +152,16 @@ def _given(gain: DerivedGain, key: str) -> float:
 
 def _inertia(
     inputs: JointInputs, gain: DerivedGain, armature: Quantity, held: InertiaRange | None, field: str
-) -> tuple[float, str] | None:
-    """Inertia that a derived gain names, with its name for the formula; None after an error."""
+) -> Inertia:
+    """The inertia of the drive or of the joint, or a number."""
     unit = inputs.unit(Kind.INERTIA)
     if isinstance(gain.inertia, SpecValue):
         assert gain.inertia.value is not None
         return gain.inertia.value, format_quantity(gain.inertia.value, unit)
     if gain.inertia == "joint":
         if held is None:
-            inputs.error(
-                "RES003",
-                f"{field} is derived from the joint's inertia, which the model does not give",
-                field,
-                "use `inertia: reflected` or state the inertia",
-            )
+            message = f"{field} is derived from the joint's inertia, which the model does not give"
+            inputs.error("RES003", message, field, "use `inertia: reflected` or state the inertia")
             return None
         return held.reference, f"{format_quantity(held.reference, unit)} (inertia held, reference pose)"
     if inputs.motor is not None and inputs.motor.reflected_inertia.known:

@@ -156,15 +156,7 @@ class LinkedMotors:
         formula = f"{format_quantity(weakest.value, weakest.unit)} ({name}) / {format_number(entry)}"
         if self.together:
             formula += f" x {format_number(share)} (share that all joints can have at once)"
-        return Quantity(
-            tidy(weakest.require() / entry * share),
-            weakest.unit,
-            Origin.DERIVED,
-            weakest.source,
-            weakest.span,
-            note=weakest.note,
-            formula=f"{formula}, {self.text}",
-        )
+        return self._derived(weakest, weakest.require() / entry * share, formula)
 
     def _plain(self, figures: Sequence[Quantity], quantity: Kind) -> Quantity:
         """The figure of any joint by the plain factor: torques add up, the slowest motor limits the speed."""
@@ -181,15 +173,7 @@ class LinkedMotors:
             for figure, motor in zip(figures, self.motors, strict=True)
         ]
         formula = f"({' + '.join(parts)})" if quantity is Kind.TORQUE else f"least of {', '.join(parts)}"
-        return Quantity(
-            tidy(total),
-            first.unit,
-            Origin.DERIVED,
-            first.source,
-            first.span,
-            note=first.note,
-            formula=f"{formula} {sign} {format_number(self.factor)}, {self.text}",
-        )
+        return self._derived(first, total, f"{formula} {sign} {format_number(self.factor)}")
 
     def _inertia(self, index: int, geometry: Geometry | None) -> Quantity:
         """Diagonal of J^T diag(I) J; with a plain factor all motors times its square."""
@@ -210,15 +194,13 @@ class LinkedMotors:
             f"{format_quantity(inertia.value, inertia.unit)} ({name}) x {format_number(square)}"
             for inertia, name, square in parts
         ]
-        return Quantity(
-            tidy(sum(inertia.require() * square for inertia, _, square in parts)),
-            first.unit,
-            Origin.DERIVED,
-            first.source,
-            first.span,
-            note=first.note,
-            formula=f"{' + '.join(terms)}, {self.text}",
-        )
+        total = sum(inertia.require() * square for inertia, _, square in parts)
+        return self._derived(first, total, " + ".join(terms))
+
+    def _derived(self, figure: Quantity, value: float, formula: str) -> Quantity:
+        """What a figure of a motor becomes at a joint."""
+        formula = f"{formula}, {self.text}"
+        return replace(figure, value=tidy(value), origin=Origin.DERIVED, std=None, formula=formula, lost=())
 
 
 ZERO = 1e-9
@@ -354,24 +336,28 @@ def _check_poses(path: Path, linkage: Linkage, kind: JointKind, breaches: Breach
                 return
 
 
+def _jacobians(
+    path: Path, linkage: Linkage
+) -> list[tuple[Path, tuple[SpecValue, ...] | None, tuple[tuple[SpecValue, ...], ...]]]:
+    """Every Jacobian that is written: where, at which pose, and its rows."""
+    at = linkage.at if isinstance(linkage.at, tuple) else None
+    found = [] if linkage.jacobian is None else [((*path, "jacobian"), at, linkage.jacobian)]
+    table = enumerate(linkage.table or ())
+    return [*found, *(((*path, "table", i, "jacobian"), pose.at, pose.jacobian) for i, pose in table)]
+
+
 def _output_kind(
     path: Path, linkage: Linkage, index: int, joints: JointKind, breaches: Breaches
 ) -> JointKind:
     """What a motor's output does: as the joints, or travel where its row is in m/rad."""
-    matrices: list[tuple[Path, tuple[tuple[SpecValue, ...], ...]]] = []
-    if linkage.jacobian is not None:
-        matrices.append((("jacobian",), linkage.jacobian))
-    matrices += [(("table", at, "jacobian"), pose.jacobian) for at, pose in enumerate(linkage.table or ())]
     travels: set[bool] = set()
-    for place, matrix in matrices:
+    for place, _, matrix in _jacobians(path, linkage):
         travels |= {entry.linear is True for entry in matrix[index] if entry.value != 0.0}
-        wrong = len(travels) > 1 or (True in travels and joints is JointKind.SLIDE)
-        if wrong:
-            at = (*path, *place, index)
+        if len(travels) > 1 or (True in travels and joints is JointKind.SLIDE):
             breaches.error(
                 "RES001",
                 "a motor's row is in m/rad where the motor travels and the joints turn, and without a unit otherwise",
-                at,
+                (*place, index),
                 "write the whole row in one unit, in every pose",
             )
             break
@@ -382,14 +368,9 @@ def _geometries(path: Path, linkage: Linkage, breaches: Breaches) -> tuple[Geome
     """The Jacobian at each pose; none for a plain factor, None where one cannot be inverted."""
     import numpy as np
 
-    at = linkage.at if isinstance(linkage.at, tuple) else None
-    poses: list[tuple[Path, tuple[SpecValue, ...] | None, tuple[tuple[SpecValue, ...], ...]]] = []
-    if linkage.jacobian is not None:
-        poses.append(((*path, "jacobian"), at, linkage.jacobian))
-    poses += [((*path, "table", i, "jacobian"), p.at, p.jacobian) for i, p in enumerate(linkage.table or ())]
     found = []
     sound = True
-    for place, pose, jacobian in poses:
+    for place, pose, jacobian in _jacobians(path, linkage):
         matrix = np.array([[number(entry) for entry in row] for row in jacobian])
         # Columns of joints with short arms are as good as others: each is scaled by its largest entry.
         scale = np.abs(matrix).max(axis=0)

@@ -13,6 +13,7 @@ from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dot
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity
 from actspec.patterns import PatternError, match_names, suggest_pattern
+from actspec.readings.quantities import tidy
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
@@ -374,6 +375,11 @@ class JointInputs:
     def unit(self, kind: Kind) -> str:
         """SI unit of a quantity kind at this joint."""
         return unit_of_kind(kind, self.kind)
+
+    def derived(self, field: str, kind: Kind, value: float, formula: str) -> Quantity:
+        """A number that follows from others [SI]; `formula` says how."""
+        unit, span = self.unit(kind), self.span(field)
+        return Quantity(tidy(value), unit, Origin.DERIVED, span=span, formula=formula)
 
     def error(self, code: str, message: str, field: str, help: str | None = None) -> None:
         """Report a fault of a field."""
