@@ -4,7 +4,14 @@ from __future__ import annotations
 
 import sys
 from functools import reduce
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Floats = NDArray[np.float64]
+    """An array of numpy's."""
 
 Array = Any
 """An array of any library, or a Python number."""

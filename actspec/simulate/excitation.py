@@ -21,10 +21,7 @@ from actspec.ir import Command, JointActuator
 from actspec.laws import TorqueLaw, delay_steps
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 SHARES = 25
 """Torques asked for, from -2 L to 2 L: an odd number has 0, and with 4 divisors +-L too."""

@@ -27,10 +27,7 @@ from actspec.simulate.excitation import BEFORE, chirp, command_for, rest_positio
 from actspec.simulate.reference import DrivenJoint, Trajectory, integrate
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 COURSES = ("step response", "saturated step response", "chirp response", "coast-down")
 STEP, SATURATED, CHIRP = 0.5, 2.0, 0.25

@@ -20,10 +20,7 @@ from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRef
 from actspec.verify.torque import SLACK, JointLaws
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 SOFT = "friction.soft"
 """What MuJoCo's dry friction is known to lose: it is a soft constraint, and creeps. It is no key of `accept`."""

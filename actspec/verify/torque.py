@@ -18,10 +18,7 @@ from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys, wo
 from actspec.verify.engines.asking import EngineAnswer
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 DOUBLE = 1e-9
 """Of the effort limit, in double precision. Source: the design, §10; measured at 1e-16."""

@@ -80,6 +80,10 @@ class IsaacJoint(JointEmission[IsaacLabDialect]):
         """Whether the torque of a command is not known here; it is at most from one limit to the other."""
         return self.learned or not self.gains_known
 
+    def known(self, name: str, quantity: Quantity) -> CfgField:
+        """A known number as a keyword."""
+        return CfgField(name, quantity.require(), self.note(quantity))
+
     def note(self, quantity: Quantity) -> str:
         """Unit, origin and formula, as a comment has them."""
         return "; ".join(filter(None, (quantity.unit, origin_of(quantity), quantity.formula)))
@@ -197,7 +201,7 @@ def _gain(joint: IsaacJoint, name: str, quantity: Quantity | None, absent: str) 
         return CfgField(name, 0.0, absent)
     if quantity.value is None:
         return CfgField(name, None, "unknown: the USD's own", scalar=True)
-    return CfgField(name, quantity.value, joint.note(quantity))
+    return joint.known(name, quantity)
 
 
 def joint_fields(joint: IsaacJoint, *, summed: bool = True) -> list[CfgField]:
@@ -209,12 +213,12 @@ def joint_fields(joint: IsaacJoint, *, summed: bool = True) -> list[CfgField]:
     actuator = joint.actuator
     fields = []
     if stated(actuator.armature):
-        fields.append(CfgField("armature", actuator.armature.require(), joint.note(actuator.armature)))
+        fields.append(joint.known("armature", actuator.armature))
     fields += _dry_friction(joint)
     viscous = actuator.friction_viscous
     if stated(viscous):
         if joint.dialect.viscous:
-            fields.append(CfgField("viscous_friction", viscous.require(), joint.note(viscous)))
+            fields.append(joint.known("viscous_friction", viscous))
         elif not summed and viscous.require():
             joint.no_viscous(_no_field(joint, "viscous"))
     return fields
@@ -242,7 +246,7 @@ def _dry_friction(joint: IsaacJoint) -> list[CfgField]:
                 "the Newton backend has one dry friction for sticking and sliding",
                 sticking - value,
             )
-        return [CfgField("friction", value, joint.note(named))]
+        return [joint.known("friction", named)]
     largest = max(kinetic or 0.0, sticking or 0.0)
     if largest == 0.0 and unit is not FrictionUnit.DEAD:
         # No friction is none in every unit.

@@ -159,38 +159,32 @@ def _implicit(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
 
 def _custom(joint: IsaacJoint) -> tuple[str, list[CfgField]]:
     actuator, law = joint.actuator, joint.law
-    fields = [CfgField("effort_limit", joint.limit, joint.note(actuator.effort_limit))]
+    fields = [joint.known("effort_limit", actuator.effort_limit)]
     if actuator.level is Level.DC_MOTOR and actuator.curve is not None:
         for name in ("drive_torque", "brake_torque", "knee_speed", "no_load_speed"):
             quantity = getattr(actuator.curve, name)
-            fields.append(CfgField(name, quantity.require(), joint.note(quantity)))
+            fields.append(joint.known(name, quantity))
     elif actuator.level is Level.DC_MOTOR:
         assert actuator.stall_torque is not None and actuator.no_load_speed is not None
-        fields.append(
-            CfgField("stall_torque", actuator.stall_torque.require(), joint.note(actuator.stall_torque))
-        )
-        fields.append(
-            CfgField("no_load_speed", actuator.no_load_speed.require(), joint.note(actuator.no_load_speed))
-        )
+        fields.append(joint.known("stall_torque", actuator.stall_torque))
+        fields.append(joint.known("no_load_speed", actuator.no_load_speed))
     fields += [*_solver_velocity(joint), *gain_fields(joint), *joint_fields(joint)]
     filtered = law.filter_cutoff is not None
     # A stated 0 beside others' biases is a number like them.
     if stated(actuator.encoder_bias) and actuator.command is Command.POSITION:
-        fields.append(CfgField("encoder_bias", law.encoder_bias, joint.note(actuator.encoder_bias)))
+        fields.append(joint.known("encoder_bias", actuator.encoder_bias))
     if filtered or law.command_range is not None:
         fields.append(CfgField("command", actuator.command.value, scalar=True))
     if actuator.command_range is not None:
         for name, end in zip(("command_low", "command_high"), actuator.command_range, strict=True):
             if end.known:
-                fields.append(CfgField(name, end.require(), joint.note(end)))
+                fields.append(joint.known(name, end))
     steps = lags(joint, filtered=filtered)
     if steps[1]:
         fields += lag_fields(joint, steps)
     if filtered:
         assert actuator.filter_cutoff is not None
-        fields.append(
-            CfgField("filter_cutoff", actuator.filter_cutoff.require(), joint.note(actuator.filter_cutoff))
-        )
+        fields.append(joint.known("filter_cutoff", actuator.filter_cutoff))
         fields.append(CfgField("physics_dt", joint.step, "s", scalar=True))
     return CUSTOM, fields
 
@@ -261,7 +255,7 @@ def _solver_velocity(joint: IsaacJoint) -> list[CfgField]:
     if joint.dialect.backend == "newton":
         why = "MuJoCo has no speed limit of a joint"
         joint.no_velocity_limit(why, "a field that the solver does not read")
-    return [CfgField(joint.dialect.limits.solver_velocity, quantity.require(), joint.note(quantity))]
+    return [joint.known(joint.dialect.limits.solver_velocity, quantity)]
 
 
 def _one_line(joint: IsaacJoint, line: TorqueLaw, cls: str) -> None:

@@ -60,6 +60,7 @@ class Drive:
         name: Its name.
         form: Element.
         command: What its control means.
+        step: Simulation step [s].
         kp: [N*m/rad or N/m]; 0 unless it is a position drive.
         kd: [N*m*s/rad or N*s/m]; 0 for effort.
         offset: Constant force, -kp * encoder bias [N*m or N].
@@ -67,7 +68,6 @@ class Drive:
         line: Torque-speed line of a dcmotor.
         time_constant: Of the command filter [s]; 0 without.
         delay_steps: Delay of the command in steps; 0 without.
-        step: Simulation step [s].
         control_range: For `ctrlrange`; None leaves it empty.
         control_limited: Whether the command is clamped to it.
         group: Actuator group, kept from a replaced actuator.
@@ -78,16 +78,16 @@ class Drive:
     name: str
     form: Form
     command: Command
-    kp: float
-    kd: float
-    offset: float
-    effort_limit: float | None
-    line: TorqueSpeedLine | None
-    time_constant: float
-    delay_steps: int
     step: float
-    control_range: tuple[float, float] | None
-    control_limited: bool
+    kp: float = 0.0
+    kd: float = 0.0
+    offset: float = 0.0
+    effort_limit: float | None = None
+    line: TorqueSpeedLine | None = None
+    time_constant: float = 0.0
+    delay_steps: int = 0
+    control_range: tuple[float, float] | None = None
+    control_limited: bool = False
     group: int = 0
     user: tuple[float, ...] = ()
 
@@ -185,16 +185,9 @@ def _network_drive(actuator: JointActuator, step: float) -> Drive:
         name=actuator.joint,
         form=Form.MOTOR,
         command=Command.EFFORT,
-        kp=0.0,
-        kd=0.0,
-        offset=0.0,
-        effort_limit=limit,
-        line=None,
-        time_constant=0.0,
-        delay_steps=0,
         step=step,
+        effort_limit=limit,
         control_range=None if limit is None else (-limit, limit),
-        control_limited=False,
     )
 
 

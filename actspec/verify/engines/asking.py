@@ -17,10 +17,7 @@ from actspec.verify.agreement import Skip
 from actspec.verify.environments import EngineError, Frameworks, find_frameworks, unusable
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 T = TypeVar("T")
 

@@ -38,10 +38,7 @@ from actspec.verify.environments import (
 )
 
 if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
-
-    Array = NDArray[np.float64]
+    from actspec.laws.arrays import Floats as Array
 
 ROLLOUT = SIMULATE / "rollout.py"
 TIMEOUT = 300
