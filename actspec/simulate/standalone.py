@@ -2,6 +2,19 @@
 
 `actspec.verify` sends this file along with each script, which imports it by its bare name: nothing of actspec is
 in those environments, so that an agreement is one between two programs.
+
+What every probe is asked, beside what it says itself:
+    columns: the managed joints, the columns of every array.
+    commands: what each of them is commanded by: position, velocity or effort.
+    step: physics step [s].
+    motions: names of motions; or
+    parts: into how many steps each step is divided, for each run of responses: [1, 2];
+    lags: nominal delay of each column in physics steps.
+Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
+    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
+    `coulomb` and `viscous` friction (n_column,).
+Answers: `error` where the file is refused; arrays `NAME`, the torque at each joint in each step of a motion. For responses
+    `q1` (n_step + 1, n_course, n_column) and `torque1` for `parts` 1, and so on.
 """
 
 from __future__ import annotations

@@ -3,23 +3,13 @@
 Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
 else of actspec.
 
-Job:
+Job, beside what `standalone` says:
     root: folder of the real `isaaclab` package.
     module: the file with a dict of actuator cfgs; it is executed.
     joints: all joints of the robot, in its order.
-    columns: the managed joints, the columns of every array.
-    commands: what each of them is commanded by: position, velocity or effort.
-    motions: names of motions; or
-    parts: into how many steps each step is divided, for each run of responses: [1, 2];
-    step: physics step [s];
-    lags: nominal delay of each column in physics steps.
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
-    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
-    `coulomb` and `viscous` friction (n_column,).
 
-Answers: `error` where the file is refused; `joints`: per joint its group, class and numbers; arrays `NAME`, the torque
-of each motion after a reset, NaN where a joint is in no group. For responses `q1` (n_step + 1, n_course, n_column) and
-`torque1` for `parts` 1, and so on.
+Answers, likewise: `joints`: per joint its group, class and numbers. Torques are those after a reset, NaN where a joint is
+in no group.
 """
 
 from __future__ import annotations

@@ -3,21 +3,12 @@
 Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
 else of actspec.
 
-Job:
+Job, beside what `standalone` says:
     module: the file with an articulation; it is executed.
     model: MJCF text of a robot.
-    step: physics step [s].
-    columns: the managed joints, the columns of every array.
-    commands: what each of them is commanded by: position, velocity or effort.
-    motions: names of motions; or
-    parts: into how many steps each step is divided, for each run of responses: [1, 2];
-    lags: nominal delay of each column in physics steps.
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
-    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column).
 
-Answers: `error` where the file is refused; `figures`: per joint what the compiled model has; arrays `NAME`, what all
-actuators do at each joint in each step, the joints put back before every one. For responses `q1`
-(n_step + 1, n_course, n_column) and `torque1` for `parts` 1, and so on.
+Answers, likewise: `figures`: per joint what the compiled model has. A torque is what all actuators do at a joint, the
+joints put back before every step. Bodies are the model's own.
 """
 
 from __future__ import annotations

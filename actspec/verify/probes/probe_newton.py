@@ -3,22 +3,13 @@
 Standalone: it runs in the frameworks' environment, with `actspec/simulate/standalone.py` beside it, and imports nothing
 else of actspec.
 
-Job:
+Job, beside what `standalone` says:
     path: folders for sys.path, before all others: an older release.
     overlay: the `.usda` that is laid on the stage.
     stage: text of the stage.
     joints: prims of the managed joints, the columns of every array.
-    commands: what each of them is commanded by: position, velocity or effort.
-    step: physics step [s].
-    motions: names of motions; or
-    parts: into how many steps each step is divided, for each run of responses: [1, 2].
-Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
-    (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
-    `coulomb` and `viscous` friction (n_column,).
 
-Answers: `error` where the overlay is refused; `version`; `figures`: per column what the model has of the joint; arrays
-`NAME`, what all actuators do at each joint in each step. For responses `q1` (n_step + 1, n_course, n_column) and
-`torque1` for `parts` 1, and so on.
+Answers, likewise: `version`; `figures`: per column what the model has of the joint.
 """
 
 from __future__ import annotations
