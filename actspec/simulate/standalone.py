@@ -13,8 +13,8 @@ What every probe is asked, beside what it says itself:
 Arrays: `NAME/command`, `NAME/q`, `NAME/qd` for each motion; (n_step, n_env, n_column). For responses `command`
     (n_step, n_course, n_column), `q` and `qd` at the start (n_course, n_column), `inertia` of a body without armature,
     `coulomb` and `viscous` friction (n_column,).
-Answers: `error` where the file is refused; arrays `NAME`, the torque at each joint in each step of a motion. For responses
-    `q1` (n_step + 1, n_course, n_column) and `torque1` for `parts` 1, and so on.
+Answers: `error` where the file is refused; arrays `NAME`, the torque at each joint in each step of a motion. For
+    responses `q1` (n_step + 1, n_course, n_column) and `torque1` for `parts` 1, and so on.
 """
 
 from __future__ import annotations

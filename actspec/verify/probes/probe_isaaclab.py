@@ -8,8 +8,8 @@ Job, beside what `standalone` says:
     module: the file with a dict of actuator cfgs; it is executed.
     joints: all joints of the robot, in its order.
 
-Answers, likewise: `joints`: per joint its group, class and numbers. Torques are those after a reset, NaN where a joint is
-in no group.
+Answers, likewise: `joints`: per joint its group, class and numbers. Torques are those after a reset, NaN where a joint
+is in no group.
 """
 
 from __future__ import annotations
