@@ -71,6 +71,8 @@ def entry() -> NoReturn:
     It ends without taking every module apart, which would be a tenth of a compile's time: all files are
     closed by then, and no other process is left.
     """
+    # Else pydantic looks through every installed package for plugins that see what is validated.
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     # What a command leaves in here is not taken apart either.
     arguments = _parsed(sys.argv[1:])
     code = _main(arguments)
