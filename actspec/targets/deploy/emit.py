@@ -232,16 +232,16 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
     seen: set[str] = set()
     for index, name in enumerate(options.of(DeployTarget).joint_order or ()):
         entry = f"joint_order[{index}]"
-        where, span = options.where(entry), options.span(entry)
+        place = options.at(entry, collector)
         if name is None:
             continue
         if name in seen:
-            collector.at(where, span).error(
+            place.error(
                 "DEP002", f"'{shortened(name)}' is named twice", "name every joint that the spec manages once"
             )
         elif name not in managed:
             guess = nearest(name, managed)
-            collector.at(where, span).error(
+            place.error(
                 "DEP001",
                 f"'{shortened(name)}' is not a joint that the spec manages",
                 f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",

@@ -292,8 +292,7 @@ def dialect_of(row: Callable[[], T], code: str, options: TargetOptions, collecto
     try:
         return row()
     except UnknownVersion as err:
-        where, span = options.where(err.key), options.span(err.key)
-        collector.at(where, span).error(code, err.message, err.help)
+        options.at(err.key, collector).error(code, err.message, err.help)
         raise EmitError(collector.sorted()) from None
 
 

@@ -220,7 +220,7 @@ def _joint_edit(
     collector: Collector,
 ) -> JointEdit:
     """What changes at the joint itself; `weightless`: why the robot's inertia is unknown."""
-    viscous = actuator.friction_viscous.value
+    place, viscous = collector.at(joint.name, joint.span), actuator.friction_viscous.value
     folded = [0.0, 0.0, 0.0]
     for a in own:
         # MuJoCo takes gear^2 for every power, measured from 3.7 to 4.0: gear 3, 1 N*m*s^2/rad^2, 2 rad/s give 36 N*m.
@@ -231,13 +231,13 @@ def _joint_edit(
     current = (joint.damping, *joint.damping_polynomial)
     if any(damping[1:]):
         if not dialect.polynomials:
-            collector.at(joint.name, joint.span).error(
+            place.error(
                 "MJC003",
                 f"'{joint.name}' has polynomial damping, which MuJoCo {dialect.text} cannot hold",
                 f"compile for MuJoCo {text_of(POLYNOMIALS)} or later, or remove the second and third number",
             )
         if viscous is not None and actuator.friction_viscous.origin.value in ("authored", "identified"):
-            collector.at(joint.name, joint.span).warning(
+            place.warning(
                 "MJC013",
                 f"'{joint.name}' keeps its polynomial damping ({format_number(damping[1])} w|w|, "
                 f"{format_number(damping[2])} w^3) beside "
@@ -264,7 +264,7 @@ def _joint_edit(
     if joint.springdamper and "stiffness" in joint.unknown:
         # It stays in force, unless a number is to stand in its place.
         if viscous is not None or any(folded):
-            collector.at(joint.name, joint.span).error(
+            place.error(
                 "MJC025",
                 f"'{joint.name}' has a springdamper in force, which would overwrite friction.viscous; its stiffness "
                 f"cannot be written in its place: {weightless}",
@@ -273,7 +273,7 @@ def _joint_edit(
         edit = replace(edit, damping=None)
     elif joint.springdamper:
         # In force it would overwrite what is written, and follow the armature.
-        collector.at(joint.name, joint.span).info(
+        place.info(
             "MJC020",
             f"'{joint.name}' has a springdamper in force; it is written out of force, with the stiffness "
             f"{format_number(joint.stiffness)} and the viscous friction {format_number(damping[0])} that it stood for",

@@ -107,10 +107,10 @@ def _stated(names: list[str], root: Path, options: TargetOptions, collector: Col
     by_joint: dict[str, str] = {}
     found: dict[str, Path] = {}
     for (pattern, template), matched in zip(paths.items(), matches.by_pattern, strict=True):
-        where, span = options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]")
+        place = collector.at(options.where(f"joint_paths.{pattern}"), options.span(f"joint_paths[{pattern}]"))
         twice = [name for name in matched if by_joint.setdefault(name, pattern) != pattern]
         if twice:
-            collector.at(where, span).error(
+            place.error(
                 "NWT011",
                 f"{listed(twice)}: matched by '{shortened(by_joint[twice[0]])}' too",
                 "let one pattern match each joint",
@@ -119,7 +119,7 @@ def _stated(names: list[str], root: Path, options: TargetOptions, collector: Col
             text = template.replace(JOINT, name)
             path = prim_path(text if text.startswith("/") else f"{path_text(root)}/{text}")
             if path is None:
-                collector.at(where, span).error(
+                place.error(
                     "NWT008",
                     f"'{shortened(text)}' is not a valid USD prim path (joint {shortened(name)})",
                     "write names of letters, digits and _ between slashes, as the stage has them",
@@ -133,9 +133,9 @@ def _converted(
     names: list[str], robot: RobotView, root: Path, options: TargetOptions, collector: Collector
 ) -> dict[str, Path]:
     """The paths that a converter gives to the joints."""
-    where = options.where("joint_paths")
+    place = collector.at(options.where("joint_paths"))
     if robot.format is ModelFormat.NONE:
-        collector.at(where).error(
+        place.error(
             "NWT009", "the spec names no model, so it is unknown where the joints are in the stage", _STATE
         )
         return {}
@@ -147,7 +147,7 @@ def _converted(
         candidates = {name: (*root, "Physics", name) for name in names if counts[name] == 1}
     unsure = [name for name in names if not all(map(is_identifier, candidates.get(name, ("",))))]
     if unsure:
-        collector.at(where).error(
+        place.error(
             "NWT009",
             f"{listed(unsure)}: the converter's path is unknown, because a name on it is not a valid USD prim name or "
             "not unique in its body",

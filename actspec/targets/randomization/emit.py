@@ -47,8 +47,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         try:
             made = import_module(STACKS[stack]).write(writer)
         except UnknownVersion as err:
-            where, span = options.where(err.key), options.span(err.key)
-            collector.at(where, span).error("RND013", err.message, err.help)
+            options.at(err.key, collector).error("RND013", err.message, err.help)
             continue
         lost += writer.losses.items
         if made is not None:
