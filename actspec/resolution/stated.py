@@ -11,9 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
-from actspec.ir import Command, JointKind, Level, Origin, Quantity
+from actspec.ir import Command, JointKind, Level, Origin, Quantity, tidy
 from actspec.patterns import PatternError, match_names, suggest_pattern
-from actspec.readings.quantities import tidy
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches

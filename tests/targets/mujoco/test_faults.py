@@ -166,10 +166,10 @@ def test_a_plan_that_counts_damping_twice_stops_the_compile(monkeypatch: pytest.
     from actspec.targets.mujoco.plan import plan_model
 
     def careless(*given: object) -> object:
-        planned = plan_model(*given)  # type: ignore[arg-type]
-        (entry,) = planned.plan.replaced
+        plan, lost = plan_model(*given)  # type: ignore[arg-type]
+        (entry,) = plan.replaced
         drive = replace(entry.drive, kd=entry.drive.kd + 0.25)
-        return replace(planned, plan=replace(planned.plan, replaced=(replace(entry, drive=drive),)))
+        return replace(plan, replaced=(replace(entry, drive=drive),)), lost
 
     monkeypatch.setattr(module, "plan_model", careless)
     with pytest.raises(EmitError, match=r"DMP002 .*hip: damping is 2\.5 "):
