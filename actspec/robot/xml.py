@@ -1,6 +1,6 @@
 """MJCF and URDF text as elements with byte offsets, includes in their place.
 
-Positions come from expat (`xml_scan`), so that `xml_edit` can change an attribute and leave every
+Positions come from expat (`xml_tree.scan`), so that `xml_edit` can change an attribute and leave every
 other byte as the author wrote it.
 
 Includes, measured with MuJoCo 3.7.0, 3.11.0, 3.14.0, 3.17.0 and 4.0.0 on files on disk:
@@ -30,8 +30,7 @@ from collections.abc import Callable, Sequence
 from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.robot.view import ModelFile
-from actspec.robot.xml_scan import Malformed, scan
-from actspec.robot.xml_tree import Element, Include, XmlDocument
+from actspec.robot.xml_tree import Element, Include, Malformed, XmlDocument, scan
 
 MOST_BYTES = 64 * 1024 * 1024
 """Chosen: all files of a model together; the largest real one known is 0.2 MB."""

@@ -1,12 +1,17 @@
-"""An MJCF or URDF as elements that know their bytes."""
+"""An MJCF or URDF as elements that know their bytes, as expat tells them.
+
+What expat refuses is refused, with the place and a way out, even where MuJoCo reads it: MuJoCo's parser takes
+a bare `&`, `<` in a value and `--` in a comment.
+"""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from xml.parsers import expat
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.robot.view import ModelFile
 
 
@@ -184,3 +189,207 @@ class XmlDocument:
         """Whether the element's file is included more than once: an edit would then count twice."""
         path = self.files[element.file].path
         return sum(file.path == path for file in self.files) > 1
+
+
+MOST_DEPTH = 200
+"""Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
+
+
+def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> list[Element]:
+    """Elements of one file in document order, the root first.
+
+    Args:
+        file: To be scanned.
+        index: Its place among the model's files.
+        depth: Elements that the root is inside of.
+        before: Elements of the files before it.
+        most: Elements that the model may have.
+
+    Raises: Malformed: it is no XML that is read here.
+    """
+    data = file.data
+    check_encoding(file.path, data)
+    # One character a byte, so that offsets are those of the file.
+    text = data.decode("latin-1")
+    found: list[Element] = []
+    open_: list[Element] = []
+    # The declared encoding has been judged; MuJoCo reads UTF-8 whatever is declared, and so does this.
+    parser = expat.ParserCreate("utf-8")
+
+    def doctype(*_: object) -> None:
+        message = "the file has a DOCTYPE, which can define entities and name other files"
+        # expat calls at the end of the name.
+        place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, parser.CurrentByteIndex + 1))
+        help = "delete it; MJCF and URDF need none"
+        raise Malformed(Diagnostic("ROBOT005", Severity.ERROR, message, "", place, help), None)
+
+    def start(tag: str, values: dict[str, str]) -> None:
+        element = Element(tag, text, index, parser.CurrentByteIndex, parser.CurrentLineNumber, values)
+        if before + len(found) >= most:
+            behind = f": {before} before this file" if before else ""
+            message = f"the model has more than {most} elements{behind}"
+            raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", Span(file.path)), None)
+        if open_:
+            open_[-1].children.append(element)
+        if depth + len(open_) >= MOST_DEPTH:
+            message = f"more than {MOST_DEPTH} elements inside one another"
+            place = place_of(file.path, data, element.start)
+            raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", place), found[0].tag)
+        open_.append(element)
+        found.append(element)
+
+    def end(_: str) -> None:
+        open_.pop().close = parser.CurrentByteIndex
+
+    parser.StartDoctypeDeclHandler = doctype
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    try:
+        parser.Parse(data, True)
+    except expat.ExpatError as err:
+        root = found[0].tag if found else None
+        inside = (open_[-1].tag, open_[-1].line) if open_ else None
+        message, help = explain(err.code, data, parser.ErrorByteIndex, inside)
+        place = Span(file.path, err.lineno, err.offset + 1)
+        raise Malformed(Diagnostic("ROBOT004", Severity.ERROR, message, "", place, help), root) from err
+    return found
+
+
+_BOM = b"\xef\xbb\xbf"
+_TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
+_DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']""")
+_LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
+
+
+class Malformed(Exception):
+    """A file is refused.
+
+    Attributes:
+        diagnostic: Why.
+        root: Its root's tag, if it got that far; tells whether the file may be spoken about.
+    """
+
+    def __init__(self, diagnostic: Diagnostic, root: str | None) -> None:
+        super().__init__(str(diagnostic))
+        self.diagnostic = diagnostic
+        self.root = root
+
+
+def check_encoding(path: str, data: bytes) -> None:
+    """Refuse what is not UTF-8, or is declared as another encoding and has more than ASCII.
+
+    Raises: Malformed: with the first byte at fault.
+    """
+    help = 'save the file as UTF-8 and declare encoding="utf-8"'
+    if data.startswith((b"\xff\xfe", b"\xfe\xff")) or b"\0" in data[:2]:
+        place = Span(path, 1)
+        raise Malformed(
+            Diagnostic("ROBOT003", Severity.ERROR, "the file is UTF-16 or UTF-32", "", place, help), None
+        )
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError as err:
+        message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
+        place = place_of(path, data, err.start)
+        help += _LENIENT
+        raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None) from err
+    body = data.removeprefix(_BOM)
+    declared = _DECLARED.match(body)
+    if declared is None or body.isascii():
+        return
+    name = declared[1].decode("ascii")
+    if name.lower().replace("-", "").replace("_", "") == "utf8":
+        return
+    first = next(i for i, byte in enumerate(body) if byte > 127)
+    place = place_of(path, data, first + len(data) - len(body))
+    message = f"the file declares encoding {name!r} and has a character that is not ASCII"
+    help += _LENIENT
+    raise Malformed(Diagnostic("ROBOT003", Severity.ERROR, message, "", place, help), None)
+
+
+def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> tuple[str, str | None]:
+    """Put expat's reason in plain words.
+
+    Args:
+        code: expat's error code.
+        data: The file.
+        at: Offset of the error.
+        inside: Innermost open element: tag and line.
+
+    Returns: message and help.
+    """
+    element = f"<{inside[0]}> (line {inside[1]})" if inside is not None else ""
+    text = expat.errors.messages.get(code, "not well-formed XML")
+    if text == expat.errors.XML_ERROR_INVALID_TOKEN:
+        return _invalid_token(data, at)
+    if text == expat.errors.XML_ERROR_SYNTAX:
+        return "this is not XML", None
+    if text == expat.errors.XML_ERROR_NO_ELEMENTS:
+        if not element:
+            return "the file has no XML element", None
+        return f"the file ends before {element} is closed", f"write </{inside[0] if inside else ''}>"
+    if text == expat.errors.XML_ERROR_UNCLOSED_TOKEN:
+        return "the file ends inside a tag or comment that starts here", None
+    if text == expat.errors.XML_ERROR_UNCLOSED_CDATA_SECTION:
+        return "the file ends inside a CDATA section", "write ]]>"
+    if text == expat.errors.XML_ERROR_TAG_MISMATCH:
+        found = re.compile(rb"[^\s>]*").match(data, at)
+        name = found[0].decode("utf-8", "replace") if found else ""
+        return f"</{name}> stands where {element} is to be closed", None
+    if text == expat.errors.XML_ERROR_DUPLICATE_ATTRIBUTE:
+        found = re.compile(rb"[^\s=]*").match(data, at)
+        name = found[0].decode("utf-8", "replace") if found else ""
+        return f"attribute {name!r} appears twice", "delete one of the two; MuJoCo refuses it too"
+    if text == expat.errors.XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
+        lenient = _LENIENT if data[at : at + 1] == b"<" else ""
+        return "text or an element after the end of the root element", f"delete what follows{lenient}"
+    if text == expat.errors.XML_ERROR_UNDEFINED_ENTITY:
+        return (
+            "a reference to an entity that XML does not know",
+            f"write the character itself, or &#NUMBER;{_LENIENT}",
+        )
+    if text == expat.errors.XML_ERROR_BAD_CHAR_REF:
+        return "a reference to a character that XML does not allow", "delete it"
+    if text in (expat.errors.XML_ERROR_MISPLACED_XML_PI, expat.errors.XML_ERROR_XML_DECL):
+        return (
+            "a malformed XML declaration, or one that is not the first thing in the file",
+            f'begin the file with <?xml version="1.0"?>, or leave it out{_LENIENT}',
+        )
+    return f"not well-formed XML: {text}", None
+
+
+def _invalid_token(data: bytes, at: int) -> tuple[str, str | None]:
+    """Guess at what makes the byte at `at` impossible, from what stands round it."""
+    here, before = data[at : at + 1], data[at - 1 : at]
+    if here < b" " and here not in (b"\t", b"\n", b"\r"):
+        return f"a control character, 0x{here.hex() or '00'}", "delete it"
+    if data.rfind(b"<!--", 0, at) > data.rfind(b"-->", 0, at) and data[at - 2 : at] == b"--":
+        return "'--' inside a comment", f"write '- -', or another character{_LENIENT}"
+    if before == b"&":
+        return "a bare '&'", f"write &amp;{_LENIENT}"
+    if data[at - 1 : at + 1] == b"</":
+        return "a closing tag whose element is closed already", f"delete it{_LENIENT}"
+    if before == b"<":
+        return "a '<' that does not begin a tag", "write &lt;"
+    tag = data[max(data.rfind(b"<", 0, at), 0) : at]
+    so_far = _TAG_SO_FAR.match(tag)
+    rest = tag[so_far.end() :] if so_far is not None else b">"
+    if here == b"<" and rest[:1] in (b'"', b"'"):
+        return "'<' inside an attribute value", f"write &lt;, or add the missing quote before it{_LENIENT}"
+    if not rest and here == b"<":
+        return "a tag begins inside another tag", "close the tag before it with '>'"
+    if not rest and before in (b'"', b"'"):
+        return "no space between two attributes", f"put a space between them{_LENIENT}"
+    if not rest and tag.rstrip().endswith(b"="):
+        return "an attribute value without quotes", 'write name="value"'
+    if not rest and here != b"=" and re.search(rb"\s[^\s=\"'/]+\s*$", tag):
+        return "an attribute without a value", 'write name="value"'
+    character = data[at : at + 4].decode("utf-8", "ignore")[:1]
+    return f"not well-formed XML: {character!r} cannot stand here", None
+
+
+def place_of(path: str, data: bytes, at: int) -> Span:
+    """Line and column, in characters, of a byte."""
+    start = max(data.rfind(b"\n", 0, at), data.rfind(b"\r", 0, at)) + 1
+    line = data.count(b"\n", 0, at) + 1
+    return Span(path, line, len(data[start:at].removeprefix(_BOM).decode("utf-8", "replace")) + 1)
