@@ -1,7 +1,7 @@
 """JUnit XML: one suite a file, one test case a finding.
 
-A finding below `--fail-on` passes, with its text as output; a file without findings is one case that passes; a file
-that could not be read is an error; a rule that was selected and has no input is skipped.
+A finding below `--fail-on` passes, with its text as output; a file without findings is one case that passes; a name
+that stands for no file is an error; a rule that was selected and has no input is skipped.
 """
 
 from __future__ import annotations

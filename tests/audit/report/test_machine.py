@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -337,6 +338,17 @@ def test_sarif_paths(
     monkeypatch.chdir(tmp_path)
     found = location(path)
     assert (found["uri"], found.get("uriBaseId")) == (uri, base)
+
+
+@pytest.mark.parametrize("output_format", ["json", "sarif", "github", "junit", "markdown", "html"])
+def test_notes_are_left_out_where_that_is_asked_for(output_format: str, made: Report) -> None:
+    """Of the four rules and severities the note is the one with the evil name."""
+    assert "alert(1)" in render(made, output_format, ReportOptions()).split("Ledger: what")[0]
+    left = render(
+        replace(made, case=replace(made.case, rows=())), output_format, ReportOptions(least=Severity.WARNING)
+    )
+    assert "alert(1)" not in left
+    assert "50 here, 35 there" in left
 
 
 # --- github --------------------------------------------------------------------------------------
