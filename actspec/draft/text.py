@@ -7,7 +7,7 @@ from typing import Any
 
 from actspec.diagnostics import one_line
 from actspec.ir import Quantity, tidy
-from actspec.robot.xml_edit import format_number
+from actspec.robot.xml_edit import exact_number
 from actspec.units import Kind, UnitError, parse_quantity
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[./-]+[A-Za-z0-9_]+)*")
@@ -79,10 +79,10 @@ def figure(value: float, unit: str, *, computed: bool = False) -> str:
         unit: SI; "" for none.
         computed: It is the result of a formula.
     """
-    number = format_number(value + 0.0)
+    number = exact_number(value + 0.0)
     digits = number.partition("e")[0].replace(".", "").lstrip("-0")
     if computed or len(digits) > _WRITTEN_DIGITS:
-        number = format_number(tidy(value) + 0.0)
+        number = exact_number(tidy(value) + 0.0)
     return f"{number} {unit}" if unit not in ("", "1") else number
 
 
@@ -94,7 +94,7 @@ def time_text(seconds: float, *, computed: bool = False) -> str:
     except UnitError:
         same = False
     # A step that is not that of the file changes every delay that is counted in steps.
-    return text if same or computed else f"{format_number(seconds)} s"
+    return text if same or computed else f"{exact_number(seconds)} s"
 
 
 def quantity_text(quantity: Quantity) -> str:

@@ -88,7 +88,7 @@ def escape_attribute(value: str, quote: str = '"') -> str:
     return "".join(table.get(character, character) for character in value)
 
 
-def format_number(x: float) -> str:
+def exact_number(x: float) -> str:
     """Shortest text that reads back as the same double: `25`, `0.1`, `1e-05`.
 
     Raises: ValueError: not finite.

@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator
 
 from actspec.diagnostics import nearest, shortened
-from actspec.units.kinds import Kind, UnitError, an, in_units
+from actspec.units.kinds import Kind, UnitError, an, format_number, in_units
 from actspec.units.reader import DIMS_OF, G0, ONE, TABLE, BadUnit, Dims, Unit, read_unit
 
 _NOUN_OF: dict[Dims, str] = {
@@ -54,7 +54,7 @@ def _did_you_mean(text: str, unknown: str | None, shown: str, kind: Kind) -> str
         if unit.dims in DIMS_OF[kind]:
             rotary = unit.dims == DIMS_OF[kind][0]
             si = kind.rotary_unit if rotary else kind.linear_unit
-            value = short(unit.in_si(float(shown)))
+            value = format_number(unit.in_si(float(shown)))
             same = "" if candidate == si else f" That is {value} {si}"
             return f"did you mean `{shortened(shown)} {candidate}`?{same}"
         fallback = fallback or f"did you mean `{candidate}`? {in_units(kind)}"
@@ -112,37 +112,37 @@ def _other_kind(given: str, si: float, dims: Dims, kind: Kind) -> str | None:
             "give the friction torque in N*m (N for a slide)"
         )
     if kind is Kind.SPEED and dims == hertz:
-        return f"{given} as angular speed is {short(turn * si)} rad/s"
+        return f"{given} as angular speed is {format_number(turn * si)} rad/s"
     if kind is Kind.LEAD and dims == DIMS_OF[Kind.LENGTH][0]:
         # As m/rad it would be 2 pi times as much.
         return f"a lead is the travel in one turn: write `{given}/rev`"
     if kind is Kind.FREQUENCY and dims == speed:
-        return f"{given} as frequency is {short(si / turn)} Hz"
+        return f"{given} as frequency is {format_number(si / turn)} Hz"
     if kind is Kind.FREQUENCY and dims == time and si > 0:
         return (
-            f"a period of {given} is {short(1 / si)} Hz; a first-order lag with a time constant of {given} "
-            f"has its cutoff at {short(1 / (turn * si))} Hz"
+            f"a period of {given} is {format_number(1 / si)} Hz; a first-order lag with a time constant of {given} "
+            f"has its cutoff at {format_number(1 / (turn * si))} Hz"
         )
     if kind is Kind.TIME and dims == hertz and si > 0:
         return (
-            f"the period of {given} is {short(1 / si)} s; a first-order low-pass with its cutoff at {given} "
-            f"has a time constant of {short(1 / (turn * si))} s"
+            f"the period of {given} is {format_number(1 / si)} s; a first-order low-pass with its cutoff at {given} "
+            f"has a time constant of {format_number(1 / (turn * si))} s"
         )
     if kind is Kind.FREQUENCY and dims == _shift(ONE, s=-1):
-        return f"a frequency counts cycles: write `{short(si)} Hz` if cycles are meant"
+        return f"a frequency counts cycles: write `{format_number(si)} Hz` if cycles are meant"
     if kind is Kind.TORQUE_CONSTANT and dims == _shift(rotary, rad=1, m=-4, kg=-2, s=4, a=2) and si > 0:
-        return f"a speed constant of {given} is a torque constant of {short(1 / si)} N*m/A"
+        return f"a speed constant of {given} is a torque constant of {format_number(1 / si)} N*m/A"
     if rotary != ONE and rotary in (_shift(dims, rad=-1), _shift(dims, rad=1)):
-        return f"angle is a dimension of its own: write `{short(si)} {kind.rotary_unit}` if that is meant"
+        return f"angle is a dimension of its own: write `{format_number(si)} {kind.rotary_unit}` if that is meant"
     if rotary == _shift(dims, s=2):
-        return f"`a/b/c` is a/(b*c): write `{short(si)} {kind.rotary_unit}` if that is meant"
+        return f"`a/b/c` is a/(b*c): write `{format_number(si)} {kind.rotary_unit}` if that is meant"
     for wanted, unit in ((rotary, kind.rotary_unit), (linear, kind.linear_unit)):
         weight = si * G0[0] / G0[1]
         if wanted == _shift(dims, m=1, s=-2):
-            return f"kg and g are masses; as a force (kgf, gf) {given} is {short(weight)} {unit}"
+            return f"kg and g are masses; as a force (kgf, gf) {given} is {format_number(weight)} {unit}"
         if wanted == _shift(dims, m=-1, s=2):
             mass = si * G0[1] / G0[0]
-            return f"oz, lbf, kgf and gf are forces; as a mass {given} is {short(mass)} {unit}"
+            return f"oz, lbf, kgf and gf are forces; as a mass {given} is {format_number(mass)} {unit}"
     return None
 
 
@@ -177,8 +177,3 @@ def decimal_comma(given: str, kind: Kind) -> UnitError:
         f"decimals have a point (`{shortened(given.strip().replace(',', '.', 1))}`), thousands no mark"
         + (f" (`{shortened(given.strip().replace(',', ''))}`)" if _THOUSANDS.match(given.strip()) else ""),
     )
-
-
-def short(number: float) -> str:
-    """A number for a message."""
-    return f"{number:.6g}"

@@ -6,8 +6,8 @@ import math
 import re
 
 from actspec.diagnostics import shortened
-from actspec.units.explain import decimal_comma, mismatch, not_a_number, short, too_long, unreadable
-from actspec.units.kinds import Kind, Parsed, UnitError, an, in_units
+from actspec.units.explain import decimal_comma, mismatch, not_a_number, too_long, unreadable
+from actspec.units.kinds import Kind, Parsed, UnitError, an, format_number, in_units
 from actspec.units.reader import DIMS_OF, BadUnit, Unit, in_ascii, read_unit
 
 MAX_LENGTH = 200
@@ -42,7 +42,7 @@ def parse_quantity(given: str | int | float, kind: Kind) -> Parsed:
     """
     if not isinstance(given, str):
         number = _finite(given, kind)
-        return _bare(number, short(number), kind)
+        return _bare(number, format_number(number), kind)
     if len(given) > MAX_LENGTH:
         raise too_long(given, kind)
     text = in_ascii(given)
@@ -78,7 +78,7 @@ def parse_with_unit(number: int | float, unit_text: str, kind: Kind) -> Parsed:
     """
     value = _finite(number, kind)
     text = _unit_text(unit_text, kind)
-    return _with_unit(value, short(value), text, unit_text.strip(), kind)
+    return _with_unit(value, format_number(value), text, unit_text.strip(), kind)
 
 
 def convert(value_si: float, unit_text: str, kind: Kind) -> float:
@@ -113,7 +113,7 @@ def _finite(given: object, kind: Kind) -> float:
     except OverflowError:
         number = math.inf
     if not math.isfinite(number):
-        raise UnitError(f"{short(number)} is not a finite number, {an(kind.noun)} is needed")
+        raise UnitError(f"{format_number(number)} is not a finite number, {an(kind.noun)} is needed")
     return number
 
 

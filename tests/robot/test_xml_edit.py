@@ -25,7 +25,7 @@ from actspec.robot.xml_edit import (
     SetAttribute,
     apply_edits,
     escape_attribute,
-    format_number,
+    exact_number,
 )
 from actspec.robot.xml_tree import Element, XmlDocument
 
@@ -435,20 +435,20 @@ def test_any_value_comes_back(value: str, quote: str) -> None:
 )
 def test_numbers(x: float, text: str) -> None:
     """Whole numbers have no point; others have no more digits than they need."""
-    assert format_number(x) == text
+    assert exact_number(x) == text
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
 def test_any_number_comes_back(x: float) -> None:
     """The text reads back as the same 64 bits, minus zero included."""
-    assert struct.pack("d", float(format_number(x))) == struct.pack("d", x)
+    assert struct.pack("d", float(exact_number(x))) == struct.pack("d", x)
 
 
 @pytest.mark.parametrize("x", [float("nan"), float("inf"), -float("inf")], ids=str)
 def test_numbers_that_are_none(x: float) -> None:
     """What no simulator reads is not written."""
     with pytest.raises(ValueError, match="not a finite number"):
-        format_number(x)
+        exact_number(x)
 
 
 def real(path: Path) -> XmlDocument:

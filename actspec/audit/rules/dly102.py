@@ -13,7 +13,7 @@ from actspec.audit.rules.actuator_texts import (
     milliseconds,
     stored_samples,
 )
-from actspec.robot.xml_edit import format_number
+from actspec.robot.xml_edit import exact_number
 
 _ALMOST = 1e-6
 """Steps by which a delay may miss a whole number of them. Chosen: far above rounding, far below any delay."""
@@ -76,7 +76,7 @@ def _samples_fix(found: WrittenActuator, steps: int) -> Fix | None:
     if attribute is None or found.document.is_repeated(found.element):
         return None
     path = found.document.files[found.element.file].path
-    edit = TextEdit(path, attribute.value_start, attribute.value_end, format_number(steps).encode())
+    edit = TextEdit(path, attribute.value_start, attribute.value_end, exact_number(steps).encode())
     # What the histories of other actuators hold stays, but they move.
     fields = ("actuator_history", "actuator_historyadr", "nhistory")
     return Fix(f'Set nsample="{steps}"', Safety.UNSAFE, (edit,), fields)

@@ -16,8 +16,8 @@ from actspec.audit.rules.actuator_texts import (
 )
 from actspec.ir import JointKind
 from actspec.robot.view import ActuatorView, JointView, RobotView
-from actspec.robot.xml_edit import format_number
-from actspec.units import format_quantity
+from actspec.robot.xml_edit import exact_number
+from actspec.units import format_number, format_quantity
 
 _FITS = 0.1
 """How far, relative to the joint's range, a control range may be from it to be it. Chosen: soft limits of 0.9."""
@@ -52,19 +52,19 @@ class NotTheServoMeant(RuleInParts):
             if not (servo and ratio > 0.0 and text.gain[0] > 0.0):
                 continue
             compiled = found.view.gear != 0.0 and _has_inertia(found)
-            kd = f" of {format_quantity(found.view.kd / found.view.gear**2, '', 3)}" if compiled else ""
+            kd = f" of {format_number(found.view.kd / found.view.gear**2, 3)}" if compiled else ""
             absurd = ratio >= self.option(case, "plausible")
             yield Finding(
                 self.code,
-                f"the third number of biasprm is {format_quantity(ratio, '', 3)}, above 0: MuJoCo takes it for a "
+                f"the third number of biasprm is {format_number(ratio, 3)}, above 0: MuJoCo takes it for a "
                 f"damping ratio and works out a kv{kd} from the inertia, instead of a kv of "
-                f"{format_quantity(ratio, '', 3)}",
+                f"{format_number(ratio, 3)}",
                 place_of(found, "biasprm"),
                 joint_of(found),
                 ratio,
                 "1",
                 -ratio,
-                f"write -{format_quantity(ratio, '', 3)} for a velocity gain; for a damping ratio write the kv that it "
+                f"write -{format_number(ratio, 3)} for a velocity gain; for a damping ratio write the kv that it "
                 "gives, because its meaning depends on MuJoCo's version",
                 # Below that it may be a damping ratio, as MuJoCo takes it.
                 fix=_bias_fix(found, ratio) if absurd else None,
@@ -85,8 +85,8 @@ class NotTheServoMeant(RuleInParts):
             plain = joint is not None and _is_range(joint, view.control_range, 1.0 / view.gear)
             yield Finding(
                 self.code,
-                f"gainprm is {format_quantity(view.gain, '', 3)} and the stiffness in biasprm "
-                f"{format_quantity(kp, '', 3)}: the servo settles at {scale:.3g} times its target position",
+                f"gainprm is {format_number(view.gain, 3)} and the stiffness in biasprm "
+                f"{format_number(kp, 3)}: the servo settles at {scale:.3g} times its target position",
                 place_of(found, "gainprm", "biasprm"),
                 joint_of(found),
                 view.gain,
@@ -104,7 +104,7 @@ class NotTheServoMeant(RuleInParts):
             if text.bias_type != "none" or not any(text.bias[:3]):
                 continue
             servo = text.bias[1] < 0.0 and text.gain[0] == -text.bias[1]
-            numbers = " ".join(format_quantity(number, "", 3) for number in text.bias[:3])
+            numbers = " ".join(format_number(number, 3) for number in text.bias[:3])
             yield Finding(
                 self.code,
                 f"biasprm {numbers} has no effect without biastype: this actuator is a motor that gives "
@@ -130,7 +130,7 @@ def _bias_fix(found: WrittenActuator, ratio: float) -> Fix | None:
     parts = attribute.value.split() if attribute is not None else []
     if attribute is None or len(parts) < 3 or found.document.is_repeated(found.element):
         return None
-    parts[2] = f"-{format_number(ratio)}"
+    parts[2] = f"-{exact_number(ratio)}"
     path = found.document.files[found.element.file].path
     edit = TextEdit(path, attribute.value_start, attribute.value_end, " ".join(parts).encode())
     return Fix(f'Set biasprm to "{" ".join(parts)}"', Safety.UNSAFE, (edit,), ("actuator_biasprm",))

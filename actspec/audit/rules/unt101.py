@@ -16,8 +16,8 @@ from actspec.readings.compare import DEGREES
 from actspec.readings.joint import largest
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import JointView
-from actspec.robot.xml_edit import format_number
-from actspec.units import format_quantity
+from actspec.robot.xml_edit import exact_number
+from actspec.units import format_number
 
 
 class RangeInDegrees(RuleInParts):
@@ -87,7 +87,7 @@ class RangeInDegrees(RuleInParts):
             largest(command),
             "rad",
             largest(joint),
-            f"write {format_quantity(joint[0], '', 4)} {format_quantity(joint[1], '', 4)}",
+            f"write {format_number(joint[0], 4)} {format_number(joint[1], 4)}",
             fix=fix,
         )
 
@@ -100,14 +100,14 @@ class RangeInDegrees(RuleInParts):
             return
         yield Finding(
             self.code,
-            f"this hinge may turn from {format_quantity(ends[0], '', 4)} to {format_quantity(ends[1], '', 4)} rad, "
+            f"this hinge may turn from {format_number(ends[0], 4)} to {format_number(ends[1], 4)} rad, "
             f"{most / (2.0 * math.pi):.2g} full turns: it looks like degrees where the file is read in radians",
             joint.places.get("range", joint.span),
             joint.name,
             most,
             "rad",
             most / DEGREES,
-            f"write {format_quantity(ends[0] / DEGREES, '', 4)} {format_quantity(ends[1] / DEGREES, '', 4)}",
+            f"write {format_number(ends[0] / DEGREES, 4)} {format_number(ends[1] / DEGREES, 4)}",
             confidence=Confidence.MEDIUM,
         )
 
@@ -119,7 +119,7 @@ class RangeInDegrees(RuleInParts):
         return Finding(
             self.code,
             f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0 ({first.name}: "
-            f"{format_quantity(ends[0], '', 3)} ... {format_quantity(ends[1], '', 3)} rad): radians, "
+            f"{format_number(ends[0], 3)} ... {format_number(ends[1], 3)} rad): radians, "
             f"read as degrees{unless}",
             first.places.get("range", first.span),
             "",
@@ -189,7 +189,7 @@ def _range_fixes(case: Case) -> dict[Span, Fix]:
         joint = None if one.artifact.robot is None else one.artifact.robot.joint(one.view.target)
         if attribute is None or joint is None or joint.range is None or one.document.is_repeated(one.element):
             continue
-        ends = " ".join(format_number(end) for end in joint.range)
+        ends = " ".join(exact_number(end) for end in joint.range)
         path = one.document.files[one.element.file].path
         edit = TextEdit(path, attribute.value_start, attribute.value_end, ends.encode())
         found[one.view.span] = Fix(

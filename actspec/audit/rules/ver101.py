@@ -15,10 +15,10 @@ from actspec.audit.rules.actuator_texts import (
 )
 from actspec.ir import JointKind
 from actspec.readings.versions import Meant, mujoco_of
-from actspec.robot.xml_edit import format_number
+from actspec.robot.xml_edit import exact_number
 from actspec.robot.xml_tree import Element
 from actspec.simulators.mujoco import DAMPRATIO_FREE
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 
 class RatioChangedMeaning(RuleInParts):
@@ -54,7 +54,7 @@ class RatioChangedMeaning(RuleInParts):
             chosen = new if newer else old
             yield Finding(
                 self.code,
-                f"dampratio {format_quantity(found.text.bias[2], '', 3)} is kv {format_quantity(old, unit, 3)} up to "
+                f"dampratio {format_number(found.text.bias[2], 3)} is kv {format_quantity(old, unit, 3)} up to "
                 f"MuJoCo 3.14 and {format_quantity(new, unit, 3)} from 3.15 on: "
                 f"{100 * change:.0f} % less damping from the same file",
                 found.document.span(owner),
@@ -62,7 +62,7 @@ class RatioChangedMeaning(RuleInParts):
                 old if newer else new,
                 unit,
                 chosen,
-                help=f'write kv="{format_quantity(chosen, "")}" and no dampratio, which is what '
+                help=f'write kv="{format_number(chosen)}" and no dampratio, which is what '
                 f"{meant.text if meant is not None else 'MuJoCo 3.15 and later'} makes of it"
                 + ("" if meant is not None else "; tell the audit which version it is meant for"),
                 # Which of the two is right nobody knows who does not know the version.
@@ -74,7 +74,7 @@ class RatioChangedMeaning(RuleInParts):
         owner = found.owner("dampratio") or found.element
         return Finding(
             self.code,
-            f"what kv dampratio {format_quantity(found.text.bias[2], '', 3)} becomes changed in MuJoCo 3.15, and "
+            f"what kv dampratio {format_number(found.text.bias[2], 3)} becomes changed in MuJoCo 3.15, and "
             "cannot be computed here",
             found.document.span(owner),
             found.joint,
@@ -104,7 +104,7 @@ def _kv_fix(found: WrittenActuator, owner: Element, kv: float, *, safe: bool) ->
     if document.is_repeated(element):
         return None
     path = document.files[element.file].path
-    text = f'kv="{format_number(kv)}"'.encode()
+    text = f'kv="{exact_number(kv)}"'.encode()
     if owner is element:
         attribute = element.attributes["dampratio"]
         edit = TextEdit(path, attribute.start, attribute.end, text)
@@ -112,6 +112,4 @@ def _kv_fix(found: WrittenActuator, owner: Element, kv: float, *, safe: bool) ->
         after_tag = element.start + 1 + len(element.tag)
         edit = TextEdit(path, after_tag, after_tag, b" " + text)
     safety = Safety.SAFE if safe else Safety.UNSAFE
-    return Fix(
-        f'Write kv="{format_quantity(kv, "")}" for the dampratio', safety, (edit,), ("actuator_biasprm",)
-    )
+    return Fix(f'Write kv="{format_number(kv)}" for the dampratio', safety, (edit,), ("actuator_biasprm",))

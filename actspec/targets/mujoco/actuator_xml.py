@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from actspec.ir import Command
-from actspec.robot.xml_edit import escape_attribute, format_number
+from actspec.robot.xml_edit import escape_attribute, exact_number
 from actspec.simulators.mujoco import DcMotorDialect, MujocoDialect
 from actspec.targets.mujoco.drive import VOLTAGE, Drive, Form
 
@@ -163,4 +163,4 @@ def _dcmotor(drive: Drive, numbers: Controller) -> list[tuple[str, str]]:
 
 
 def _numbers(*values: float) -> str:
-    return " ".join(format_number(value) for value in values)
+    return " ".join(exact_number(value) for value in values)

@@ -14,7 +14,7 @@ from actspec.robot.xml_edit import (
     RemoveElement,
     ReplaceElement,
     SetAttribute,
-    format_number,
+    exact_number,
 )
 from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.simulators.mujoco import MujocoDialect
@@ -142,7 +142,7 @@ def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: Muj
         element = anchors.keys[key.index]
         for name, values in (("ctrl", key.ctrl), ("act", key.act if holds_act else None)):
             if values is not None:
-                text = " ".join(format_number(value) for value in values)
+                text = " ".join(exact_number(value) for value in values)
                 edits.append(SetAttribute(element, name, text if values else None))
     return edits
 
@@ -164,9 +164,9 @@ def joint_attributes(edit: JointEdit, damping: int) -> Iterator[tuple[str, str]]
     ):
         if value is not None:
             numbers = value[:damping] if isinstance(value, tuple) else (value,)
-            yield name, " ".join(map(format_number, numbers))
+            yield name, " ".join(map(exact_number, numbers))
     if edit.effort is not None:
-        yield "actuatorfrcrange", f"{format_number(-edit.effort)} {format_number(edit.effort)}"
+        yield "actuatorfrcrange", f"{exact_number(-edit.effort)} {exact_number(edit.effort)}"
         yield "actuatorfrclimited", "true"
 
 
@@ -181,7 +181,7 @@ def _joint_edits(element: Element, edit: JointEdit, dialect: MujocoDialect) -> I
 def _timestep(document: XmlDocument, timestep: float) -> Edit:
     """On the option that states it last, else on the last option, else a new one."""
     options = document.sections("option")
-    text = format_number(timestep)
+    text = exact_number(timestep)
     stating = [option for option in options if option.get("timestep") is not None]
     for option in (*reversed(stating), *([] if stating else reversed(options))):
         if not document.is_repeated(option):

@@ -16,7 +16,7 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, Origin
 from actspec.robot.view import JointView, ModelFile, RobotView
-from actspec.robot.xml_edit import escape_attribute, format_number
+from actspec.robot.xml_edit import escape_attribute, exact_number
 from actspec.simulators.mujoco import MujocoDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.provenance import written_by, xml_comment
@@ -170,7 +170,7 @@ def bench_xml(robot: RobotView, classes: Mapping[str, str], *, include: str | No
         lines += [
             f'    <body pos="{index} 0 0">',
             f"      {_bench_joint(joint, classes.get(joint.name))}",
-            f'      <geom size="{format_number(RADIUS)}" contype="0" conaffinity="0"/>',
+            f'      <geom size="{exact_number(RADIUS)}" contype="0" conaffinity="0"/>',
             "    </body>",
         ]
     lines.append("  </worldbody>")
@@ -184,7 +184,7 @@ def _bench_joint(joint: JointView, name: str | None) -> str:
     if name is not None:
         attributes.append(("class", name))
     if joint.range is not None:
-        attributes.append(("range", " ".join(map(format_number, joint.range))))
+        attributes.append(("range", " ".join(map(exact_number, joint.range))))
     return _tag("joint", attributes)
 
 
@@ -200,7 +200,7 @@ def _fragment_xml(fragment: Fragment, dialect: MujocoDialect) -> str:
         "<mujoco>",
     ]
     if fragment.plan.timestep is not None:
-        lines.append(f"  {_tag('option', [('timestep', format_number(fragment.plan.timestep))])}")
+        lines.append(f"  {_tag('option', [('timestep', exact_number(fragment.plan.timestep))])}")
     # Coefficients that are not written would come from the including model's main class.
     damping = 3 if dialect.polynomials else 1
     if fragment.classes:

@@ -10,7 +10,7 @@ from actspec.diagnostics import Collector, EmitError, Span, listed, shortened
 from actspec.ir import ActuatorSet, Origin, Quantity
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
-from actspec.robot.xml_edit import AppendChild, Edit, InsertBefore, SetAttribute, apply_edits, format_number
+from actspec.robot.xml_edit import AppendChild, Edit, InsertBefore, SetAttribute, apply_edits, exact_number
 from actspec.robot.xml_tree import Element, XmlDocument
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions, relative_path
 from actspec.targets.kit.provenance import sections, with_origin, written_by, xml_head
@@ -101,7 +101,7 @@ def _text_edits(joint: Element, edit: UrdfJointEdit) -> list[Edit]:
     edits: list[Edit] = []
     for tag, numbers in edit.parts.items():
         part = part_of(joint, tag)
-        texts = {name: format_number(value) for name, value in numbers.items()}
+        texts = {name: exact_number(value) for name, value in numbers.items()}
         if part is None:
             attributes = "".join(f' {name}="{text}"' for name, text in texts.items())
             edits.append(AppendChild(joint, f"<{tag}{attributes}/>"))
