@@ -73,7 +73,7 @@ def test_manifest_without_its_network(tmp_path: Path) -> None:
     ("text", "problem"),
     [
         ("{}", None),
-        ('{"note": "actspec-network/1"', "a mapping in { } lacks a `,` or its `}`"),
+        ('{"note": "actspec-network/1"', "this mapping lacks a `,` or its `}`"),
         (json.dumps({**MANIFEST, "taps": []}), "taps: must have at least 1 entry, got 0"),
         ('{"format": "actspec-network/1", "a": ' + "[" * 5000, None),
         ('{"format": "actspec-network/1"}' + " " * networks.MAX_MANIFEST, None),
