@@ -17,6 +17,9 @@ from actspec.verify.response import SOFT
 _RESPONSES = ("target", "group", "joints", "response", "error", "allowed", "at")
 _HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp"}
 
+_ROUNDING = 1e-4
+"""Torque error that is rounding [N*m or N]. Chosen: engines in single precision are 1e-5 N*m off, and ours 1e-14."""
+
 Cells = tuple[str, ...]
 
 
@@ -269,6 +272,7 @@ def _verdict(compilation: Compilation, agreement: Agreement) -> str:
         )
         torques = [row for row in marked if row.quantity in _HISTORIES and row.max_error is not None]
         worst = max(torques, key=lambda row: row.max_error or 0.0, default=None)
-        size = "" if worst is None else f" (largest {_amount(worst.max_error, worst.unit)})"
+        seen = worst is not None and (worst.max_error or 0.0) > _ROUNDING
+        size = f" (largest {_amount(worst.max_error, worst.unit)})" if worst is not None and seen else ""
         parts.append(f"{count} within {word} approximations{size}")
     return ", ".join(parts)
