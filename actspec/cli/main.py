@@ -23,6 +23,7 @@ COMMANDS = {
     "audit": "audit robot files, with or without a spec",
     "rule": "explain a rule of the audit",
     "diff": "show what changed in effective dynamics",
+    "sysid": "identify actuators from logs",
     "lock": "record effective dynamics, and show what changes",
     "import": "write a spec from files that you have",
     "init": "write a starting spec",

@@ -21,6 +21,7 @@ WRITTEN = (
     "diff",
     "lock",
     "verify",
+    "sysid",
 )
 """Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
 
@@ -30,7 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Print a JSON Schema: of files that people write (spec, results, network), or of what actspec writes: the JSON "
-        "of compile, show (actuators), validate, verify, audit (report), rule (rules) and diff, and files.",
+        "of compile, show (actuators), validate, verify, sysid, audit (report), rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )

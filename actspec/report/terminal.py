@@ -18,7 +18,7 @@ from actspec.report.tables import Style, many
 OUTPUT = {"audit": "report", "rule": "rules"}
 """Commands whose machine output has another name."""
 
-WRITING = ("compile", "import", "init", "lock")
+WRITING = ("compile", "import", "init", "lock", "sysid")
 """Commands whose work are files, all or none. Of an audit some fixes may be written when another one cannot be."""
 
 QUIET = 2.0

@@ -83,7 +83,7 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
             row[:] = data.M
     if not np.isfinite(flat).all():
         raise InertiaUnknown("the mass matrix is not finite")
-    return PoseInertia(_dense(model, flat), total)
+    return PoseInertia(dense(model, flat), total)
 
 
 def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
@@ -205,7 +205,7 @@ def _actuator_armature(model: mujoco.MjModel) -> NDArray[np.float64]:
     return added
 
 
-def _dense(model: mujoco.MjModel, flat: NDArray[np.float64]) -> NDArray[np.float64]:
+def dense(model: mujoco.MjModel, flat: NDArray[np.float64]) -> NDArray[np.float64]:
     """Lower triangles in MuJoCo's sparse rows to full matrices, shape (n_pose, nv, nv)."""
     import numpy as np
 

@@ -32,6 +32,26 @@ class FrictionResult(Strict):
     """Speed over which static falls to coulomb [rad/s or m/s]."""
 
 
+class CombinationResult(Strict):
+    """What the data tell of several fields together, in SI."""
+
+    value: float
+    """The number."""
+    std: Annotated[float, Field(ge=0.0)]
+    """Its standard deviation."""
+    unit: str
+    """SI unit."""
+
+
+class HeldGains(Strict):
+    """Gains that the fit took as given."""
+
+    kp: Annotated[SpecValue, Number(Kind.STIFFNESS, at_least=0.0)]
+    """Drive stiffness [N*m/rad or N/m]."""
+    kd: Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0)]
+    """Drive velocity gain [N*m*s/rad or N*s/m]."""
+
+
 class JointResult(Strict):
     """What was fitted of one joint."""
 
@@ -53,9 +73,15 @@ class JointResult(Strict):
     encoder_bias: Annotated[SpecValue, Number(Kind.POSITION)] | None = None
     """q_measured = q + bias [rad or m]."""
     bounds_hit: tuple[str, ...] = ()
-    """Fields that ended at a bound of the fit."""
+    """Fields that ended at a bound of the fit; they have no value."""
     unidentifiable: tuple[str, ...] = ()
-    """Fields that the data cannot tell."""
+    """Fields that the data cannot tell; they have no value."""
+    gains: HeldGains | None = None
+    """Gains that the other figures rest on, where they were not fitted."""
+    combinations: dict[str, CombinationResult] = Field(default_factory=dict)
+    """Sums and ratios of fields that the data tell where single fields do not, by their formula; never compiled."""
+    correlation: tuple[tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], ...] = ()
+    """Pairs of fields whose errors go together, and their correlation."""
 
 
 class LogFile(Strict):
@@ -100,6 +126,19 @@ def validate_results(document: Document) -> Results:
     """
     collector = Collector()
     results = checked(Results, document, collector)
+    for name, joint in results.joints.items() if results is not None else ():
+        for key in ("bounds_hit", "unidentifiable"):
+            for index, field in enumerate(getattr(joint, key)):
+                group, _, part = field.rpartition(".")
+                holder = getattr(joint, group, None) if group else joint
+                if getattr(holder, part, None) is not None:
+                    collector.error(
+                        "SPEC173",
+                        f"{field} has a value, and stands under `{key}`",
+                        where=f"joints.{name}",
+                        span=document.spans.value(("joints", name, key, index)),
+                        help="remove the value: what the data do not tell has none",
+                    )
     collector.raise_if_failed(SpecError)
     assert results is not None
     return results

@@ -22,7 +22,7 @@ LAYERS = (
     {"laws"},
     {"simulate"},
     {"spec", "robot"},
-    {"readings"},
+    {"readings", "logs"},
     {"resolution", "lift"},
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"draft", "verify", "output"},

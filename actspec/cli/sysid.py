@@ -1,0 +1,254 @@
+"""`actspec sysid`: commands for an experiment, a virtual robot that follows them, and the fit of a log."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import Any
+
+from actspec import api
+from actspec.cli.options import Lines, add_format, describe
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
+from actspec.ir import ActuatorSet, JointActuator
+from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.units import Kind, UnitError, parse_quantity
+
+FLAWS: tuple[tuple[str, str, Kind, str], ...] = (
+    ("--position-noise", "position_noise", Kind.POSITION, '"0.5 mrad"'),
+    ("--velocity-noise", "velocity_noise", Kind.SPEED, '"0.05 rad/s"'),
+    ("--torque-noise", "torque_noise", Kind.RATIO, '"2 %%" of its root mean square'),
+    ("--velocity-filter", "velocity_filter", Kind.FREQUENCY, "40Hz, the cutoff of a low-pass"),
+    ("--jitter", "jitter", Kind.RATIO, '"15 %%" of the time between rows'),
+    ("--dropped", "dropped", Kind.RATIO, '"1 %%" of the rows'),
+    ("--play", "play", Kind.POSITION, '"0.3 deg", between joint and encoder'),
+    ("--sag", "sag", Kind.RATIO, '"10 %%" of the torque-speed line, at full torque'),
+    ("--torque-scale", "torque_scale", Kind.RATIO, '"5 %%" too much torque in the log'),
+    ("--torque-constant", "torque_constant", Kind.TORQUE_CONSTANT, '"0.1 N*m/A": log the current'),
+)
+"""Options of `simulate`: name, field of `Flaws`, kind, example."""
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the subcommands and what their help says."""
+    describe(
+        command,
+        "From a robot's log to the figures of a spec: design an experiment, try it on a virtual robot, fit the log.",
+        "actspec sysid fit robots/a1.yaml hip.csv -o results/hip.yaml",
+        "0 done; 1 written, with a warning; 2 nothing was written",
+    )
+    parts = command.add_subparsers(dest="part", metavar="PART", required=True)
+    _add_design(parts.add_parser("design", help="write commands for an experiment", formatter_class=Lines))
+    _add_simulate(
+        parts.add_parser(
+            "simulate", help="let the spec follow commands as a robot would", formatter_class=Lines
+        )
+    )
+    _add_fit(parts.add_parser("fit", help="fit logs", formatter_class=Lines))
+
+
+def _add_design(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Write commands for an experiment, held to range, speed and torque by simulating the spec, with the response "
+        "that the spec would have.",
+        "actspec sysid design robots/a1.yaml -o chirp.csv --experiment chirp --joint FR_thigh_joint",
+        "0 written; 2 not",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument("-o", "--output", required=True, metavar="LOG", help="log of commands, .csv or .npz")
+    command.add_argument(
+        "--experiment",
+        required=True,
+        choices=("chirp", "multisine", "steps", "friction", "random"),
+        help="what the command does",
+    )
+    command.add_argument(
+        "--joint", action="append", default=[], metavar="JOINT", help="joint or pattern; default: all"
+    )
+    command.add_argument(
+        "--duration", default="20 s", metavar="TIME", help="of one joint's part; default 20 s"
+    )
+    command.add_argument("--rate", default="500 Hz", metavar="RATE", help="of the commands; default 500 Hz")
+    command.add_argument("--together", action="store_true", help="move all joints at once")
+    command.add_argument("--linear", action="store_true", help="let a chirp's frequency grow linearly")
+    command.add_argument("--seed", type=int, default=0, metavar="N", help="of phases and levels; default 0")
+
+
+def _add_simulate(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Let the spec follow a log's commands in place of the robot, in finer steps than a fit takes, and log what "
+        "its sensors would read. The same seed gives the same bytes.",
+        "actspec sysid simulate robots/a1.yaml --command chirp.csv -o log.csv --seed 1 --position-noise '0.5 mrad'",
+        "0 written; 2 not",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument(
+        "--command", required=True, metavar="LOG", dest="commands", help="log with the commands"
+    )
+    command.add_argument("-o", "--output", required=True, metavar="LOG", help="the new log, .csv or .npz")
+    command.add_argument("--seed", type=int, required=True, metavar="N", help="of all noise")
+    command.add_argument("--encoder-bits", type=int, default=0, metavar="N", help="over one turn, e.g. 14")
+    for name, field, _, example in FLAWS:
+        command.add_argument(name, dest=field, metavar="VALUE", help=f"e.g. {example}")
+
+
+def _add_fit(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Fit kp, kd, armature, friction, delay and encoder bias of every joint in the logs, with intervals, and say "
+        "what the logs cannot tell. What is free follows from what was logged: see docs/sysid.md.",
+        "actspec sysid fit robots/a1.yaml hip.csv -o results/hip.yaml",
+        "0 written; 1 written, with a warning; 2 nothing was written",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument(
+        "log", nargs="+", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
+    )
+    command.add_argument("-o", "--output", metavar="RESULTS", help="results file to write (YAML)")
+    command.add_argument("--free", default="", metavar="F,...", help="fields to fit beside the usual ones")
+    command.add_argument("--hold", default="", metavar="F,...", help="fields to hold at the spec's")
+    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_format(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run a subcommand."""
+    parts = {"design": _design, "simulate": _simulate, "fit": _fit}
+    return parts[arguments.part](arguments)
+
+
+def _design(arguments: argparse.Namespace) -> int:
+    from actspec.logs import write_log
+    from actspec.sysid.design import design
+
+    duration = _quantity(arguments.duration, Kind.TIME, "--duration")
+    rate = _quantity(arguments.rate, Kind.FREQUENCY, "--rate")
+    spec = api.load(arguments.spec)
+    robot = api.load_robot(spec)
+    actuators = _chosen(api.resolve(spec, robot), arguments.joint)
+    made = design(
+        robot,
+        actuators,
+        arguments.experiment,
+        path=arguments.output,
+        duration=duration,
+        rate=rate,
+        together=arguments.together,
+        linear=arguments.linear,
+        seed=arguments.seed,
+    )
+    write_log(made.log)
+    shown = [
+        f"{joint} +-{size:.3g} {'m' if made.log.joints[joint].linear else 'rad'} ({made.limited_by[joint]})"
+        for joint, size in made.amplitudes.items()
+    ]
+    print(
+        f"wrote {arguments.output}: {len(made.log.time)} rows, {made.log.time[-1]:.4g} s; limited by: {listed(shown)}"
+    )
+    return EXIT_CLEAN
+
+
+def _simulate(arguments: argparse.Namespace) -> int:
+    from actspec.logs import load_log, write_log
+    from actspec.sysid.virtual import Flaws, follow
+
+    values: dict[str, Any] = {
+        field: _quantity(text, kind, name)
+        for name, field, kind, _ in FLAWS
+        if (text := getattr(arguments, field)) is not None
+    }
+    assert set(values) <= {field.name for field in fields(Flaws)}
+    commands = load_log(arguments.commands)
+    spec = api.load(arguments.spec)
+    robot = api.load_robot(spec)
+    actuators = api.resolve(spec, robot)
+    found = [joint for joint in actuators.joints if joint.joint in commands.joints]
+    unknown = [name for name in commands.joints if name not in {joint.joint for joint in found}]
+    if unknown or not found:
+        message = f"the spec has no joint {listed(unknown)}"
+        raise ResolveError.of("SYS021", message, Span(arguments.commands, 1))
+    with Progress("simulating") as progress:
+        log = follow(
+            robot,
+            found,
+            commands,
+            arguments.output,
+            Flaws(**values, bits=arguments.encoder_bits),
+            arguments.seed,
+            progress.step,
+        )
+    write_log(log)
+    print(f"wrote {arguments.output}: {len(log.time)} rows of {len(found)} joints")
+    return EXIT_CLEAN
+
+
+def _fit(arguments: argparse.Namespace) -> int:
+    from actspec.files import replace_file
+    from actspec.logs import LogError, load_log
+    from actspec.report.sysid import sysid_lines, sysid_record
+    from actspec.sysid.fit import FitOptions, fit_logs
+    from actspec.sysid.results import results_text
+
+    try:
+        import scipy.signal  # noqa: F401
+    except ImportError as err:
+        help = "pip install 'actspec[sysid]'"
+        raise LogError.of("SYS002", "a fit needs scipy, which is not installed", help=help) from err
+    output = arguments.output
+    if output is not None and os.path.exists(output) and not arguments.force:
+        raise LogError.of("OUT001", "the file is there already", Span(output), help="--force replaces it")
+    logs = [load_log(path) for path in arguments.log]
+    spec = api.load(arguments.spec)
+    robot = api.load_robot(spec)
+    options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
+    found = fit_logs(api.resolve(spec, robot), robot, logs, options)
+    if output is not None:
+        replace_file(output, results_text(found, logs).encode())
+    if arguments.output_format == "json":
+        print_json(sysid_record(found, output))
+    else:
+        print_diagnostics(found.findings)
+        print("\n".join(sysid_lines(found)))
+        if output is not None:
+            print(f"wrote {output}")
+    warned = any(item.severity is Severity.WARNING for item in found.findings)
+    return EXIT_FINDINGS if warned else EXIT_CLEAN
+
+
+def _names(text: str) -> list[str]:
+    return [name.strip() for name in text.split(",") if name.strip()]
+
+
+def _quantity(text: str, kind: Kind, option: str) -> float:
+    """An option's number in SI."""
+    from actspec.logs import LogError
+
+    try:
+        value = parse_quantity(text, kind).value
+    except UnitError as err:
+        raise LogError.of("CLI010", err.message, where=option, help=err.help) from err
+    if value < 0:
+        raise LogError.of("CLI010", f"must be at least 0, got {text}", where=option)
+    return value
+
+
+def _chosen(actuators: ActuatorSet, patterns: Sequence[str]) -> list[JointActuator]:
+    """The joints that patterns match, all without patterns."""
+    from actspec.patterns import PatternError, match_names, suggest_pattern
+
+    names = [joint.joint for joint in actuators.joints]
+    wanted: set[str] = set() if patterns else set(names)
+    for pattern in patterns:
+        try:
+            found = set(match_names(pattern, names)) or ({pattern} & set(names))
+        except PatternError as err:
+            raise ResolveError.of("BIND001", err.message, where="--joint", help=err.help) from err
+        if not found:
+            guess = suggest_pattern(pattern, names)
+            help = f"did you mean '{guess}'?" if guess else f"joints: {listed(names)}"
+            raise ResolveError.of("BIND001", f"'{pattern}' matches no joint", where="--joint", help=help)
+        wanted |= found
+    return [joint for joint in actuators.joints if joint.joint in wanted]

@@ -1,0 +1,16 @@
+"""Recordings of a robot's joints: CSV, NPZ or Parquet, with a sidecar that says how they were made.
+
+    log = load_log("hip.csv")       # and hip.yaml beside it
+    log.joints["hip"].position      # rad, shape (n,)
+
+One format for identification, networks and reports. Nothing in a log is executed: pickles are refused.
+"""
+
+from __future__ import annotations
+
+from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+from actspec.logs.read import load_log
+from actspec.logs.sidecar import Sidecar
+from actspec.logs.write import write_log
+
+__all__ = ["SIGNALS", "JointLog", "Log", "LogError", "Sidecar", "load_log", "write_log"]

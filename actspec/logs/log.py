@@ -1,0 +1,103 @@
+"""What a recording holds, in SI units."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import ActspecError, Span
+from actspec.units import Kind
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from actspec.logs.sidecar import Sidecar
+
+    Array = NDArray[np.float64]
+
+
+class LogError(ActspecError):
+    """A recording is no log, or cannot be used."""
+
+
+SIGNALS: Mapping[str, Kind | None] = {
+    "command": Kind.POSITION,
+    "position": Kind.POSITION,
+    "velocity": Kind.SPEED,
+    "velocity_command": Kind.SPEED,
+    "torque": Kind.TORQUE,
+    "torque_command": Kind.TORQUE,
+    "current": Kind.CURRENT,
+    "enabled": None,
+}
+"""What a column `JOINT.SIGNAL` may be, and of which kind; `enabled` is 0 or 1."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointLog:
+    """One joint's columns; None: not recorded. A cell without a number is NaN.
+
+    Attributes:
+        name: Of the joint.
+        linear: Whether its units are those of a slide; None where none tells.
+        command: Position command, sent at the row's time and held until the next [rad or m], shape (n,).
+        position: As read at the row's time, bias included [rad or m], likewise.
+        velocity: [rad/s or m/s].
+        velocity_command: [rad/s or m/s].
+        torque: Before or behind friction, as the sidecar says [N*m or N].
+        torque_command: [N*m or N].
+        current: [A].
+        enabled: Whether the drive was on: 1 or 0.
+    """
+
+    name: str
+    linear: bool | None = None
+    command: Array | None = None
+    position: Array | None = None
+    velocity: Array | None = None
+    velocity_command: Array | None = None
+    torque: Array | None = None
+    torque_command: Array | None = None
+    current: Array | None = None
+    enabled: Array | None = None
+
+    @property
+    def signals(self) -> dict[str, Array]:
+        """Those that were recorded, by name."""
+        return {name: found for name in SIGNALS if (found := getattr(self, name)) is not None}
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """A recording. A row is what was read at its time and the command sent then, held until the next row.
+
+    Attributes:
+        path: As the user named it.
+        sha256: Of its bytes.
+        time: From the first row on [s], shape (n,); it grows from row to row.
+        joints: By name, in the order of the columns.
+        sidecar: What stands in the YAML file beside it; with nothing stated where there is none.
+        ignored: Columns that are no signal of a joint.
+        first_row: Line of the first row in the file, from 1.
+    """
+
+    path: str
+    sha256: str
+    time: Array
+    joints: Mapping[str, JointLog]
+    sidecar: Sidecar
+    ignored: tuple[str, ...] = ()
+    first_row: int = 1
+
+    @property
+    def step(self) -> float:
+        """The usual time between two rows, their median [s]."""
+        import numpy as np
+
+        return float(np.median(np.diff(self.time)))
+
+    def span(self, index: int) -> Span:
+        """Place of a row, counted from 0."""
+        return Span(self.path, self.first_row + index)

@@ -1,0 +1,194 @@
+"""A log from its table and its sidecar: which column is which signal of which joint, in SI units."""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, Span, did_you_mean, listed, shortened
+from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+from actspec.logs.sidecar import Sidecar, load_sidecar, sidecar_path
+from actspec.logs.tables import Table, read_table
+from actspec.units import Kind, UnitError, parse_with_unit
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+LEAST_ROWS = 20
+"""Fewest rows of a log. Chosen: less is no experiment."""
+SLOWEST = 0.5
+"""Longest usual time between two rows [s]. Chosen: a drive's course cannot be seen at 2 Hz; milliseconds written as
+seconds are longer."""
+
+_UNIT = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """One column: the file's name without its unit, ours, and its unit."""
+
+    theirs: str
+    ours: str
+    unit: str | None
+    index: int
+
+
+def load_log(path: str) -> Log:
+    """Read a log and its sidecar.
+
+    Raises:
+        LogError: with every error of both; a fault of a cell names its row.
+    """
+    sidecar = load_sidecar(path)
+    table = read_table(path)
+    out = Collector()
+    columns = _columns(table, sidecar, path, out)
+    time = _time(table, columns, sidecar, path, out)
+    found: dict[str, dict[str, Array]] = {}
+    linear: dict[str, bool] = {}
+    ignored = []
+    for column in columns.values():
+        if column.ours == "time":
+            continue
+        joint, _, signal = column.ours.rpartition(".")
+        if not joint or signal not in SIGNALS:
+            if not _misspelt(column, path, out):
+                ignored.append(column.theirs)
+            continue
+        kind = SIGNALS[signal]
+        scale = 1.0 if kind is None else _scale(column, kind, sidecar, linear, path, out)
+        if kind is None and not set(table.columns[column.index].tolist()) <= {0.0, 1.0}:
+            out.error("LOG014", "must be 0 or 1 in every row", where=column.theirs, span=Span(path, 1))
+        found.setdefault(joint, {})[signal] = table.columns[column.index] * scale
+    if not found and not out.failed:
+        message = "no column is a signal of a joint"
+        help = f"name columns `JOINT.SIGNAL [UNIT]`, or map them in {sidecar_path(path)}; signals: {', '.join(SIGNALS)}"
+        out.error("LOG011", message, span=Span(path, 1), help=help)
+    out.raise_if_failed(LogError)
+    assert time is not None
+    joints = {name: JointLog(name, linear.get(name), **signals) for name, signals in found.items()}
+    digest = hashlib.sha256(table.data).hexdigest()
+    return Log(path, digest, time, joints, sidecar, tuple(ignored), table.first_row)
+
+
+def _columns(table: Table, sidecar: Sidecar, path: str, out: Collector) -> dict[str, _Column]:
+    """By our name."""
+    found: dict[str, _Column] = {}
+    used = set()
+    for index, header in enumerate(table.names):
+        match = _UNIT.fullmatch(header)
+        theirs, unit = (match[1], match[2]) if match else (header, None)
+        used.update({header, theirs} & set(sidecar.columns))
+        ours = sidecar.columns.get(header, sidecar.columns.get(theirs, theirs))
+        if not ours:
+            continue
+        if ours in found:
+            message = (
+                f"two columns are {shortened(ours)}: {shortened(found[ours].theirs)}, {shortened(theirs)}"
+            )
+            out.error("LOG011", message, span=Span(path, 1, index + 1))
+            continue
+        found[ours] = _Column(theirs, ours, unit, index)
+    for name in sidecar.columns:
+        if name not in used:
+            message = f"the log has no column '{shortened(name)}'"
+            help = did_you_mean(name, table.names, f"columns: {listed(table.names)}")
+            out.error("LOG011", message, where="columns", span=Span(sidecar_path(path)), help=help)
+    return found
+
+
+def _time(
+    table: Table, columns: Mapping[str, _Column], sidecar: Sidecar, path: str, out: Collector
+) -> Array | None:
+    """From the first row on [s]."""
+    import numpy as np
+
+    column = columns.get("time")
+    if column is None:
+        help = did_you_mean("time", table.names, "the first column is `time [s]`")
+        out.error("LOG012", "the log has no column `time`", span=Span(path, 1), help=help)
+        return None
+    if (scale := _scale(column, Kind.TIME, sidecar, {}, path, out)) == 0.0:
+        return None
+    raw = table.columns[column.index]
+    if (bad := np.flatnonzero(~np.isfinite(raw))).size:
+        message = f"the time is not a number in {bad.size} rows"
+        out.error("LOG012", message, span=Span(path, table.first_row + int(bad[0])))
+        return None
+    if len(raw) < LEAST_ROWS:
+        message = f"the log has {len(raw)} rows, at least {LEAST_ROWS} are needed"
+        out.error("LOG012", message, span=Span(path))
+        return None
+    if (back := np.flatnonzero(np.diff(raw) <= 0)).size:
+        row = int(back[0]) + 1
+        message = f"the time does not grow: {raw[row]:.9g} follows {raw[row - 1]:.9g}"
+        more = f", and {back.size - 1} more times" if back.size > 1 else ""
+        help = "a log is one recording: split the file where the time starts again"
+        out.error("LOG012", message + more, span=Span(path, table.first_row + row), help=help)
+        return None
+    # Subtracted before it is scaled: times since 1970 have no digits to lose.
+    time: Array = (raw - raw[0]) * scale
+    step = float(np.median(np.diff(time)))
+    if step > SLOWEST:
+        message = f"a row comes every {step:.6g} s: no course of a drive can be seen at that rate"
+        help = "is the unit right? Write `time [ms]` for milliseconds"
+        out.error("LOG012", message, span=Span(path, 1), help=help)
+    return time
+
+
+def _scale(
+    column: _Column,
+    kind: Kind,
+    sidecar: Sidecar,
+    linear: dict[str, bool],
+    path: str,
+    out: Collector,
+) -> float:
+    """What one of a column's unit is in SI; 0 after an error."""
+    joint, _, signal = column.ours.rpartition(".")
+    place = Span(path, 1, column.index + 1)
+    stated = next(
+        (sidecar.units[key] for key in (column.theirs, column.ours, signal) if key in sidecar.units), None
+    )
+    if column.unit is not None and stated is not None and column.unit != stated:
+        message = f"two units are stated: [{column.unit}] in the header, {stated} in {sidecar_path(path)}"
+        out.error("LOG013", message, where=column.theirs, span=place, help="remove one")
+        return 0.0
+    unit = column.unit if column.unit is not None else stated
+    if unit is None:
+        si = kind.rotary_unit
+        help = f"write `{shortened(column.theirs)} [{si}]`, or `units: {{{signal}: {si}}}` in {sidecar_path(path)}"
+        out.error("LOG013", "the column has no unit", where=column.theirs, span=place, help=help)
+        return 0.0
+    try:
+        parsed = parse_with_unit(1.0, unit, kind)
+    except UnitError as err:
+        out.error("LOG013", err.message, where=column.theirs, span=place, help=err.help)
+        return 0.0
+    if parsed.linear is not None and linear.setdefault(joint, parsed.linear) is not parsed.linear:
+        message = (
+            f"[{unit}] is a unit of a {'slide' if parsed.linear else 'hinge'}, other columns have the other's"
+        )
+        out.error("LOG013", message, where=column.theirs, span=place)
+        return 0.0
+    return parsed.value
+
+
+def _misspelt(column: _Column, path: str, out: Collector) -> bool:
+    """Whether a column's name is nearly that of a signal: then it is an error, and not left out."""
+    import difflib
+
+    joint, _, signal = column.ours.rpartition(".")
+    near = difflib.get_close_matches(signal, SIGNALS, n=1, cutoff=0.75)
+    if not joint or not near:
+        return False
+    help = f"did you mean '{joint}.{near[0]}'?"
+    place = Span(path, 1, column.index + 1)
+    out.error("LOG011", f"'{shortened(column.ours)}' is no signal of a joint", span=place, help=help)
+    return True

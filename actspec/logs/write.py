@@ -1,0 +1,56 @@
+"""A log as CSV or NPZ, for experiments that are designed or simulated."""
+
+from __future__ import annotations
+
+import io
+import os
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Span
+from actspec.files import FAULTS, replace_file, why
+from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+DIGITS = 10
+"""Significant digits of a number. Chosen: finer than any encoder."""
+
+
+def write_log(log: Log) -> None:
+    """Write the rows of a log to its path, in one step; the sidecar is not written.
+
+    Raises:
+        LogError: it cannot be written; what was there is untouched.
+    """
+    import numpy as np
+
+    names = ["time [s]"]
+    columns: list[Array] = [log.time]
+    for joint in log.joints.values():
+        for signal, values in joint.signals.items():
+            names.append(f"{joint.name}.{signal}{_unit(joint, signal)}")
+            columns.append(values)
+    if os.path.splitext(log.path)[1].lower() == ".npz":
+        packed = io.BytesIO()
+        np.savez(packed, **dict(zip(names, columns, strict=True)))  # type: ignore[arg-type]  # for allow_pickle
+        data = packed.getvalue()
+    else:
+        text = io.StringIO()
+        text.write(",".join(names) + "\n")
+        np.savetxt(text, np.column_stack(columns), fmt=f"%.{DIGITS}g", delimiter=",")
+        data = text.getvalue().encode()
+    try:
+        replace_file(log.path, data)
+    except FAULTS as err:
+        raise LogError.of("LOG001", f"the log cannot be written: {why(err)}", Span(log.path)) from err
+
+
+def _unit(joint: JointLog, signal: str) -> str:
+    kind = SIGNALS[signal]
+    if kind is None:
+        return ""
+    return f" [{kind.linear_unit if joint.linear else kind.rotary_unit}]"

@@ -1,0 +1,111 @@
+"""A fit as text and as JSON."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from actspec.diagnostics import one_line
+from actspec.report.tables import many, table
+from actspec.report.terminal import json_number
+from actspec.sysid.identified import Identification, JointFit, Parameter, State
+from actspec.units import format_number
+
+FORMAT = "actspec-sysid/1"
+_WORDS = {State.HELD: "held", State.UNIDENTIFIABLE: "not told by the logs", State.AT_BOUND: "at its bound"}
+
+
+def sysid_lines(found: Identification) -> Iterator[str]:
+    """A table a joint: what was identified, what was held, and what the logs do not tell."""
+    for joint in found.joints:
+        unit = next(p.unit for p in joint.parameters if p.field == "encoder_bias")
+        held_out = (
+            "" if joint.held_out_rmse is None else f", {format_number(joint.held_out_rmse, 3)} held out"
+        )
+        yield (
+            f"{one_line(joint.joint)}: position error {format_number(joint.position_rmse, 3)} {unit}{held_out}; "
+            f"{format_number(joint.misfit, 3)} times the noise of the readings"
+        )
+        rows = [["field", "value", "std", "95 %", "unit", ""]]
+        rows += [_row(parameter) for parameter in joint.parameters]
+        rows += [
+            [c.name, format_number(c.value, 5), format_number(c.std, 2), "", c.unit, "combination"]
+            for c in joint.combinations
+        ]
+        yield from table(rows)
+    fields = sum(p.state is State.IDENTIFIED for joint in found.joints for p in joint.parameters)
+    yield f"{many(fields, 'figure')} of {many(len(found.joints), 'joint')}, {found.seconds:.1f} s"
+
+
+def _row(parameter: Parameter) -> list[str]:
+    if parameter.state is State.IDENTIFIED:
+        assert parameter.value is not None and parameter.std is not None
+        assert parameter.low is not None and parameter.high is not None
+        interval = f"{format_number(parameter.low, 5)} to {format_number(parameter.high, 5)}"
+        return [
+            parameter.field,
+            format_number(parameter.value, 5),
+            format_number(parameter.std, 2),
+            interval,
+            parameter.unit,
+            parameter.why,
+        ]
+    value = "-" if parameter.value is None else format_number(parameter.value)
+    why = f"{_WORDS[parameter.state]}: {parameter.why}" if parameter.why else _WORDS[parameter.state]
+    return [parameter.field, value, "-", "", parameter.unit, why]
+
+
+def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
+    """The fit as JSON; SI units, null is unknown.
+
+    Args:
+        found: The fit.
+        results: Path of the results file; None: none was written.
+    """
+    held_out = [joint.held_out_rmse for joint in found.joints if joint.held_out_rmse is not None]
+    return {
+        "format": FORMAT,
+        "results": results,
+        "joints": [_joint(joint) for joint in found.joints],
+        "findings": [
+            {
+                "code": item.code,
+                "severity": item.severity.value,
+                "joint": item.where or None,
+                "message": item.message,
+                "help": item.help,
+            }
+            for item in found.findings
+        ],
+        "fit": {
+            "position_rmse": json_number(max((joint.position_rmse for joint in found.joints), default=None)),
+            "held_out_rmse": json_number(max(held_out, default=None)),
+            "misfit": json_number(max((joint.misfit for joint in found.joints), default=None)),
+            "condition": json_number(max((joint.condition for joint in found.joints), default=None)),
+            "seconds": found.seconds,
+        },
+    }
+
+
+def _joint(joint: JointFit) -> dict[str, Any]:
+    return {
+        "joint": joint.joint,
+        "parameters": [
+            {
+                "field": p.field,
+                "state": p.state.value,
+                "value": json_number(p.value),
+                "std": json_number(p.std),
+                "low": json_number(p.low),
+                "high": json_number(p.high),
+                "unit": p.unit,
+                "why": p.why or None,
+            }
+            for p in joint.parameters
+        ],
+        "combinations": [
+            {"name": c.name, "value": json_number(c.value), "std": json_number(c.std), "unit": c.unit}
+            for c in joint.combinations
+        ],
+        "diagnostics": [],
+    }

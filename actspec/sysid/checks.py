@@ -1,0 +1,260 @@
+"""Flaws of a log, named before they become figures: signs, units, exchanged joints, lag, clipping, frozen columns.
+
+What the readings contradict among themselves needs no model: a velocity is the position's derivative, a joint follows
+its own command, a drive pulls towards it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, Span
+from actspec.sysid.motion import Bounds
+from actspec.sysid.recording import Recording
+from actspec.units import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+SURE = 0.8
+"""Correlation from which on two signals are the same thing. Chosen."""
+FACTORS = {180.0 / math.pi: "degrees", 30.0 / math.pi: "rpm", 1e3: "thousandths", 2.0 * math.pi: "turns"}
+"""Scale to the unit that it is the mark of."""
+NEAR = 0.12
+"""How near a scale must be to one of these, as a share. Chosen: they are far from each other, and from 1."""
+LATE = 1.5e-3
+"""Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
+and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
+FROZEN = 0.1
+"""Time for which all readings of a joint are the same to the last digit [s]. Chosen: noise changes one of them."""
+CLIPPED = 0.03
+"""Share of rows at the largest torque, from which on it is a limit. Chosen."""
+AT_MOST = 0.002
+"""Within this share of the largest torque a row is at it."""
+SEEN = 10.0
+"""Least speed of a joint, in the smoothed noise of its velocity, at which the two are compared."""
+EXCITED = 1e-3
+"""Least movement of a command or a joint [rad or m]."""
+
+
+def check(
+    recordings: Mapping[str, Sequence[Recording]], bounds: Mapping[str, Bounds], out: Collector
+) -> dict[str, list[Recording]]:
+    """Judge the recordings of all joints; what is spoilt is left out and reported, or refused.
+
+    Args:
+        recordings: Joint to its part of every log.
+        bounds: Of the drives, by the spec.
+        out: Takes what is found.
+
+    Returns: The recordings, without what is spoilt.
+    """
+    found: dict[str, list[Recording]] = {}
+    for name, mine in recordings.items():
+        found[name] = []
+        for recording in mine:
+            if not _moves(recording, out):
+                continue
+            _follows(recording, recordings, out)
+            kept = _velocity(recording, out)
+            kept = _thawed(kept, out)
+            _torque(kept, bounds[name], out)
+            found[name].append(kept)
+    return found
+
+
+def _place(recording: Recording, row: int | None = None) -> Span:
+    """A row of the filled recording, in its file."""
+    import numpy as np
+
+    log = recording.log
+    if row is None:
+        return Span(log.path)
+    return log.span(int(np.searchsorted(log.time, recording.time[row], side="right")) - 1)
+
+
+def _moves(recording: Recording, out: Collector) -> bool:
+    import numpy as np
+
+    if float(np.ptp(recording.position)) > EXCITED:
+        return True
+    message = f"the joint moves by {np.ptp(recording.position):.2g} in the whole log"
+    help = "is the drive on, and the column that of this joint?"
+    out.error("SYS011", message, where=recording.joint, span=_place(recording), help=help)
+    return False
+
+
+def _scale(a: Array, b: Array) -> tuple[float, float]:
+    """Slope of a over b, and their correlation."""
+    import numpy as np
+
+    x, y = b - b.mean(), a - a.mean()
+    size = float(np.sqrt((x @ x) * (y @ y)))
+    if size == 0.0:
+        return 0.0, 0.0
+    return float(x @ y / (x @ x)), float(x @ y) / size
+
+
+def _unit_of(slope: float) -> str | None:
+    """The unit that a scale is the mark of."""
+    return next((unit for factor, unit in FACTORS.items() if abs(abs(slope) / factor - 1.0) < NEAR), None)
+
+
+def _shifted(recording: Recording, command: Array) -> tuple[float, float]:
+    """Slope and correlation of the position over a command, at the lag at which they agree best."""
+    import numpy as np
+
+    best = (0.0, 0.0)
+    rows = max(1, round(0.2 / recording.step))
+    for lag in np.unique(np.linspace(0, rows, 12).astype(int)):
+        n = len(command) - lag
+        tried = _scale(recording.position[lag:], command[:n])
+        if abs(tried[1]) > abs(best[1]):
+            best = tried
+    return best
+
+
+def _follows(recording: Recording, recordings: Mapping[str, Sequence[Recording]], out: Collector) -> None:
+    """A joint follows its own command, in its own unit."""
+    slope, sure = _shifted(recording, recording.command)
+    place, name = _place(recording), recording.joint
+    if sure < -SURE:
+        message = f"the position goes against the command (correlation {sure:.2f})"
+        out.error("SYS014", message, where=name, span=place, help="one of the two columns has the wrong sign")
+    elif sure > SURE and (unit := _unit_of(slope)) is not None and unit != "turns":
+        message = f"the position moves {slope:.3g} times as far as the command: it is in {unit}"
+        out.error("SYS014", message, where=name, span=place, help=f"write [{_written(unit)}] in its header")
+    elif sure > SURE and (unit := _unit_of(1.0 / slope)) is not None and unit != "turns":
+        message = f"the command moves {1.0 / slope:.3g} times as far as the position: it is in {unit}"
+        out.error("SYS014", message, where=name, span=place, help=f"write [{_written(unit)}] in its header")
+    elif abs(sure) < 0.5:
+        for other, theirs in recordings.items():
+            for second in theirs:
+                if other == name or second.log is not recording.log:
+                    continue
+                if (
+                    len(second.command) == len(recording.position)
+                    and _shifted(recording, second.command)[1] > SURE
+                ):
+                    message = f"the position follows the command of {other}, not its own"
+                    out.error("SYS015", message, where=name, span=place, help="columns are exchanged")
+                    return
+
+
+def _written(unit: str) -> str:
+    return {"degrees": "deg", "thousandths": "mrad"}.get(unit, unit)
+
+
+def _velocity(recording: Recording, out: Collector) -> Recording:
+    """The velocity against the position's derivative."""
+    import numpy as np
+
+    read = recording.measured.get("velocity")
+    if read is None:
+        return recording
+    from scipy.signal import savgol_filter
+
+    good = np.isfinite(read)
+    width = max(round(0.03 / recording.step) // 2 * 2 + 1, 5)
+    slopes = savgol_filter(recording.position, width, 3, deriv=1, delta=recording.step)
+    filled = np.interp(recording.time, recording.time[good], read[good])
+    smooth = savgol_filter(filled, width, 3)
+    slope, sure = _scale(smooth, slopes)
+    place, name = _place(recording), recording.joint
+    if float(np.std(smooth)) < SEEN * float(np.std(filled - smooth)) / math.sqrt(width):
+        # Noise is all that one sees of so slow a joint: there is nothing to compare.
+        return recording
+    if sure < -SURE:
+        message = f"the velocity has the opposite sign of the position's derivative (correlation {sure:.2f})"
+        out.error("SYS014", message, where=name, span=place, help="turn the sign of one of the two columns")
+        return recording
+    lag, at_lag = _lag(smooth, slopes, recording.step)
+    if at_lag > SURE and abs(slope - 1.0) > NEAR and (unit := _unit_of(slope)) is not None:
+        message = f"the velocity is {slope:.3g} times the position's derivative: it is in {unit}"
+        shown = {"degrees": "deg/s", "rpm": "rpm", "thousandths": "mrad/s", "turns": "rev/s"}[unit]
+        out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
+        return recording
+    measured = {key: value for key, value in recording.measured.items() if key != "velocity"}
+    if at_lag < SURE:
+        message = f"the velocity is not the position's derivative (correlation {at_lag:.2f}): it is left out"
+        out.warning("SYS012", message, where=name, span=place)
+        return replace(recording, measured=measured)
+    if lag > LATE:
+        message = f"the velocity is {lag * 1e3:.2g} ms late, as behind a filter: it is left out"
+        out.info("SYS012", message, where=name, span=place)
+        return replace(recording, measured=measured)
+    return recording
+
+
+def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
+    """By how much one signal is behind another [s], by a parabola through the best correlations; and the best."""
+    import numpy as np
+
+    rows = max(2, round(0.03 / step))
+    found = []
+    for lag in range(-2, rows + 1):
+        a = late[max(lag, 0) : len(late) + min(lag, 0)]
+        b = early[max(-lag, 0) : len(early) - max(lag, 0)]
+        found.append(_scale(a, b)[1])
+    best = int(np.argmax(found))
+    top = found[best]
+    if 0 < best < len(found) - 1:
+        left, right = found[best - 1], found[best + 1]
+        bend = left - 2.0 * top + right
+        shift = 0.0 if bend == 0.0 else 0.5 * (left - right) / bend
+    else:
+        shift = 0.0
+    return (best - 2 + shift) * step, top
+
+
+def _thawed(recording: Recording, out: Collector) -> Recording:
+    """Without stretches in which every reading stands still to the last digit while the command moves."""
+    import numpy as np
+
+    same = np.ones(len(recording.time) - 1, dtype=bool)
+    if len(recording.measured) < 2:
+        # A position alone may be that of a coarse encoder in stiction.
+        return recording
+    for signal in recording.measured.values():
+        same &= np.diff(signal) == 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(int)))
+    spoilt = np.zeros(len(recording.time), dtype=bool)
+    first = None
+    for start, end in zip(edges[::2], edges[1::2], strict=True):
+        long = recording.time[end] - recording.time[start] >= FROZEN
+        if long and np.ptp(recording.command[start : end + 1]) > EXCITED:
+            spoilt[start : end + 1] = True
+            first = start if first is None else first
+    if first is None:
+        return recording
+    message = (
+        f"all readings stand still in {int(spoilt.sum())} rows while the command moves: they are left out"
+    )
+    out.warning("SYS013", message, where=recording.joint, span=_place(recording, int(first)))
+    measured = {key: np.where(spoilt, np.nan, value) for key, value in recording.measured.items()}
+    return replace(recording, measured=measured)
+
+
+def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
+    """A torque that is clipped where the spec has no limit."""
+    import numpy as np
+
+    read = recording.measured.get("torque")
+    if read is None:
+        return
+    size = np.abs(read[np.isfinite(read)])
+    most = float(size.max())
+    share = float(np.mean(size > (1.0 - AT_MOST) * most))
+    if share > CLIPPED and most < 0.97 * bounds.limit:
+        limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} N*m"
+        row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * most)[0])
+        shown = f"the torque is clipped at {format_number(most, 4)} N*m in {share:.0%} of the rows"
+        message = f"{shown}, the spec's limit is {limit}"
+        help = "state the drive's effort_limit in the spec, or log a smaller experiment"
+        out.error("SYS016", message, where=recording.joint, span=_place(recording, row), help=help)

@@ -1,0 +1,215 @@
+"""A joint's part of a log, ready for a fit: even rows, what is left out, and pieces.
+
+Rows that were dropped are put in again, without readings, the command between its neighbours; a longer gap ends a
+stretch. What a filter makes of the readings is used to begin with and for the links alone: the fit sees the readings.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, Span, listed
+from actspec.logs import JointLog, Log
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+GAP = 1.5
+"""Usual row times from which on rows are missing. Chosen: jitter is less."""
+FILLED = 10
+"""Most missing rows in a row that are put in again. Chosen: a command changes little in 20 ms."""
+PIECE = 1.0
+"""Length of a piece [s]. Chosen: far longer than a joint remembers how it began, and short enough for sixty of them
+in a minute."""
+LEAST_PIECE = 30
+"""Fewest rows of a piece."""
+SMOOTH = 0.03
+"""Width of the filter [s]. Chosen: 15 Hz, beyond what legs do."""
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """One joint in one log, on rows without short gaps.
+
+    Attributes:
+        log: Where it comes from.
+        joint: Its name.
+        time: [s], shape (n,).
+        command: [rad or m], likewise.
+        speed_command: [rad/s or m/s]; 0 where none was logged.
+        measured: `position`, and `velocity` and `torque` where they were logged; NaN where left out.
+        position: Without gaps, smoothed [rad or m].
+        velocity: Likewise [rad/s or m/s].
+        acceleration: Likewise [rad/s^2 or m/s^2].
+        starts: First rows of the pieces.
+        rows: Length of each.
+    """
+
+    log: Log
+    joint: str
+    time: Array
+    command: Array
+    speed_command: Array
+    measured: dict[str, Array]
+    position: Array
+    velocity: Array
+    acceleration: Array
+    starts: NDArray[np.intp]
+    rows: int
+
+    @property
+    def step(self) -> float:
+        """The usual time between two rows [s]."""
+        import numpy as np
+
+        return float(np.median(np.diff(self.time)))
+
+
+def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
+    """A joint's part of a log; None after an error.
+
+    Args:
+        log: The log.
+        joint: The joint's columns.
+        out: Takes what is wrong, and what is left out.
+    """
+    import numpy as np
+
+    place = Span(log.path)
+    lacking = [name for name in ("command", "position") if getattr(joint, name) is None]
+    if lacking:
+        message = f"no column {listed([f'{joint.name}.{name}' for name in lacking])}"
+        out.error("SYS010", message, where=joint.name, span=place, help="a fit needs command and position")
+        return None
+    assert joint.command is not None and joint.position is not None
+    if not np.isfinite(joint.command).all():
+        row = int(np.flatnonzero(~np.isfinite(joint.command))[0])
+        message = "the command is not a number"
+        out.error(
+            "SYS010", message, where=joint.name, span=log.span(row), help="log the command in every row"
+        )
+        return None
+    if np.ptp(joint.command) == 0.0:
+        message = f"the command is {joint.command[0]:.6g} in every row: nothing moves the joint"
+        out.error(
+            "SYS011", message, where=joint.name, span=place, help="`actspec sysid design` writes commands"
+        )
+        return None
+    measured = {"position": joint.position}
+    for name in ("velocity", "torque"):
+        signal = getattr(joint, name)
+        if signal is not None:
+            measured[name] = signal
+    for name, signal in list(measured.items()):
+        fault = _unusable(signal)
+        if fault and name == "position":
+            out.error("SYS011", f"the position {fault}", where=joint.name, span=place)
+            return None
+        if fault:
+            out.warning("SYS012", f"the {name} {fault}: it is left out", where=joint.name, span=place)
+            del measured[name]
+    off = joint.enabled == 0.0 if joint.enabled is not None else np.zeros(len(log.time), dtype=bool)
+    if off.any():
+        message = f"{int(off.sum())} rows with the drive off are left out"
+        out.info("SYS013", message, where=joint.name, span=place)
+    measured = {
+        name: np.where(off | ~np.isfinite(signal), np.nan, signal) for name, signal in measured.items()
+    }
+    bad = int(np.isnan(measured["position"]).sum() - off.sum())
+    if bad > 0:
+        message = f"{bad} rows have no position: they are left out"
+        out.info("SYS013", message, where=joint.name, span=place)
+    speed = joint.velocity_command if joint.velocity_command is not None else np.zeros(len(log.time))
+    time, index, fresh = _filled(log.time)
+    if fresh.any():
+        message = f"{int(fresh.sum())} rows are missing: the command between its neighbours is taken there"
+        out.info("SYS013", message, where=joint.name, span=place)
+    for row in np.flatnonzero(np.diff(time) > GAP * log.step).tolist():
+        message = f"{np.diff(time)[row]:.3g} s without rows: what lies on both sides is fitted"
+        out.info(
+            "SYS013", message, where=joint.name, span=log.span(int(np.searchsorted(log.time, time[row])))
+        )
+    command = np.interp(time, log.time, joint.command)
+    measured = {name: np.where(fresh, np.nan, signal[index]) for name, signal in measured.items()}
+    starts, rows = _pieces(time, measured["position"])
+    if not len(starts):
+        message = "no stretch of the log is long enough for a fit"
+        out.error(
+            "SYS011", message, where=joint.name, span=place, help="log at least two seconds without a gap"
+        )
+        return None
+    position, velocity, acceleration = _smooth(time, measured)
+    speed = np.interp(time, log.time, np.nan_to_num(speed))
+    return Recording(
+        log, joint.name, time, command, speed, measured, position, velocity, acceleration, starts, rows
+    )
+
+
+def _unusable(signal: Array) -> str | None:
+    """Why a signal tells nothing."""
+    import numpy as np
+
+    finite = signal[np.isfinite(signal)]
+    if len(finite) < 0.5 * len(signal):
+        return f"is not a number in {len(signal) - len(finite)} of {len(signal)} rows"
+    if np.ptp(finite) == 0.0:
+        return f"is {finite[0]:.6g} in every row"
+    return None
+
+
+def _filled(time: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
+    """Times with missing rows put in, the old row of each, and which are new."""
+    import numpy as np
+
+    gaps = np.diff(time)
+    usual = float(np.median(gaps))
+    missing = np.where((gaps > GAP * usual), np.round(gaps / usual) - 1, 0).astype(int)
+    missing[missing > FILLED] = 0
+    index = np.repeat(np.arange(len(time)), np.append(missing, 0) + 1)
+    rank = np.arange(len(index)) - np.searchsorted(index, index)
+    length = np.append(gaps, 0.0)[index] / (np.append(missing, 0)[index] + 1)
+    return time[index] + rank * length, index, rank > 0
+
+
+def _pieces(time: Array, position: Array) -> tuple[NDArray[np.intp], int]:
+    """First rows of pieces of equal length, none over a gap, and the length."""
+    import numpy as np
+
+    gaps = np.diff(time)
+    usual = float(np.median(gaps))
+    rows = max(round(PIECE / usual), LEAST_PIECE)
+    ends = np.flatnonzero(gaps > GAP * usual)
+    stretches = list(zip([0, *(ends + 1)], [*(ends + 1), len(time)], strict=True))
+    longest = max(last - first for first, last in stretches)
+    rows = min(rows, longest)
+    if rows < LEAST_PIECE:
+        return np.empty(0, dtype=np.intp), rows
+    starts = [
+        start
+        for first, last in stretches
+        for start in range(first, last - rows + 1, rows)
+        if np.isfinite(position[start : start + rows]).mean() > 0.5
+    ]
+    return np.array(starts, dtype=np.intp), rows
+
+
+def _smooth(time: Array, measured: dict[str, Array]) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration by a local cubic."""
+    import numpy as np
+    from scipy.signal import savgol_filter
+
+    usual = float(np.median(np.diff(time)))
+    width = max(round(SMOOTH / usual) // 2 * 2 + 1, 5)
+    width = min(width, (len(time) - 1) // 2 * 2 - 1)
+    filled = {}
+    for name, signal in measured.items():
+        good = np.isfinite(signal)
+        filled[name] = np.interp(time, time[good], signal[good])
+    found = [savgol_filter(filled["position"], width, 3, deriv=d, delta=usual) for d in range(3)]
+    if "velocity" in filled:
+        found[2] = savgol_filter(filled["velocity"], width, 3, deriv=1, delta=usual)
+    return found[0], found[1], found[2]

@@ -1,0 +1,72 @@
+"""A fit as a results file, which a spec names under `identified`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from actspec.logs import Log
+from actspec.spec.results import FORMAT
+from actspec.sysid.identified import Identification, JointFit, Parameter, State
+
+HEAD = "# Written by `actspec sysid fit`. A spec takes it by `identified: THIS FILE` in a group.\n"
+DIGITS = 6
+"""Significant digits. Chosen: an interval is never known to a thousandth of itself."""
+
+
+def results_text(found: Identification, logs: Sequence[Log]) -> str:
+    """The results file's YAML.
+
+    Args:
+        found: The fit.
+        logs: That it used.
+    """
+    import yaml
+
+    sidecars = [log.sidecar for log in logs]
+    data: dict[str, Any] = {"format": FORMAT, "robot": found.robot, "method": found.method}
+    for key in ("date", "temperature"):
+        stated = {getattr(sidecar, key) for sidecar in sidecars}
+        if len(stated) == 1 and None not in stated:
+            data[key] = stated.pop()
+    data["data"] = [{"path": log.path, "sha256": log.sha256} for log in logs]
+    held_out = [joint.held_out_rmse for joint in found.joints if joint.held_out_rmse is not None]
+    if held_out and len({joint.kind for joint in found.joints}) == 1:
+        unit = next(p.unit for p in found.joints[0].parameters if p.field == "encoder_bias")
+        data["held_out_rmse"] = {"value": _short(max(held_out)), "unit": unit}
+    data["condition"] = _short(max(joint.condition for joint in found.joints))
+    data["joints"] = {joint.joint: _joint(joint) for joint in found.joints}
+    text: str = yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
+    return HEAD + text
+
+
+def _joint(joint: JointFit) -> dict[str, Any]:
+    data: dict[str, Any] = {}
+    for parameter in joint.parameters:
+        if parameter.state is State.IDENTIFIED:
+            section, _, key = parameter.field.rpartition(".")
+            (data.setdefault(section, {}) if section else data)[key] = _number(parameter)
+    held = {p.field: p for p in joint.parameters if p.state is State.HELD and p.field in ("kp", "kd")}
+    if len(held) == 2:
+        data["gains"] = {name: {"value": p.value, "unit": p.unit} for name, p in held.items()}
+    for key, state in (("bounds_hit", State.AT_BOUND), ("unidentifiable", State.UNIDENTIFIABLE)):
+        fields = [parameter.field for parameter in joint.parameters if parameter.state is state]
+        if fields:
+            data[key] = fields
+    if joint.combinations:
+        data["combinations"] = {
+            c.name: {"value": _short(c.value), "std": _short(c.std), "unit": c.unit}
+            for c in joint.combinations
+        }
+    if joint.correlation:
+        data["correlation"] = [[a, b, round(r, 3)] for a, b, r in joint.correlation]
+    return data
+
+
+def _number(parameter: Parameter) -> dict[str, Any]:
+    assert parameter.value is not None and parameter.std is not None
+    return {"value": _short(parameter.value), "unit": parameter.unit, "std": _short(parameter.std)}
+
+
+def _short(value: float) -> float:
+    return float(f"{value:.{DIGITS}g}")

@@ -1,0 +1,151 @@
+"""`actspec sysid`: from a designed experiment over a virtual robot to a results file that compiles."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+from actspec.cli.main import main
+from actspec.logs import load_log
+from actspec.resources import data_path
+from tests.sysid.test_fit import MODEL, SPEC
+
+pytest.importorskip("scipy")
+pytestmark = pytest.mark.slow
+
+
+@pytest.fixture(scope="module")
+def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with robot, spec, designed commands and the log of the virtual robot."""
+    folder = tmp_path_factory.mktemp("bench")
+    (folder / "bench.xml").write_text(MODEL.replace("AXIS", "0 1 0"))
+    (folder / "spec.yaml").write_text(SPEC)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        design = ["sysid", "design", "spec.yaml", "-o", "c.csv", "--experiment", "multisine"]
+        assert main([*design, "--duration", "3 s"]) == 0
+        assert main([*_simulate("log.csv")]) == 0
+    return folder
+
+
+def _simulate(output: str, *more: str) -> list[str]:
+    noise = ["--position-noise", "0.5 mrad", "--velocity-noise", "0.05 rad/s", "--torque-noise", "2 %"]
+    return [
+        "sysid",
+        "simulate",
+        "spec.yaml",
+        "--command",
+        "c.csv",
+        "-o",
+        output,
+        "--seed",
+        "3",
+        *noise,
+        *more,
+    ]
+
+
+def test_fit_compiles(
+    bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """JSON by its schema, a results file, and a spec that takes kp from it."""
+    monkeypatch.chdir(bench)
+    assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", "r.yaml", "--output-format", "json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    schema = json.loads(data_path("schemas", "actspec-sysid-v1.schema.json").read_text("utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    jsonschema.validate(record, schema)
+    found = {item["field"]: item for item in record["joints"][0]["parameters"]}
+    assert found["kp"]["value"] == pytest.approx(40.0, rel=0.01)
+    assert found["kp"]["low"] < 40.0 < found["kp"]["high"]
+    assert found["delay"]["value"] == pytest.approx(0.002, abs=1e-4)
+    taken = SPEC.replace("kp: 40 N*m/rad", "kp: identified\n    identified: r.yaml")
+    (bench / "taken.yaml").write_text(taken)
+    assert main(["show", "taken.yaml", "hip", "--output-format", "json"]) == 0
+    shown = json.loads(capsys.readouterr().out)["joints"][0]["kp"]
+    assert shown["origin"] == "identified"
+    assert shown["value"] == pytest.approx(found["kp"]["value"], rel=1e-5)
+    assert shown["std"] == pytest.approx(found["kp"]["std"], rel=1e-5)
+    # A file that is there stays.
+    assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", "r.yaml"]) == 2
+    assert "--force" in capsys.readouterr().err
+
+
+def test_same_seed_same_bytes(bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Noise comes from the seed alone; flaws are in the log."""
+    monkeypatch.chdir(bench)
+    assert main(_simulate("again.csv")) == 0
+    assert (bench / "again.csv").read_bytes() == (bench / "log.csv").read_bytes()
+    flaws = ["--encoder-bits", "10", "--dropped", "5 %", "--jitter", "10 %", "--velocity-filter", "40 Hz"]
+    assert main(_simulate("rough.csv", *flaws)) == 0
+    rough = load_log("rough.csv")
+    sound = load_log("log.csv")
+    assert 0.9 * len(sound.time) < len(rough.time) < len(sound.time)
+    position = rough.joints["hip"].position
+    assert position is not None
+    # 1024 counts a turn: every reading is a whole number of them, to the ten digits of the file.
+    counts = position / (2 * np.pi / 1024)
+    assert counts == pytest.approx(np.round(counts), abs=1e-6)
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize("experiment", ["chirp", "steps", "friction", "random"])
+def test_design_keeps_to_the_joint(
+    experiment: str, bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """30 % of the range of 3 rad to either side, and the torque below 80 % of 30 N*m."""
+    monkeypatch.chdir(bench)
+    design = ["sysid", "design", "spec.yaml", "-o", f"{experiment}.csv", "--experiment", experiment]
+    assert main([*design, "--duration", "4 s", "--rate", "200 Hz"]) == 0
+    hip = load_log(f"{experiment}.csv").joints["hip"]
+    assert hip.command is not None and hip.torque is not None and hip.position is not None
+    assert np.abs(hip.command).max() <= 0.9 + 1e-9
+    assert np.abs(hip.command).max() > 0.2
+    assert np.abs(hip.torque).max() <= 24.0 + 1e-9
+    # The response that the spec would have follows the command.
+    assert np.corrcoef(hip.position, hip.command)[0, 1] > 0.5
+    capsys.readouterr()
+
+
+def test_crest_and_correlation_of_joints_together(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """Multisines of three joints at once: crest factors of at most 2, correlations below 0.3."""
+    monkeypatch.chdir(tmp_path)
+    spec = str(data_path("robots", "a1.yaml"))
+    design = ["sysid", "design", spec, "-o", "c.npz", "--experiment", "multisine", "--joint", "FR_.*"]
+    assert main([*design, "--together", "--duration", "5 s", "--rate", "200 Hz"]) == 0
+    log = load_log("c.npz")
+    commands = np.stack([j.command - j.command.mean() for j in log.joints.values()])  # type: ignore[union-attr, operator]
+    assert len(commands) == 3
+    crest = np.abs(commands).max(axis=1) / np.sqrt((commands**2).mean(axis=1))
+    assert (crest <= 2.0).all(), crest
+    correlation = np.corrcoef(commands)
+    assert np.abs(correlation - np.eye(3)).max() < 0.3
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["fit", "spec.yaml", "missing.csv"], "no such file"),
+        (["fit", "spec.yaml", "log.csv", "--free", "armatur"], "did you mean 'armature'?"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "chirp", "--joint", "hp"], "matches no joint"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "chirp", "--duration", "10"], "has no unit"),
+        (["simulate", "spec.yaml", "--command", "log.csv", "-o", "no/x.csv", "--seed", "1"], "cannot be written"),
+    ],
+)  # fmt: skip
+def test_bad_input_writes_nothing(
+    arguments: list[str], words: str, bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """Exit code 2, the cause, and no file."""
+    monkeypatch.chdir(bench)
+    before = sorted(path.name for path in bench.iterdir())
+    assert main(["sysid", *arguments]) == 2
+    assert words in capsys.readouterr().err
+    assert sorted(path.name for path in bench.iterdir()) == before
