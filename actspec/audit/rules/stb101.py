@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
@@ -86,7 +86,12 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
         threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
         if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
-            yield self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
+            found = self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
+            artifact = case.artifacts[rows[0].artifact]
+            if artifact.is_part and not artifact.states(b"<option"):
+                # Step, integrator and what it carries are those of the model that includes or mounts it.
+                found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
+            yield found
 
     def _finding(
         self,
