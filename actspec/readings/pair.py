@@ -99,7 +99,11 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
                 if all(
                     (_overlap(sets[index], sets[i]) and agree(index, i)) or {index, i} <= bound for i in group
                 )
-                and any({index, i} <= bound or _may_be_one(artifacts, figures, index, i) for i in group)
+                and any(
+                    {index, i} <= bound
+                    or _may_be_one(artifacts, figures, index, i, 3 if words[index] == words[i] else 2)
+                    for i in group
+                )
             ),
             None,
         )
@@ -227,25 +231,26 @@ def _told_apart(one: str, other: str, shared: frozenset[str]) -> bool:
 
 
 def _may_be_one(
-    artifacts: Sequence[Artifact], figures: Callable[[int], _Figures], one: int, other: int
+    artifacts: Sequence[Artifact], figures: Callable[[int], _Figures], one: int, other: int, kinds: int
 ) -> bool:
     """Whether figures do not speak against one robot. An MJCF and a URDF are compared, whatever they say."""
-    return artifacts[one].kind is not artifacts[other].kind or are_alike(figures(one), figures(other))
+    return artifacts[one].kind is not artifacts[other].kind or are_alike(figures(one), figures(other), kinds)
 
 
 _Figures = Mapping[str, Mapping[str, tuple[float, ...]]]
 """Kind of figure to what each joint has."""
 
 
-def are_alike(one: _Figures, other: _Figures) -> bool:
+def are_alike(one: _Figures, other: _Figures, kinds: int) -> bool:
     """Whether the figures of two models may be of one robot: by joint names alone every pendulum is the same.
 
     Kinds of figure (ranges, limits, what the links weigh) speak each with the share of joints on which they agree.
-    Less than half of what they say together is two robots; two kinds, or few figures, say nothing.
+    Less than half of what they say together is two robots; few kinds, or few figures, say nothing.
 
     Args:
         one: From `figures_of`.
         other: Likewise.
+        kinds: Least kinds of figure that speak: less where the names differ, too.
     """
     shares, count = [], 0
     for kind in one.keys() & other.keys():
@@ -253,7 +258,7 @@ def are_alike(one: _Figures, other: _Figures) -> bool:
         if same:
             shares.append(sum(same) / len(same))
             count += len(same)
-    return len(shares) < 3 or count < _FEW or sum(shares) >= LIKENESS * len(shares)
+    return len(shares) < kinds or count < _FEW or sum(shares) >= LIKENESS * len(shares)
 
 
 def _is_same(kind: str, one: Sequence[float], other: Sequence[float]) -> bool:

@@ -45,6 +45,9 @@ _PD = ("position", "implicit", "ideal_pd", "dc_motor")
 _SHARED = 0.8
 """Share of a file's joints that another must mirror to be its other side. Chosen: as for pairing files."""
 
+_SEVERAL = 3
+"""Pairs of joints from which a file shows whether each joint was identified by itself."""
+
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
 
@@ -105,6 +108,11 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         field, a, b = differing[0] if differing else ("", 1.0, 1.0)
         odd, other = (left[0], right[0]) if a == 0.0 else (right[0], left[0])
         dead = 0.0 in (a, b) and field == "effort_limit"
+        identified = (
+            not kinds
+            and all(name in _PASSIVE for name, _, _ in differing)
+            and left[0].artifact in case.once(_identified)
+        )
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -112,8 +120,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             odd.joint,
             help="the same motor has the same figures on both sides",
             related=(other.place(field),),
-            severity=Severity.ERROR if dead else self.severity,
-            confidence=Confidence.HIGH if dead else self.confidence,
+            severity=Severity.ERROR if dead else Severity.INFO if identified else self.severity,
+            confidence=Confidence.HIGH if dead else Confidence.LOW if identified else self.confidence,
         )
 
     def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
@@ -180,4 +188,20 @@ def _mirrors(name: str) -> tuple[str, ...]:
         "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
         for chosen in (*([index] for index in at), at)
         if chosen
+    )
+
+
+def _identified(case: Case) -> frozenset[int]:
+    """Artifacts in which at least half of all pairs differ in what friction and rotors do: measured joint by joint."""
+    differ: dict[int, list[bool]] = {}
+    for left, right in _pairs(case):
+        own = (
+            (getattr(a, field), getattr(b, field))
+            for field in _PASSIVE
+            for a, b in zip(left, right, strict=False)
+        )
+        unlike = any(a is not None and b is not None and a != b for a, b in own)
+        differ.setdefault(left[0].artifact, []).append(unlike)
+    return frozenset(
+        index for index, found in differ.items() if len(found) >= _SEVERAL and 2 * sum(found) >= len(found)
     )
