@@ -51,6 +51,9 @@ _GENERIC = frozenset((
 # fmt: on
 """Words that say nothing about which robot it is. Chosen: from the names in the surveyed repositories."""
 
+_NUMBERED = re.compile(r"(?!(?:v|ver|rev|run|exp|seed|scene|task|copy|test)\d)([a-z]+)\d")
+"""Letters before the first digit of a word, which are a family's; not of versions and runs."""
+
 _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+[0-9]*|[A-Z]+[0-9]*|[0-9]+[a-z]*")
 
 
@@ -209,11 +212,24 @@ def _words(text: str) -> Iterable[str]:
 
 
 def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
-    """Whether names may be of one robot: they share a word, and no sign tells models of one family apart."""
+    """Whether names may be of one robot: they share a word, and no sign tells models of one family apart.
+
+    Signs are a letter or digit of its own (`anymal_b`, `anymal_c`) and a number in a word (`gr1t1`, `gr2t2`, `kr16`,
+    `kr120`), unless one begins as the other does (`gr2t2`, `gr2t2d`) or it is a version's (`v2`).
+    """
     if not one or not other:
         return True
-    signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in (one - other, other - one)]
-    return bool(one & other) and not signs[0] & signs[1]
+    apart = one - other, other - one
+    signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in apart]
+    numbered = any(_is_another_number(mine, its) for mine in apart[0] for its in apart[1])
+    return bool(one & other) and not signs[0] & signs[1] and not numbered
+
+
+def _is_another_number(one: str, other: str) -> bool:
+    """Whether two words are one family's with different numbers."""
+    stems = [_NUMBERED.match(word) for word in (one, other)]
+    same = stems[0] is not None and stems[1] is not None and stems[0][1] == stems[1][1]
+    return same and not one.startswith(other) and not other.startswith(one)
 
 
 def _told_apart(one: str, other: str, shared: frozenset[str]) -> bool:

@@ -240,3 +240,18 @@ def test_folders_tell_versions_apart() -> None:
     assert len(pair([model(path, "anymal", DOG) for path in paths])) == 2
     copies = ("run_1/urdf/anymal.xml", "run_2/urdf/anymal.xml", "anymal_b_description/urdf/anymal.xml")
     assert len(pair([model(path, "anymal", DOG) for path in copies])) == 1
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "count"),
+    [
+        ("gr1t1_hand_x", "gr2t2_hand_x", 2),
+        ("gr2t2_x7", "gr2t2d_x7", 1),
+        ("kuka_kr16", "kuka_kr120", 2),
+        ("dog_v2", "dog_v3", 1),
+    ],
+)
+def test_numbers_in_names(one: str, other: str, count: int) -> None:
+    """A family's robots have numbers; versions and what only adds to a name are the same robot."""
+    artifacts = [model(f"{name}.xml", f"acme_{name}", ARM) for name in (one, other)]
+    assert len(pair(artifacts)) == count

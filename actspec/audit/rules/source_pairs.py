@@ -19,7 +19,7 @@ from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import joint_names
+from actspec.readings.pair import distinctive, joint_names
 from actspec.units import format_quantity
 
 TIMES = 3.0
@@ -291,11 +291,27 @@ def is_no_limit(found: Disagreement) -> bool:
 
 
 def is_times_off(case: Case, found: Disagreement) -> bool:
-    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes."""
-    ratio = abs(found.ratio or 1.0)
-    if max(ratio, 1.0 / ratio) < GRAVE - 1e-9:
+    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes.
+
+    Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
+    they have other motors.
+    """
+    if not _is_grave(found.ratio) or any(_is_of_control(case, rows) for rows in (found.rows, found.others)):
         return False
-    return not any(_is_of_control(case, rows) for rows in (found.rows, found.others))
+    one, other = found.rows[0].artifact, found.others[0].artifact
+    if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
+        return True
+    grave = []
+    theirs = case.joints_by_artifact.get(other, {})
+    for joint, rows in case.joints_by_artifact.get(one, {}).items():
+        a, b = (figure(each, found.field).value if each else None for each in (rows, theirs.get(joint)))
+        if a and b:
+            grave.append(_is_grave(a / b))
+    return 2 * sum(grave) < len(grave)
+
+
+def _is_grave(ratio: float | None) -> bool:
+    return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
 
 
 def _is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
