@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from actspec.audit.rules import check_actuators
-from actspec.audit.rules.stb101 import LIMIT, StepDrive
 from actspec.diagnostics import Severity
 from actspec.ir import ActuatorSet, InertiaRange
+from actspec.laws.stability import LIMIT, StepDrive
 from tests.fitting import fit, spec_of
 
 HIP = "name: leg, model: robot.xml"

@@ -5,7 +5,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, shown
-from actspec.audit.rules.stb101 import LIMIT, RINGING, StepDrive
+from actspec.laws.stability import LIMIT, RINGING, StepDrive
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 

@@ -62,6 +62,8 @@ def apply_to_spec(
 
     if plan.timestep is not None:
         spec.option.timestep = plan.timestep
+    if plan.integrator is not None:
+        spec.option.integrator = getattr(mujoco.mjtIntegrator, f"mjINT_{plan.integrator.upper()}")
     joints = {joint.name: joint for joint in spec.joints}
     for edit in plan.joints:
         _edit_joint(joints[edit.joint], edit, note)

@@ -133,8 +133,7 @@ def text_edits(document: XmlDocument, plan: Plan, anchors: Anchors, dialect: Muj
             edits.append(AppendChild(document.root, f"<actuator>{body}\n</actuator>"))
     for element, attribute in anchors.sensors:
         edits.append(SetAttribute(element, attribute, plan.renamed[element.get(attribute) or ""]))
-    if plan.timestep is not None:
-        edits.append(_timestep(document, plan.timestep))
+    edits += _options(document, plan)
     holds_act = plan.holds_act(dialect)
     if not holds_act:
         edits += [SetAttribute(key, "act", None) for key in anchors.keys if key.get("act") is not None]
@@ -178,15 +177,22 @@ def _joint_edits(element: Element, edit: JointEdit, dialect: MujocoDialect) -> I
         yield SetAttribute(element, name, text)
 
 
-def _timestep(document: XmlDocument, timestep: float) -> Edit:
-    """On the option that states it last, else on the last option, else a new one."""
+def _options(document: XmlDocument, plan: Plan) -> Iterator[Edit]:
+    """Each on the option that states it last, else on the last option, else on a new one."""
+    step = None if plan.timestep is None else exact_number(plan.timestep)
     options = document.sections("option")
-    text = exact_number(timestep)
-    stating = [option for option in options if option.get("timestep") is not None]
-    for option in (*reversed(stating), *([] if stating else reversed(options))):
-        if not document.is_repeated(option):
-            return SetAttribute(option, "timestep", text)
-    return AppendChild(document.root, f'<option timestep="{text}"/>')
+    new = []
+    for name, text in (("timestep", step), ("integrator", plan.integrator)):
+        if text is None:
+            continue
+        stating = [option for option in options if option.get(name) is not None]
+        own = [option for option in stating or options if not document.is_repeated(option)]
+        if own:
+            yield SetAttribute(own[-1], name, text)
+        else:
+            new.append(f'{name}="{text}"')
+    if new:
+        yield AppendChild(document.root, f"<option {' '.join(new)}/>")
 
 
 def _body_elements(document: XmlDocument) -> Iterator[tuple[Element, bool]]:

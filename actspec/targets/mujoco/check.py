@@ -67,6 +67,8 @@ def outside_plan(original: mujoco.MjModel, edited: mujoco.MjModel, plan: Plan, r
             continue
         if name == "opt.timestep" and plan.timestep is not None:
             continue
+        if name == "opt.integrator" and plan.integrator is not None:
+            continue
         if name in REFERENCES and (plan.removed or plan.renamed):
             continue
         if name in ACTUATOR_IDS and other is not None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, EmitError, RobotError, Span, listed
@@ -22,7 +23,7 @@ from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, tex
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
 from actspec.targets.mujoco.paths import layout, written_files
-from actspec.targets.mujoco.plan import Plan, plan_model, unchanged_controls, with_keys
+from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
 if TYPE_CHECKING:
     import mujoco
@@ -51,6 +52,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     document = parse_document(robot.files)
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
+    bare = replace(bare, integrator=integrator_for(actuators, robot, document, collector))
 
     original = _compiled(robot.files)
     plan = with_keys(bare, robot, original, unchanged_controls(bare, robot))
@@ -104,7 +106,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         if os.path.dirname(file.path) == options.folder
     )
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
-    explicit = frozenset(drive.joint for drive in plan.drives) if robot.integrator == "Euler" else frozenset()
+    euler = robot.integrator == "Euler" and plan.integrator is None
+    explicit = frozenset(drive.joint for drive in plan.drives) if euler else frozenset()
     return Emission(emitted, lost, collector.sorted(), explicit)
 
 

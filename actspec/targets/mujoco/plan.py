@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.laws.stability import LIMIT, StepDrive
 from actspec.readings.joint import read_joints
 from actspec.resolution.quantities import Reports
 from actspec.robot.view import ActuatorView, JointView, RobotView
@@ -19,6 +20,8 @@ from actspec.units import format_number, format_quantity
 
 if TYPE_CHECKING:
     import mujoco
+
+    from actspec.robot.xml_tree import XmlDocument
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,6 +80,7 @@ class Plan:
         added: Drives of joints that had no actuator, appended in the robot's joint order.
         renamed: Removed actuator's name to that of its joint's drive, for sensors.
         timestep: New `option/timestep` [s]; None leaves the file's.
+        integrator: New `option/integrator`; None leaves the file's.
         keys: Edits of keyframes.
         dcmotors: Whether the edited model has a dcmotor.
     """
@@ -87,6 +91,7 @@ class Plan:
     added: tuple[Drive, ...] = ()
     renamed: dict[str, str] = field(default_factory=dict)
     timestep: float | None = None
+    integrator: str | None = None
     keys: tuple[KeyEdit, ...] = ()
     dcmotors: bool = False
 
@@ -178,6 +183,38 @@ def plan_model(
         dcmotors=dcmotors or any(d.form is Form.DCMOTOR for d in (*(r.drive for r in replaced), *added)),
     )
     return plan, tuple(lost)
+
+
+def integrator_for(
+    actuators: ActuatorSet, robot: RobotView, document: XmlDocument, collector: Collector
+) -> str | None:
+    """`implicitfast` where nobody chose an integrator and the file's default is too coarse for a drive; else None.
+
+    From h kd/I + h^2 kp/(2 I) = 1 on, the speed changes its sign with every step of Euler, which takes kd explicitly.
+    """
+    if any(option.get("integrator") is not None for option in document.sections("option")):
+        return None
+    step = actuators.physics_dt.require()
+    figures = {}
+    for actuator in actuators.joints:
+        kd = None if actuator.kd is None else actuator.kd.value
+        least = None if actuator.inertia_free is None else actuator.inertia_free.low
+        if kd is None or kd <= 0.0 or least is None or least <= 0.0:
+            continue
+        kp = None if actuator.kp is None else actuator.kp.value
+        passive = max(actuator.friction_viscous.value or 0.0, 0.0)
+        figures[actuator.joint] = StepDrive(step, kp or 0.0, kd, passive).figure(least)
+    worst = max(figures, key=figures.__getitem__, default=None)
+    if worst is None or figures[worst] < 1.0:
+        return None
+    needing = [joint for joint, figure in figures.items() if figure >= 1.0]
+    collector.at("timing.physics_dt", Span(robot.path)).info(
+        "MJC028",
+        "option/integrator becomes implicitfast: the file states none, and Euler takes kd explicitly, too coarsely for "
+        f"{listed(needing)} (h kd/I + h^2 kp/2I = {format_number(figures[worst], 3)} at {worst}, limit {LIMIT:g})",
+        "state an integrator in the model to keep it",
+    )
+    return "implicitfast"
 
 
 def _group_on(robot: RobotView, group: int, drive: Drive, span: Span, collector: Collector) -> int:
