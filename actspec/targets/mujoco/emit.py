@@ -22,7 +22,7 @@ from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
-from actspec.targets.mujoco.paths import layout, written_files
+from actspec.targets.mujoco.paths import layout, unresolved, written_files
 from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
 if TYPE_CHECKING:
@@ -46,10 +46,19 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
     if robot.format is ModelFormat.NONE:
         return _emit_fragment(actuators, robot, dialect, options, collector)
-    source = os.path.basename(robot.path)
+    given, source = robot.path, os.path.basename(robot.path)
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
+    lacking = unresolved(document)
+    if lacking:
+        collector.at("robot.model", Span(given)).warning(
+            "MJC029",
+            f"{len(lacking)} mesh file{'s' * (len(lacking) > 1)} of a package that is not around the model, and MuJoCo "
+            f"cannot open: {listed(lacking, 4)}",
+            "keep the URDF inside the folder of its package, which has the package's name or its package.xml, or write "
+            "paths into it",
+        )
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
     bare = replace(bare, integrator=integrator_for(actuators, robot, document, collector))

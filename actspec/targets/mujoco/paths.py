@@ -8,9 +8,11 @@ are named from the output folder.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from actspec.files import FAULTS, read_regular
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
 from actspec.robot.xml_tree import Element, XmlDocument
@@ -18,6 +20,12 @@ from actspec.targets.base import relative_path
 
 MESH_TAGS = frozenset({"mesh", "hfield", "skin", "flexcomp"})
 TEXTURE_FILES = ("file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
+
+
+_PACKAGE = "package://"
+_PACKAGE_NAME = re.compile(rb"<name>([^<]*)</name>")
+_MOST_BYTES = 1024 * 1024
+"""Chosen: a package.xml has a few kilobytes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,6 +78,7 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
         if include.name != includes[include.index]
     ]
     path_edits += _asset_folders(document, source, folder)
+    path_edits += _packaged(document, source)
     for element in document.walk("model"):
         file_name = element.get("file")
         if file_name and not os.path.isabs(file_name):
@@ -122,6 +131,67 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
         return []
     attributes = "".join(f' {name}="{escape_attribute(value)}"' for name, value in wanted.items())
     return [AppendChild(document.root, f"<compiler{attributes}/>")]
+
+
+def _packaged(document: XmlDocument, source: str) -> list[Edit]:
+    """Meshes that a URDF names by package, where they are: MuJoCo has no packages."""
+    edits: list[Edit] = []
+    for element in document.walk("mesh"):
+        found = package_file(element.get("file") or "", source)
+        if found is not None:
+            edits.append(
+                SetAttribute(
+                    element, "file", relative_path(found, os.path.join(source, _mesh_folder(document)))
+                )
+            )
+    return edits
+
+
+def unresolved(document: XmlDocument) -> tuple[str, ...]:
+    """Mesh files that are named by a package that is not the one around the model."""
+    source = os.path.dirname(os.path.abspath(document.files[0].path))
+    named = [element.get("file") or "" for element in document.walk("mesh")]
+    return tuple(name for name in named if name.startswith(_PACKAGE) and package_file(name, source) is None)
+
+
+def package_file(name: str, source: str) -> str | None:
+    """The file that `package://NAME/path` is in the package around a folder; None: it is not there, or outside of it.
+
+    The package is the folder called NAME, or one with a `package.xml` of that name, that the folder is in.
+
+    Args:
+        name: As the URDF has it.
+        source: Folder of the URDF, absolute.
+    """
+    if not name.startswith(_PACKAGE):
+        return None
+    package, _, inner = name.removeprefix(_PACKAGE).partition("/")
+    root = os.path.realpath(source)
+    while not _is_package(root, package):
+        above = os.path.dirname(root)
+        if above == root:
+            return None
+        root = above
+    path = os.path.realpath(os.path.join(root, inner))
+    return path if path.startswith(root + os.sep) and os.path.isfile(path) else None
+
+
+def _is_package(folder: str, name: str) -> bool:
+    if os.path.basename(folder) == name:
+        return True
+    try:
+        text = read_regular(os.path.join(folder, "package.xml"), _MOST_BYTES)
+    except FAULTS:
+        return False
+    found = _PACKAGE_NAME.search(text)
+    return found is not None and found[1].decode("utf-8", "replace").strip() == name
+
+
+def _mesh_folder(document: XmlDocument) -> str:
+    folder = ""
+    for element in document.sections("compiler"):
+        folder = element.get("meshdir", element.get("assetdir", folder)) or ""
+    return folder
 
 
 def _free(name: str, taken: set[str]) -> str:

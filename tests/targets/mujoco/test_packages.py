@@ -1,0 +1,86 @@
+"""Meshes that a URDF names by `package://`: found in the package around it, or reported."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+
+from actspec import api, output
+from actspec.output import Compilation
+from actspec.targets.mujoco.paths import package_file
+
+URDF = """<robot name="r"><link name="a"/>
+  <link name="b"><inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>
+    <collision><geometry><mesh filename="package://my_desc/meshes/x.obj"/></geometry></collision></link>
+  <joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="10" velocity="5"/></joint></robot>
+"""
+SPEC = """actspec: 1
+robot: {name: r, model: urdf/r.urdf}
+actuators:
+  j: {joints: [j], level: ideal_pd, kp: 4 N*m/rad, kd: 1 N*m*s/rad, effort_limit: 10 N*m, armature: 0 kg*m^2,
+      friction: {coulomb: 0 N*m, viscous: 0 N*m*s/rad}}
+"""
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+
+
+def package(folder: Path, name: str) -> Path:
+    """A folder of a ROS package with one mesh."""
+    for part in ("urdf", "meshes"):
+        (folder / name / part).mkdir(parents=True)
+    (folder / name / "urdf" / "r.urdf").write_text(URDF, encoding="utf-8")
+    (folder / name / "meshes" / "x.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    (folder / name / "s.yaml").write_text(SPEC, encoding="utf-8")
+    return folder / name
+
+
+def compiled(own: Path) -> Compilation:
+    """The spec of the package, compiled and written."""
+    done = api.compile(own / "s.yaml", targets=["mujoco"], output=str(own / "out"))
+    output.write(output.outputs(done))
+    return done
+
+
+@pytest.mark.parametrize("by", ["folder", "package.xml"])
+def test_the_package_around_the_file(tmp_path: Path, by: str) -> None:
+    """What is written loads in MuJoCo from where it lies."""
+    import mujoco
+
+    own = package(tmp_path, "my_desc" if by == "folder" else "clone")
+    if by == "package.xml":
+        (own / "package.xml").write_text("<package><name>my_desc</name></package>", encoding="utf-8")
+    done = compiled(own)
+    assert "MJC029" not in [item.code for item in done.diagnostics]
+    written = own / "out" / "mujoco" / "r.xml"
+    assert 'file="../meshes/x.obj"' in written.read_text(encoding="utf-8")
+    assert mujoco.MjModel.from_xml_path(str(written)).nmesh == 1
+
+
+def test_another_package(tmp_path: Path) -> None:
+    """A package that is not around the file is reported with its meshes, not written as if it were found."""
+    done = compiled(package(tmp_path, "clone"))
+    (item,) = [item for item in done.diagnostics if item.code == "MJC029"]
+    assert item.message.startswith("1 mesh file of a package that is not around the model")
+    assert "package://my_desc/meshes/x.obj" in item.message
+    assert item.span is not None and item.span.path.endswith("r.urdf")
+
+
+@pytest.mark.parametrize(
+    "name, found",
+    [
+        ("package://my_desc/meshes/x.obj", True),
+        ("package://my_desc/meshes/y.obj", False),
+        ("package://my_desc/../secret.obj", False),
+        ("package://my_desc/link.obj", False),
+        ("package:///meshes/x.obj", False),
+        ("meshes/x.obj", False),
+    ],
+)
+def test_only_below_the_package(tmp_path: Path, name: str, found: bool) -> None:
+    """Neither `..` nor a link leads out of the package."""
+    own = package(tmp_path, "my_desc")
+    (tmp_path / "secret.obj").write_text(TETRAHEDRON, encoding="utf-8")
+    os.symlink(tmp_path / "secret.obj", own / "link.obj")
+    assert (package_file(name, str(own / "urdf")) is not None) is found
