@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
@@ -99,13 +98,6 @@ class Case:
                 for path in (artifact.path, *(file.path for file in files)):
                     found.setdefault(path, index)
         return found
-
-    def included(self) -> frozenset[str]:
-        """Files that a readable one includes, as real paths: what depends on the whole model is judged there."""
-        parts = (
-            part for reading in self.files if reading.artifacts for part in reading.files if part.include
-        )
-        return frozenset(os.path.realpath(part.path) for part in parts)
 
     def once(self, make: Callable[[Case], _T]) -> _T:
         """What a function makes of this case, made once for all rules that ask for it.

@@ -374,9 +374,10 @@ def _concerns(reading: FileReading) -> bool:
 
 
 def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...]:
-    """The readings without files that are no models alone and that another one includes: they are judged there.
+    """The readings without parts that another one includes: they are judged there.
 
-    A file that MuJoCo takes alone stays, whoever includes it: it is a model.
+    A part is an MJCF that MuJoCo refuses alone, or that has no `<compiler>`: angles, classes and limits may then be its
+    includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model.
 
     Args:
         readings: All of one audit.
@@ -390,10 +391,12 @@ def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...
     return tuple(
         reading
         for reading in readings
-        if not (_is_refused(reading) and os.path.realpath(reading.path) in included)
+        if not (_is_part(reading) and os.path.realpath(reading.path) in included)
     )
 
 
-def _is_refused(reading: FileReading) -> bool:
-    """Whether MuJoCo takes nothing of a file."""
-    return bool(reading.artifacts) and all(one.text_only is not None for one in reading.artifacts)
+def _is_part(reading: FileReading) -> bool:
+    """Whether MuJoCo takes nothing of a file, or another file has its compiler."""
+    return bool(reading.artifacts) and all(
+        one.text_only is not None or one.is_part for one in reading.artifacts
+    )

@@ -17,6 +17,7 @@ MAIN = """<mujoco>
 </mujoco>"""
 FRAGMENT = '<mujoco><actuator><motor name="knee" joint="knee"/></actuator></mujoco>'
 MODEL = """<mujoco>
+  <compiler angle="radian"/>
   <worldbody><body><joint name="knee"/><geom size="0.1"/></body></worldbody>
   <actuator><motor name="knee" joint="knee" ctrlrange="-1 1"/></actuator>
 </mujoco>"""
@@ -61,3 +62,18 @@ def test_a_broken_model_keeps_its_word() -> None:
     Path("leg_actuators.xml").write_text(FRAGMENT)
     report = audited(".")
     assert [(item.code, str(item.span)) for item in report.diagnostics()] == [("AUD013", "./leg.xml")]
+
+
+def test_a_part_that_compiles_alone_is_judged_in_its_model() -> None:
+    """Its compiler and its classes are the includer's: the force range of the class is not missing there."""
+    Path("hand.xml").write_text(
+        MODEL.replace('  <compiler angle="radian"/>\n', "").replace(' ctrlrange="-1 1"', "")
+    )
+    Path("scene.xml").write_text(
+        '<mujoco><compiler angle="radian"/><default><motor forcerange="-1 1"/></default>'
+        '<include file="hand.xml"/></mujoco>'
+    )
+    assert [item.finding.joint for item in audited("hand.xml").findings] == ["knee"]
+    together = audited("hand.xml", "scene.xml")
+    assert [file.path for file in together.case.files] == ["scene.xml"]
+    assert together.findings == ()

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
@@ -53,8 +52,7 @@ class RangeInDegrees(RuleInParts):
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
             hinges = _limited_hinges(artifact)
             if index in locked:
-                if not artifact.is_part or os.path.realpath(artifact.path) not in case.once(Case.included):
-                    yield (self._of_file(hinges, artifact.is_part),)
+                yield (self._of_file(hinges, artifact.is_part),)
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
