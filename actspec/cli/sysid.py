@@ -229,9 +229,9 @@ def _quantity(text: str, kind: Kind, option: str) -> float:
     try:
         value = parse_quantity(text, kind).value
     except UnitError as err:
-        raise LogError.of("CLI010", err.message, where=option, help=err.help) from err
+        raise LogError.of("SYS042", err.message, where=option, help=err.help) from err
     if value < 0:
-        raise LogError.of("CLI010", f"must be at least 0, got {text}", where=option)
+        raise LogError.of("SYS042", f"must be at least 0, got {text}", where=option)
     return value
 
 

@@ -193,8 +193,9 @@ def test_without_a_repository(folder: Path, capsys: pytest.CaptureFixture[str]) 
 
 
 def test_version_decides_on_friction(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """With versions Isaac Lab's friction has a unit."""
-    (folder / "a.py").write_text(CFG)
-    (folder / "b.py").write_text(CFG.replace("friction=0.2", "friction=0.3"))
+    """With versions Isaac Lab's friction has a unit; `dynamic_friction` is the sliding one, which is compared."""
+    both = CFG.replace("friction=0.2", "friction=0.2, dynamic_friction=0.2")
+    (folder / "a.py").write_text(both)
+    (folder / "b.py").write_text(both.replace("=0.2", "=0.3"))
     assert main(["diff", "a.py", "b.py", "-t", "isaaclab==2.3", "-t", "isaac_sim==5.1"]) == 1
     assert "dry friction 0.2 -> 0.3 N*m (+50 %)" in capsys.readouterr().out
