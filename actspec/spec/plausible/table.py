@@ -1,9 +1,9 @@
 """The checks that notice impossible numbers: what each judges and why its bound stands where it does; what one finds.
 
-A bound is told with the extremes of published figures: the specs in robots/ and what `actspec import` writes of 281
+A bound is told with the extremes of published figures: the specs in robots/ and what `actspec import` writes of 270
 files: unitree_mujoco, unitree_ros, unitree_rl_gym, and the wheels playground 0.2.0, gymnasium 1.4.0,
 gymnasium-robotics 1.4.2, brax, example-robot-data, mjlab 1.6.0. Of 123 more, of dm_control, metaworld, robosuite and
-myosuite, they report none (`benchmarks/plausible.py`).
+myosuite, they report one, an arm made up for a test (`benchmarks/plausible.py`).
 """
 
 from __future__ import annotations
