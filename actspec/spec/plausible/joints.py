@@ -38,7 +38,6 @@ STIFF = 150.0
 """Natural frequency [rad/s]: noticed where the limit needs an error below `STIFF_ERROR`."""
 STIFF_ERROR = 0.06
 """[rad]."""
-TOO_STIFF = 1000.0
 STIFF_LINK = 1e-3
 """Joints of less are fingers, which are stiff for their inertia [kg*m^2]."""
 DAMPING_RATIO = (0.015, 60.0)
@@ -298,7 +297,13 @@ def _gains(joint: JointActuator) -> Iterator[_Found]:
     words: tuple[str, str | None, float] | None = None
     if exchanged is not None:
         words = (*exchanged, active / kp.value)
-    elif held is not None and joint.kind is JointKind.HINGE and held.reference > 0.0:
+    elif (
+        joint.motor is not None
+        and held is not None
+        and joint.kind is JointKind.HINGE
+        and held.reference > 0.0
+    ):
+        # Without a motor they may be a simulator's own servos, of any stiffness.
         words = _by_frequency(kp, joint, held.reference, limit.value)
         if words is None and active and kd is not None and _stated(kd):
             number, other, where = kd, kp, f"actuators.{joint.group}.kd"
@@ -330,7 +335,7 @@ def _by_frequency(
             1 / frequency,
         )
     tight = error is not None and error < STIFF_ERROR
-    if inertia >= STIFF_LINK and (frequency > TOO_STIFF or (frequency > STIFF and tight)):
+    if inertia >= STIFF_LINK and frequency > STIFF and tight:
         radians = format_quantity(stiffness * DEGREE, kp.unit, 4)
         return message, f"is it multiplied by 57.3? Without that it is {radians}", frequency
     return None

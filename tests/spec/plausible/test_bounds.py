@@ -201,9 +201,21 @@ MODEL = """<mujoco><compiler angle="radian"/><worldbody><body>
 )
 def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
     robot = f"name: leg, model: robot.xml, default_pose: {{{pose}}}"
-    assert (
-        codes(spec_of(f"legs: {{joints: [hip], level: ideal_pd, {fields}}}", robot=robot), MODEL) == expected
+    text = spec_of(
+        f"legs: {{joints: [hip], level: ideal_pd, motor: m, {fields}}}",
+        robot=robot,
+        motors="{m: {gear_ratio: 9}}",
     )
+    assert codes(text, MODEL) == expected
+
+
+def test_servos_without_a_motor_may_be_of_any_stiffness() -> None:
+    """Above, with a motor, the same gains are 150 rad/s, and a damping ratio of 0.0145."""
+    for fields in ("kp: 2251, kd: 3, effort_limit: 135", "kp: 10, kd: 0.029"):
+        text = spec_of(
+            f"legs: {{joints: [hip], level: ideal_pd, {fields}}}", robot="name: leg, model: robot.xml"
+        )
+        assert codes(text, MODEL) == []
 
 
 @pytest.mark.parametrize(
