@@ -227,7 +227,8 @@ class Artifact:
 
         Whether its angles are degrees, and what it is integrated with, is then in a file that is not here.
         """
-        return self.kind is FileKind.MJCF and not self.states(b"<compiler")
+        known = self.kind is FileKind.MJCF and self.robot is not None
+        return known and not self.states(b"<compiler")
 
     def states(self, tag: bytes) -> bool:
         """Whether a robot file or one of its includes has an element; one in a comment counts too."""

@@ -13,6 +13,7 @@ from actspec.audit.read import read_files
 from actspec.audit.rules import all_rules
 from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind
+from actspec.readings.read import without_fragments
 from actspec.readings.versions import Versions
 from tests.audit.rules.test_cases import CASES, load, text_of
 
@@ -167,7 +168,7 @@ def test_rules_that_are_not_paired(
         Path(file).parent.mkdir(parents=True, exist_ok=True)
         Path(file).write_text(text_of(content, data.get("shared", {})), encoding="utf-8")
     named = case.get("audit") or [file for file in case["files"] if not file.endswith(".json")]
-    readings = read_files(named, jobs=1)
+    readings = without_fragments(read_files(named, jobs=1))
     versions, options = Versions(**case.get("versions", {})), {RULES[code].code: case.get("options", {})}
 
     def places(*chosen: object) -> set[tuple[str, int]]:
