@@ -1,6 +1,6 @@
 """Workflow commands of GitHub Actions: annotations on the lines of a pull request.
 
-Equal findings of many joints are one annotation: a step shows ten of a kind at most.
+Equal findings of many joints are one annotation, and the worst come first: a step shows ten of a kind at most.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity, Span, one_line
 from actspec.report import ReportOptions
 from actspec.report.findings import grouped
-from actspec.report.text import remarks
+from actspec.report.text import remarks, worst_first
 
 LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
 
@@ -18,7 +18,7 @@ LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "
 def render(report: Report, options: ReportOptions) -> str:
     """One workflow command a finding, and one for each thing that readers and rules have to say."""
     lines = []
-    for group in grouped(report.at_or_above(options.least), fold=True):
+    for group in worst_first(grouped(report.at_or_above(options.least), fold=True)):
         item = group.first
         text = one_line(group.headline(most=8))
         if item.finding.help:

@@ -13,6 +13,7 @@ from actspec.audit.outcome import Means
 from actspec.audit.selection import guess, selected
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import FileKind
 from tests.audit.making import case_of, finding, rule_of
 
 FIRST = rule_of("LIM901", "first-rule")
@@ -60,7 +61,10 @@ def test_the_nearest_selector_is_told(written: str, near: str | None) -> None:
 def test_a_file_that_mujoco_refuses_is_told() -> None:
     """What is judged from its text alone is judged in part, and every report says so, once a file."""
     case = case_of({"a.xml": b"<mujoco/>", "b.xml": b"<mujoco/>"})
-    refused = replace(case.files[1].artifacts[0], text_only="line 1: MuJoCo refuses the model")
+    # A URDF is no part that others include.
+    refused = replace(
+        case.files[1].artifacts[0], kind=FileKind.URDF, text_only="line 1: MuJoCo refuses the model"
+    )
     case = replace(case, files=(case.files[0], replace(case.files[1], artifacts=(refused, refused))))
     report = judge(case, Settings(), RULES)
     assert [str(item) for item in report.diagnostics()] == [

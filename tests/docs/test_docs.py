@@ -183,6 +183,7 @@ def _prepare(block: Block, folder: Path) -> None:
             (folder / "leg.xml").write_text(other.text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "block", [b for b in _of("yaml") if not (b.file and "actspec: 1" not in b.text)], ids=lambda b: b.id
 )

@@ -85,7 +85,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def test_a_phone_shows_all_of_it(folder: Path) -> None:
     """Nothing sticks out of the screen, tables scroll by themselves, and no script of a stranger has run."""
     found = looked(folder)
-    assert found["title"].startswith("actspec audit: 1 error, 1 warning, 1 note")
+    assert found["title"].startswith("actspec audit: 2 errors, 1 warning, 1 note")
     assert found["wide"] == []
     assert found["over"] == 0
     assert found["sticky"] == "sticky"

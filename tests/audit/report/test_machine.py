@@ -359,9 +359,9 @@ def test_github(made: Report) -> None:
     assert render(made, "github", ReportOptions()).splitlines() == [
         "::error title=LIM901 first-rule,file=a.xml,line=2,col=22::hip, ankle, knee: no limit, got 0 N*m"
         "%0Ahelp: add one",
-        "::warning title=SRC901 second-rule,file=b.urdf,line=2::hip: 50 here, 35 there",
         "::error title=AUD008 unreadable-file,file=secret.txt,line=1,col=1::the file cannot be read: this is not XML "
         "(ROBOT004)",
+        "::warning title=SRC901 second-rule,file=b.urdf,line=2::hip: 50 here, 35 there",
         "::notice title=SRC901 second-rule,file=we ird%25.xml::bad <script>alert(1)</script>|\"'&\\x07\\n"
         "[a](b)@me #1 %2541,:\\ud800",
         "::error title=AUD016,file=gone.xml::there is no such file",

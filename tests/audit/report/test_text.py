@@ -13,6 +13,7 @@ from actspec.audit.outcome import Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity, Span
 from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
 from actspec.report import FORMATS, ReportOptions, least_shown, render
 from actspec.report.ledger import ledger_lines
 from actspec.report.sources import WIDEST, Sources
@@ -193,8 +194,9 @@ def test_rules_without_input_are_told_to_whom_asked_for_them(made: Report) -> No
 def test_remarks_of_many_files_are_summed_up(files: int, lines: int) -> None:
     """The first with its reason, and which others there are; with notes each by itself."""
     case = case_of({f"{number}.xml": b"" for number in range(files)})
+    # A URDF is no part that others include.
     refused = [
-        replace(item, artifacts=(replace(item.artifacts[0], text_only=f"line {number}"),))
+        replace(item, artifacts=(replace(item.artifacts[0], text_only=f"line {number}", kind=FileKind.URDF),))
         for number, item in enumerate(case.files)
     ]
     made = judge(replace(case, files=tuple(refused)), Settings(), ())

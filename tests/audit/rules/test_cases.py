@@ -176,6 +176,7 @@ def close(have: dict[str, Any], want: dict[str, Any]) -> bool:
     )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("code, name", cases())
 def test_case(code: str, name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A case gives exactly the findings that it states, or the reason for which the rule cannot look."""
