@@ -124,13 +124,15 @@ def test_joints_and_robots_come_and_go(capsys: pytest.CaptureFixture[str]) -> No
 
 def test_versions_are_kept(capsys: pytest.CaptureFixture[str]) -> None:
     """A lock remembers what its files are meant for, so that a check reads them alike."""
+    both = CFG.replace("friction=0.2", "friction=0.2, dynamic_friction=0.2")
+    Path("leg_cfg.py").write_text(both)
     main(["lock", "leg_cfg.py", "-t", "isaaclab==2.3", "-t", "isaac_sim==5.1"])
     found = lock()
     assert found["versions"] == {"isaac_sim": "5.1", "isaaclab": "2.3"}
     assert found["files"]["leg_cfg.py"]["robots"]["LEG_CFG"]["joints"]["hip"]["frictionloss"] == 0.2
     assert main(["lock", "--check"]) == 0
     capsys.readouterr()
-    Path("leg_cfg.py").write_text(CFG.replace("friction=0.2", "friction=0.3"))
+    Path("leg_cfg.py").write_text(both.replace("=0.2", "=0.3"))
     assert main(["lock", "--check"]) == 1
     assert "dry friction 0.2 -> 0.3 N*m (+50 %)" in capsys.readouterr().out
 

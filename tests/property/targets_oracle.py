@@ -26,6 +26,7 @@ from actspec.spec.validate import validate
 from actspec.targets.base import Approximation, Emission
 from actspec.targets.choose import emitter
 from tests.compiling import target_options
+from tests.fitting import drawn_numbers
 
 Array = NDArray[np.float64]
 
@@ -214,6 +215,7 @@ def resolved(
             **(robot or {}),
         },
         "timing": {"physics_dt": "5 ms", **(timing or {})},
+        "accept": drawn_numbers(),
         "motors": {f"m{key}": motor for key, (_, motor) in specs.items()},
         "actuators": {
             key: {**group, "motor": f"m{key}", "randomize": randomize or {}, **(actuators or {})}

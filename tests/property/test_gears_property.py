@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from itertools import product
 
@@ -11,7 +12,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from actspec.ir import JointActuator
-from tests.fitting import fit, spec_of
+from tests.fitting import drawn_numbers, fit, spec_of
 
 ROUNDING = 1e-9
 NUMBER = st.floats(min_value=0.05, max_value=20.0).map(lambda x: float(f"{x:.6g}"))
@@ -76,6 +77,7 @@ def test_stages(
             robot=f"name: r, model: none, joints: [{{name: x, kind: {kind}}}]",
             motors=f"{{m: {{side: motor, stall_torque: {torque!r} N*m, no_load_speed: {speed!r} rad/s, "
             f"rotor_inertia: {inertias[0]!r} kg*m^2, {gearbox}}}}}",
+            more=f"accept: {json.dumps(drawn_numbers())}",
         )
     ).joints[0]
     assert found.stall_torque is not None and found.no_load_speed is not None
@@ -109,7 +111,7 @@ def linked(
         robot=f"name: r, model: none, joints: [{', '.join(names)}]",
         motors=f"{{{motors}}}",
         more=f"linkages: {{l: {{joints: [{', '.join(names)}], motors: [{', '.join(f'm{k}' for k in range(size))}], "
-        f"jacobian: {jacobian!r}, limits: {mode}}}}}",
+        f"jacobian: {jacobian!r}, limits: {mode}}}}}\naccept: {json.dumps(drawn_numbers())}",
     )
     return list(fit(text).joints)
 

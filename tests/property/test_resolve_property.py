@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -10,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from actspec.ir import JointActuator, Origin, Quantity
-from tests.fitting import fit, joint, spec_of
+from tests.fitting import drawn_numbers, fit, joint, spec_of
 
 NAMES = ("hip_left", "hip_right", "calf_left", "calf_right", "toe")
 POSITIVE = st.floats(min_value=1e-3, max_value=1e3)
@@ -169,6 +170,7 @@ def test_sides(
                     f"motors_per_joint: {motors}}}",
                     robot="name: leg, model: none, joints: [hip]",
                     motors=f"{{m: {{{motor}}}}}",
+                    more=f"accept: {json.dumps(drawn_numbers())}",
                 )
             )
         )

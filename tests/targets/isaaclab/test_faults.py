@@ -126,7 +126,9 @@ def test_joints_of_a_group_share_a_message() -> None:
     three = PLAIN.replace("joints: [a]", "joints: [a, b, c]")
     (said,) = faults(three.replace("effort_limit: 9 N*m", "effort_limit: unknown"))
     assert said.startswith("ISL010 actuators.legs.effort_limit: a, b, c: effort_limit is unknown")
-    (said,) = faults(three.replace("effort_limit: 9 N*m", "effort_limit: 9 N*m, delay: 100000 s"))
+    (said,) = faults(
+        three.replace("effort_limit: 9 N*m", "effort_limit: 9 N*m, delay: {value: 100000 s, sure: true}")
+    )
     assert said.startswith(
         "ISL011 actuators.legs: a, b, c: delay must be at most 1000000 steps of 0.005 s, got 100000 s"
     )
