@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import Severity, Span, listed
+from actspec.readings.read import FAULT
 
 MOST_ALIKE = 3
 """Groups that differ in figures only and are still shown one by one. Chosen: more of them say nothing new."""
@@ -115,7 +116,7 @@ def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
     Args:
         found: Findings in the report's order.
     """
-    groups = _without_copies(grouped(found, fold=True))
+    groups = _unread_together(_without_copies(grouped(found, fold=True)))
     alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         whose = () if group.first.severity is Severity.INFO and not group.alike else group.concerned
@@ -127,6 +128,20 @@ def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
             changed.update((id(other), None) for other in others)
         else:
             changed.update((id(other), replace(other, copy_of=first.first.finding.span)) for other in others)
+    each = (changed.get(id(group), group) for group in groups)
+    return tuple(group for group in each if group is not None)
+
+
+def _unread_together(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
+    """Groups, those of files of a folder that cannot be read at the first of them."""
+    alike: dict[str, list[FindingGroup]] = {}
+    for group in groups:
+        if group.first.finding.code == FAULT and group.first.severity is not Severity.ERROR:
+            alike.setdefault(_FIGURE.sub("#", group.first.finding.message), []).append(group)
+    changed: dict[int, FindingGroup | None] = {}
+    for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
+        changed[id(first)] = replace(_with_copies(first, others), of_others=" kind")
+        changed.update((id(other), None) for other in others)
     each = (changed.get(id(group), group) for group in groups)
     return tuple(group for group in each if group is not None)
 

@@ -11,6 +11,7 @@ from actspec.audit.engine import audit
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.report.findings import for_people
 
 BROKEN = "<mujoco>\n  <worldbody>\n</mujoco>\n"
 NOBODYS = {
@@ -100,3 +101,19 @@ def test_a_name_that_stands_for_nothing_is_no_finding(path: str) -> None:
     Path("empty").mkdir()
     report = audit([path, "robots"], Settings(per_file_ignores=(("**", ("ALL",)),)))
     assert (report.misnamed, report.complete, found(report)) == (True, False, [])
+
+
+def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
+    """Five scenes, each without two includes: a finding a file, and one for people; a named file has all reasons."""
+    for name in "abcde":
+        parts = "".join(f'<include file="{name}_{part}.xml"/>' for part in ("arm", "hand"))
+        Path("robots", f"{name}.xml").write_text(f"<mujoco>{parts}</mujoco>")
+    report = audit(["robots"], Settings())
+    scenes = [item for item in report.findings if "there is no file" in item.finding.message]
+    assert [item.finding.span.path for item in scenes] == [f"robots/{name}.xml" for name in "abcde"]
+    assert {item.finding.help for item in scenes} == {"1 more reason: audit the file by its name"}
+    (group,) = [g for g in for_people(report.findings) if "there is no file" in g.first.finding.message]
+    assert [span.path for span in group.copies] == [f"robots/{name}.xml" for name in "bcde"]
+    assert "(the same kind in robots/b.xml, robots/c.xml and 2 more)" in group.headline()
+    named = audit(["robots/a.xml"], Settings())
+    assert len(found(named)) == 2

@@ -24,16 +24,20 @@ class Unreadable(Rule):
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         severity = Severity.WARNING if file.in_folder and not lost else None
-        for item in errors:
-            if item.code != self.code:
-                where = f"{item.where}: " if item.where else ""
-                yield Finding(
-                    self.code,
-                    f"the file cannot be read: {where}{item.message} ({item.code})",
-                    item.span or Span(file.path),
-                    help=item.help,
-                    severity=severity,
-                )
+        reasons = [item for item in errors if item.code != self.code]
+        # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
+        for item in reasons[:1] if file.in_folder else reasons:
+            where = f"{item.where}: " if item.where else ""
+            count = len(reasons) - 1
+            more = f"{count} more reason{'s' * (count != 1)}: audit the file by its name"
+            help = item.help if not file.in_folder or len(reasons) == 1 else more
+            yield Finding(
+                self.code,
+                f"the file cannot be read: {where}{item.message} ({item.code})",
+                item.span or Span(file.path),
+                help=help,
+                severity=severity,
+            )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"
             yield Finding(self.code, message, Span(file.path), severity=severity)
