@@ -190,7 +190,7 @@ def survey(found: Sequence[Collection]) -> tuple[str, list[str]]:
     verdicts = [_verdict(entry) for entry in told["verdicts"]]
     everything = _merged(runs)
     reasons, wrong = _judged(everything, verdicts)
-    return _text(found, runs, everything, reasons), wrong
+    return _text(found, runs, everything, reasons, told["untouched"]), wrong
 
 
 def _files(folder: Path, globs: Iterable[str]) -> tuple[str, ...]:
@@ -270,7 +270,11 @@ def _judged(found: Iterable[Found], verdicts: Sequence[Verdict]) -> tuple[dict[i
 
 
 def _text(
-    collected: Sequence[Collection], runs: Sequence[Run], found: Sequence[Found], reasons: dict[int, Verdict]
+    collected: Sequence[Collection],
+    runs: Sequence[Run],
+    found: Sequence[Found],
+    reasons: dict[int, Verdict],
+    untouched: dict[str, Any],
 ) -> str:
     files = {file.path: file for run in runs for file in run.report.case.files}
     unread = [file for file in files.values() if not file.readable]
@@ -338,7 +342,24 @@ def _text(
             by_reason.setdefault(reasons[id(one)], []).append(one)
     for verdict, members in by_reason.items():
         lines += _warning(verdict, members)
-    return "\n".join(lines).rstrip() + "\n"
+    return "\n".join([*lines, *_untouched(untouched)]).rstrip() + "\n"
+
+
+def _untouched(told: dict[str, Any]) -> Iterator[str]:
+    """Files on which nothing was tuned, with what a reader thought of their errors and warnings."""
+    rows = [(name, *row) for name, row in told["wheels"].items()]
+    sums = [sum(row[i] for row in rows) for i in range(1, 5)]
+    yield from (
+        "## Files that were not used while working",
+        "",
+        f"Wheels that were audited for the first time on {told['date']}, a folder each, nothing tuned on them, and",
+        "read by hand. Counted are errors and warnings as a reader sees them: worth acting on, true, false.",
+        "",
+        "| wheel | files | worth acting on | true | false | |",
+        "|---|---:|---:|---:|---:|---|",
+        *(f"| {' | '.join(_cell(str(cell)) for cell in row)} |" for row in rows),
+        f"| all | {' | '.join(map(str, sums))} | |",
+    )
 
 
 def _warning(verdict: Verdict, members: Sequence[Found]) -> Iterator[str]:
