@@ -65,11 +65,12 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
             yield from _dashed(held, section, word)
         if not isinstance(held, Mapping):
             continue
-        lost = next((name for name in held if name in tops), None)
+        own = _fields(model)
+        lost = next((name for name in held if name in tops and not _is_entry(held[name], own)), None)
         if lost is not None:
             yield _indented(lost, (section, lost))
         else:
-            yield from _beside(held, section, _fields(model), word)
+            yield from _beside(held, section, own, word)
     for section in ("robot", "timing"):
         held = data.get(section)
         if isinstance(held, Mapping):

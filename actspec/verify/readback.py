@@ -238,6 +238,10 @@ def _bias(drive: ActuatorView) -> float:
     return -drive.offset * drive.gear / drive.kp
 
 
+_OF_MODEL = ("position_low", "position_high")
+"""What the row of a configuration has from the model beside it; the file's own comes before that."""
+
+
 def _of_config(
     artifact: Artifact,
     row: LedgerRow,
@@ -252,7 +256,7 @@ def _of_config(
     own = actuators.joint(joint)
     kind = None if own is None else own.kind
     for name, one in figures_of(config, group, joint, joint, (joint,), versions_of(options), step).items():
-        if name not in found and one.stated and one.value is not None:
+        if (name not in found or name in _OF_MODEL) and one.stated and one.value is not None:
             yield name, Figure(one.value, unit_of(name, kind), one.span, True)
     for name in ("stall_torque", "no_load_speed"):
         figure = found.get(name)

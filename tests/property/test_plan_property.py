@@ -6,6 +6,7 @@ beyond its plan (MJC090); here it has no reason to. The written file is then ste
 
 from __future__ import annotations
 
+import json
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -19,6 +20,7 @@ from hypothesis import strategies as st
 from actspec.ir import Command
 from actspec.laws import law_of
 from tests.compiling import Compiled, compile_text
+from tests.fitting import drawn_numbers
 
 INSTALLED = tuple(int(part) for part in mujoco.__version__.split(".")[:2])
 VERSION = f"{INSTALLED[0]}.{INSTALLED[1]}"
@@ -262,7 +264,7 @@ def test_random_spec_on_random_robot(data: st.DataObject) -> None:
         robot.text,
         VERSION,
         robot=f"unmanaged: [{', '.join(unmanaged)}]",
-        timing=timing,
+        timing=f"{timing}\naccept: {json.dumps(drawn_numbers())}",
         includes=robot.includes,
     )
     before, after = compiled_pair(robot, compiled)

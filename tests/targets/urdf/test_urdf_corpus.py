@@ -59,7 +59,7 @@ def spec_of(robot: RobotView, own: list[tuple[str, bool]]) -> str:
         lines.append(
             f"  g{i}: {{joints: ['{re.escape(name)}'], level: ideal_pd, command: effort, effort_limit: {100 + i} "
             f"{force}, velocity_limit: {10 + i} {speed}, "
-            f"friction: {{viscous: {1 + i} {brake}, coulomb: {200 + i} {force}}}}}"
+            f"friction: {{viscous: {1 + i} {brake}, coulomb: {20 + i} {force}}}}}"
         )
     return "\n".join(lines)
 
@@ -87,7 +87,7 @@ def test_every_joint_of_a_published_urdf(path: Path | None, tmp_path: Path) -> N
                 10 + i,
             )
         assert dynamics is not None
-        assert [float(dynamics.get(key, "nan")) for key in ("damping", "friction")] == [1 + i, 200 + i]
+        assert [float(dynamics.get(key, "nan")) for key in ("damping", "friction")] == [1 + i, 20 + i]
     before, after = path.read_bytes(), HEAD.sub(b"", data)
     assert len(HEAD.findall(data)) == 1
     old, new = (b.decode().splitlines(keepends=True) for b in (before, after))
@@ -97,7 +97,7 @@ def test_every_joint_of_a_published_urdf(path: Path | None, tmp_path: Path) -> N
     yourdfpy = pytest.importorskip("yourdfpy")
     (tmp_path / "robot.urdf").write_bytes(data)
     assert second(yourdfpy, tmp_path / "robot.urdf") == {
-        name: (100.0 + i, 10.0 + i, 1.0 + i, 200.0 + i) if found[name].find("limit") is not None else None
+        name: (100.0 + i, 10.0 + i, 1.0 + i, 20.0 + i) if found[name].find("limit") is not None else None
         for i, (name, _) in enumerate(own)
     }
 
