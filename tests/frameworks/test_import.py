@@ -168,15 +168,16 @@ def test_isaaclab_robots(frameworks: Frameworks, tmp_path: Path) -> None:
                 wrong += of_spec(path, model, folder, artifact.name)
                 continue
             joints, robots, wrong = joints + count, robots + 1, wrong + found
-    assert wrong == []
+    # Implicit drives whose limit is infinite or left out: compile warns that the USD's counts (ISL034).
+    assert [text for text in wrong if not re.search(r"effort_limit (inf|0\.0) -> None$", text)] == []
     assert sorted(refused.pop("its network is on a server")) == [
         "ANYMAL_B_CFG",
         "ANYMAL_C_CFG",
         "ANYMAL_D_CFG",
         "UNITREE_GO1_CFG",
     ]
-    assert len(refused["the limit or gain is in the USD"]) == 15
-    assert robots == 29 and joints > 200
+    assert sorted(refused["the limit or gain is in the USD"]) == ["G1_29DOF_CFG", "G1_INSPIRE_FTP_CFG", "SPOT_CFG"]
+    assert robots == 41 and joints > 200
 
 
 @pytest.mark.parametrize(
