@@ -189,8 +189,9 @@ def _fit(arguments: argparse.Namespace) -> int:
     from actspec.files import replace_file
     from actspec.logs import LogError, load_log
     from actspec.report.sysid import sysid_lines, sysid_record
-    from actspec.sysid.fit import FitOptions, fit_logs
+    from actspec.sysid.fit import fit_logs
     from actspec.sysid.results import results_text
+    from actspec.sysid.work import FitOptions
 
     try:
         import scipy.signal  # noqa: F401

@@ -108,7 +108,7 @@ def design(
     sidecar = sidecar or Sidecar()
     shapes = _shapes(actuators, kind, slot, rate, together=together, linear=linear, seed=seed)
     middles = {a.joint: _middle(a) for a in actuators}
-    sizes = {a.joint: _size(a, middles[a.joint]) for a in actuators}
+    sizes = {a.joint: _size(a) for a in actuators}
     limited = {a.joint: "range" for a in actuators}
 
     def commands() -> dict[str, Array]:
@@ -159,9 +159,8 @@ def _middle(actuator: JointActuator) -> float:
     return min(max(pose, low + room), high - room)
 
 
-def _size(actuator: JointActuator, middle: float) -> float:
+def _size(actuator: JointActuator) -> float:
     """Largest half-amplitude that the range allows [rad or m]."""
-    del middle
     if actuator.position_range is None:
         return UNLIMITED[actuator.kind]
     low, high = actuator.position_range

@@ -11,8 +11,9 @@ import pytest
 from actspec import api
 from actspec.diagnostics import Severity
 from actspec.logs import JointLog, Log, LogError, Sidecar
-from actspec.sysid.fit import FitOptions, fit_logs
+from actspec.sysid.fit import fit_logs
 from actspec.sysid.identified import Identification, State
+from actspec.sysid.work import FitOptions
 from tests.sysid.truth import truth
 
 pytest.importorskip("scipy")

@@ -1,0 +1,250 @@
+"""What a fit says of a joint: which figures it tells, within which interval, and why not the others."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, listed
+from actspec.sysid.descent import Fit, Search, descend
+from actspec.sysid.identified import FIELDS, Combination, JointFit, Parameter, State
+from actspec.sysid.motion import Figures
+from actspec.sysid.work import FitOptions, JointInWork, piecewise
+from actspec.units import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+VAGUE = 0.3
+"""Standard deviation over the size of a figure from which on it is not identified. Chosen: the interval then is wider
+than what one would guess."""
+WIDE = 1.96
+"""Half the 95 % interval in standard deviations."""
+LATE = 5e-3
+"""Standard deviation of a delay from which on it is not identified [s]. Chosen."""
+ASKEW = 0.02
+"""Likewise of an encoder's bias [rad or m]. Chosen: a degree."""
+
+
+def judged(joint: JointInWork, options: FitOptions) -> JointFit:
+    """What a fit says of a joint."""
+    import numpy as np
+
+    fit, scale, actuator = joint.fit, joint.scale, joint.actuator
+    assert fit is not None and scale is not None
+    linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
+    unscaled = not joint.torque and joint.held is None and "armature" not in fit.free
+    parameters, combinations = [], []
+    for name, (field, kind) in FIELDS.items():
+        unit = kind.linear_unit if linear else kind.rotary_unit
+        parameter = _parameter(joint, fit, scale, name, field, unit, options, unscaled=unscaled)
+        if parameter is not None:
+            parameters.append(parameter)
+    summed = not joint.torque and joint.held is None and "viscous" in fit.free and "kd" not in fit.free
+    if summed:
+        combinations = _combinations(joint, fit, unscaled=unscaled)
+    correlation = _correlation(fit)
+    position = fit.noise["position"]
+    return JointFit(
+        actuator.joint,
+        actuator.kind,
+        tuple(parameters),
+        tuple(combinations),
+        correlation,
+        position,
+        _held_out(joint),
+        position / _reading_noise(joint),
+        float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
+    )
+
+
+def _scaled_normal(fit: Fit) -> Array:
+    import numpy as np
+
+    root = np.sqrt(np.maximum(np.diag(fit.normal), 1e-300))
+    found: Array = fit.normal / np.outer(root, root)
+    return found
+
+
+def _parameter(
+    joint: JointInWork,
+    fit: Fit,
+    scale: Mapping[str, float],
+    name: str,
+    field: str,
+    unit: str,
+    options: FitOptions,
+    *,
+    unscaled: bool,
+) -> Parameter | None:
+    def untold(state: State, why: str) -> Parameter:
+        return Parameter(field, state, None, None, None, None, unit, why)
+
+    value = fit.values[name]
+    if name not in fit.free:
+        if name in ("static", "stribeck_velocity", "lag"):
+            return None
+        if name in ("kp", "kd") and joint.held is not None:
+            return Parameter(field, State.HELD, value, None, None, None, unit, joint.held.where)
+        if field in options.hold:
+            return Parameter(field, State.HELD, value, None, None, None, unit, "held at the spec's, --hold")
+        if name == "kd":
+            return untold(State.UNIDENTIFIABLE, "without torque only kd + friction.viscous shows")
+        if name == "armature":
+            return untold(
+                State.UNIDENTIFIABLE,
+                "without torque, gravity and other joints only ratios to the inertia show",
+            )
+        return untold(State.UNIDENTIFIABLE, "without gravity on the joint it shows in nothing")
+    if unscaled and name in ("kp", "coulomb", "viscous"):
+        return untold(
+            State.UNIDENTIFIABLE, "without torque, gravity and other joints only ratios to the inertia show"
+        )
+    if name == "viscous" and not joint.torque and joint.held is None:
+        return untold(State.UNIDENTIFIABLE, "without torque only kd + friction.viscous shows")
+    std = fit.std(name)
+    vague = {"delay": LATE, "bias": ASKEW}.get(name, VAGUE * scale[name])
+    if name == "kp":
+        vague = VAGUE * abs(value)
+    if not math.isfinite(std) or std > vague or std == 0.0:
+        partner = _partner(fit, name)
+        why = f"its standard deviation would be {format_number(std, 2)} {unit}"
+        if partner is not None:
+            why += f", because {FIELDS[partner][0]} does nearly the same in this log"
+        return untold(State.UNIDENTIFIABLE, why)
+    if value <= 0.0 and name != "bias":
+        return untold(
+            State.AT_BOUND,
+            f"the best value is below 0; one of {format_number(WIDE * std, 2)} {unit} fits too",
+        )
+    if name == "lag":
+        cutoff = 1.0 / (2.0 * math.pi * value)
+        std = cutoff * std / value
+        return Parameter(field, State.IDENTIFIED, cutoff, std, cutoff - WIDE * std, cutoff + WIDE * std, unit)
+    low = value - WIDE * std
+    return Parameter(
+        field,
+        State.IDENTIFIED,
+        value,
+        std,
+        low if name == "bias" else max(low, 0.0),
+        value + WIDE * std,
+        unit,
+    )
+
+
+def _partner(fit: Fit, name: str) -> str | None:
+    """The figure with which another is most confounded."""
+    import numpy as np
+
+    i = fit.free.index(name)
+    root = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
+    row = np.abs(fit.covariance[i] / (root * root[i]))
+    row[i] = 0.0
+    best = int(np.argmax(row))
+    return fit.free[best] if len(row) > 1 and row[best] > 0.9 else None
+
+
+def _correlation(fit: Fit) -> tuple[tuple[str, str, float], ...]:
+    import numpy as np
+
+    root = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
+    matrix = fit.covariance / np.outer(root, root)
+    return tuple(
+        (FIELDS[a][0], FIELDS[b][0], float(np.clip(matrix[i, j], -1.0, 1.0)))
+        for i, a in enumerate(fit.free)
+        for j, b in enumerate(fit.free)
+        if i < j and abs(matrix[i, j]) > 0.5
+    )
+
+
+def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool) -> list[Combination]:
+    """Sums and ratios that show where single figures do not."""
+    import numpy as np
+
+    linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
+    damping = fit.values["viscous"] + fit.values["kd"]
+    if not unscaled:
+        unit = "N*s/m" if linear else "N*m*s/rad"
+        return [Combination("kd+friction.viscous", damping, fit.std("viscous"), unit)]
+    inertia = float(np.mean([course.inertia.mean() for course in joint.courses])) + fit.values["armature"]
+    acceleration = "m/s^2" if linear else "rad/s^2"
+    found = []
+    if "kp" in fit.free:
+        found.append(Combination("kp/inertia", fit.values["kp"] / inertia, fit.std("kp") / inertia, "1/s^2"))
+    found.append(
+        Combination("(kd+friction.viscous)/inertia", damping / inertia, fit.std("viscous") / inertia, "1/s")
+    )
+    if "coulomb" in fit.free:
+        found.append(
+            Combination(
+                "friction.coulomb/inertia",
+                fit.values["coulomb"] / inertia,
+                fit.std("coulomb") / inertia,
+                acceleration,
+            )
+        )
+    return found
+
+
+def _reading_noise(joint: JointInWork) -> float:
+    """Noise of the position's readings, from what a local cubic leaves of them [rad or m]."""
+    import numpy as np
+
+    left = []
+    for recording in joint.recordings:
+        q = recording.measured["position"]
+        third = q[3:] - 3 * q[2:-1] + 3 * q[1:-2] - q[:-3]
+        left.append(third[np.isfinite(third)])
+    # 1, 3, 3, 1 of white noise: the sum of the squares is 20.
+    return max(1.4826 * float(np.median(np.abs(np.concatenate(left)))) / math.sqrt(20.0), 1e-9)
+
+
+def _held_out(joint: JointInWork) -> float | None:
+    """Position error on every fifth piece, with figures from the others [rad or m]."""
+    import numpy as np
+
+    fit, scale = joint.fit, joint.scale
+    assert fit is not None and scale is not None
+    pieces = piecewise(joint)
+    if sum(len(p.starts) for p in pieces) < 5:
+        return None
+    seen, unseen, states, others = [], [], [], []
+    for part, (q, qd) in zip(pieces, fit.states, strict=True):
+        out = np.arange(len(part.starts)) % 5 == 2
+        seen.append(replace(part, starts=part.starts[~out]))
+        unseen.append(replace(part, starts=part.starts[out]))
+        states.append((q[~out], qd[~out]))
+        others.append((q[out], qd[out]))
+    low = {name: (-math.inf if name == "bias" else 0.0) for name in Figures.names()}
+    reading = fit.values["delay"] if joint.torque else None
+    seen = [part for part in seen if len(part.starts)]
+    search = Search(seen, joint.bounds, fit.free, scale, low, reading)
+    refit = descend(search, fit.values, replace(fit, states=tuple(s for s in states if len(s[0]))))
+    kept = [(part, state) for part, state in zip(unseen, others, strict=True) if len(part.starts)]
+    if not kept:
+        return None
+    blind = Search([part for part, _ in kept], joint.bounds, (), scale, low, reading)
+    tested = descend(blind, refit.values, replace(refit, states=tuple(state for _, state in kept)))
+    return tested.noise["position"]
+
+
+def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
+    """What is to be said of the whole fit."""
+    for joint in joints:
+        if joint.misfit > 3.0:
+            out.warning(
+                "SYS031",
+                f"the position is off by {joint.misfit:.2g} times the noise of its readings: something that the model "
+                "does not have moves the joint, such as play, Stribeck friction or a wrong link inertia",
+                where=joint.joint,
+                help="try --free friction.static,friction.stribeck_velocity or --free bandwidth",
+            )
+        untold = [p.field for p in joint.parameters if p.state in (State.UNIDENTIFIABLE, State.AT_BOUND)]
+        if untold:
+            out.info("SYS032", f"the logs do not tell {listed(untold)}", where=joint.joint)
