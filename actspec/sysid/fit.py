@@ -234,8 +234,6 @@ def _couple(
     joints: Mapping[str, JointInWork], along: Sequence[tuple[list[str], Links]], *, predicted: bool
 ) -> None:
     """Give every joint its course: its own inertia, and a load in which the others' accelerations are."""
-    for joint in joints.values():
-        joint.courses = []
     accelerations = {
         name: [
             _predicted(joint, i) if predicted else recording.acceleration
@@ -243,6 +241,8 @@ def _couple(
         ]
         for name, joint in joints.items()
     }
+    for joint in joints.values():
+        joint.courses = []
     used = dict.fromkeys(joints, 0)
     for names, links in along:
         here = {name: accelerations[name][used[name]] for name in names}

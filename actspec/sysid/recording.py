@@ -27,8 +27,8 @@ PIECE = 1.0
 in a minute."""
 LEAST_PIECE = 30
 """Fewest rows of a piece."""
-SMOOTH = 0.03
-"""Width of the filter [s]. Chosen: 15 Hz, beyond what legs do."""
+SMOOTH = 0.012
+"""Width of the filter [s]. Chosen: it keeps what legs do, and the fit puts right what noise it leaves."""
 
 
 @dataclass(frozen=True, slots=True)

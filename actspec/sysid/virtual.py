@@ -284,9 +284,13 @@ def _stepped(
         second, _ = plant.acceleration(mass, net, half_qd, way, held)
         new_qd = np.where(held, 0.0, qd + left * second)
         turned = (way * new_qd < 0.0) & ~held & (plant.static > 0.0)
+        # What another joint pulls back within the step it broke away in has not broken away.
+        stays = turned & stands
+        half_qd, new_qd = np.where(stays, 0.0, half_qd), np.where(stays, 0.0, new_qd)
+        held, turned = held | stays, turned & ~stands
         if not turned.any():
             return q + left * half_qd, new_qd
-        share = np.where(turned, np.where(stands, 0.0, qd / np.where(qd == new_qd, 1.0, qd - new_qd)), 1.0)
+        share = np.where(turned, qd / np.where(qd == new_qd, 1.0, qd - new_qd), 1.0)
         until = float(share.min()) * left
         # To the first of them; its speed is 0 there to the square of the step.
         q = q + until * np.where(held, 0.0, qd + 0.5 * until * first)

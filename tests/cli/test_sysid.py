@@ -130,6 +130,35 @@ def test_crest_and_correlation_of_joints_together(
     capsys.readouterr()
 
 
+def test_joints_that_push_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Thigh and calf of the A1 at once: their own figures, to the noise, although each moves the other."""
+    monkeypatch.chdir(tmp_path)
+    spec = str(data_path("robots", "a1.yaml"))
+    design = [
+        "sysid",
+        "design",
+        spec,
+        "-o",
+        "c.csv",
+        "--experiment",
+        "multisine",
+        "--joint",
+        "FR_(thigh|calf)_joint",
+    ]
+    assert main([*design, "--together", "--duration", "5 s"]) == 0
+    noise = ["--position-noise", "0.5 mrad", "--velocity-noise", "0.05 rad/s", "--torque-noise", "2 %"]
+    assert main(["sysid", "simulate", spec, "--command", "c.csv", "-o", "l.csv", "--seed", "2", *noise]) == 0
+    capsys.readouterr()
+    assert main(["sysid", "fit", spec, "l.csv", "--output-format", "json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["fit"]["misfit"] < 1.1
+    for joint in record["joints"]:
+        found = {item["field"]: item for item in joint["parameters"]}
+        for field, true, share in (("kp", 25.0, 0.003), ("kd", 0.5, 0.01), ("armature", 0.01, 0.01)):
+            assert found[field]["value"] == pytest.approx(true, rel=share), (joint["joint"], field)
+            assert abs(found[field]["value"] - true) < 4 * found[field]["std"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
