@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from actspec.ir import ActuatorSet, JointActuator
     from actspec.readings.versions import Versions
 
 
@@ -102,3 +103,36 @@ def overridden(versions: Versions, by: Versions) -> Versions:
     """Versions with those of `by` in their place where it states any."""
     given = {name: getattr(by, name) for name in by.__dataclass_fields__}
     return replace(versions, **{name: value for name, value in given.items() if value is not None})
+
+
+def joints_named(actuators: ActuatorSet, patterns: Sequence[str], option: str) -> tuple[JointActuator, ...]:
+    """The joints that names or patterns match, in the robot's order.
+
+    Args:
+        actuators: The spec, resolved.
+        patterns: None: all joints.
+        option: That gives them, for messages.
+
+    Raises:
+        ResolveError: a pattern is none, or matches no joint.
+    """
+    from actspec.diagnostics import Collector, ResolveError, listed
+    from actspec.patterns import PatternError, match_names, suggest_pattern
+
+    names = [joint.joint for joint in actuators.joints]
+    wanted: set[str] = set() if patterns else set(names)
+    out = Collector()
+    for pattern in patterns:
+        help: str | None = f"joints: {listed(names)}"
+        message = f"'{pattern}' matches no joint that the spec manages"
+        try:
+            found = set(match_names(pattern, names)) or ({pattern} & set(names))
+            guess = suggest_pattern(pattern, names)
+            help = f"did you mean '{guess}'?" if guess else help
+        except PatternError as err:
+            found, message, help = {pattern} & set(names), err.message, err.help
+        if not found:
+            out.error("BIND001", message, where=option, help=help)
+        wanted |= found
+    out.raise_if_failed(ResolveError)
+    return tuple(joint for joint in actuators.joints if joint.joint in wanted)

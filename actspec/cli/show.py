@@ -5,9 +5,8 @@ from __future__ import annotations
 import argparse
 
 from actspec import api
-from actspec.cli.options import add_format, add_variant, describe
-from actspec.diagnostics import EXIT_CLEAN, ResolveError, listed
-from actspec.ir import ActuatorSet, JointActuator
+from actspec.cli.options import add_format, add_variant, describe, joints_named
+from actspec.diagnostics import EXIT_CLEAN
 from actspec.report.show import details, joint_record, overview
 from actspec.report.tables import many
 from actspec.report.terminal import print_diagnostics, print_json
@@ -33,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Show one joint, those that a pattern matches, or all."""
     path = named(arguments.spec, arguments.variant)
     actuators = api.resolve(path)
-    joints = actuators.joints if arguments.joint is None else _chosen(actuators, arguments.joint)
+    joints = joints_named(actuators, [] if arguments.joint is None else [arguments.joint], "JOINT")
     if arguments.output_format == "json":
         print_json({"format": "actspec-actuators/1", "joints": [joint_record(joint) for joint in joints]})
         return EXIT_CLEAN
@@ -45,20 +44,3 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         print("\n\n".join("\n".join(details(joint, actuators.approximations)) for joint in joints))
     return EXIT_CLEAN
-
-
-def _chosen(actuators: ActuatorSet, pattern: str) -> tuple[JointActuator, ...]:
-    from actspec.patterns import PatternError, match_names, suggest_pattern
-
-    names = [joint.joint for joint in actuators.joints]
-    help: str | None = f"joints: {listed(names)}"
-    message = f"'{pattern}' matches no joint that the spec manages"
-    try:
-        found = set(match_names(pattern, names)) or ({pattern} & set(names))
-        guess = suggest_pattern(pattern, names)
-        help = f"did you mean '{guess}'?" if guess else help
-    except PatternError as err:
-        found, message, help = {pattern} & set(names), err.message, err.help
-    if not found:
-        raise ResolveError.of("BIND001", message, where="JOINT", help=help)
-    return tuple(joint for joint in actuators.joints if joint.joint in found)

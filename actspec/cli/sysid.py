@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
-from collections.abc import Sequence
 from dataclasses import fields
 from typing import Any
 
 from actspec import api
-from actspec.cli.options import Lines, add_format, describe
+from actspec.cli.options import Lines, add_format, describe, joints_named
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
-from actspec.ir import ActuatorSet, JointActuator
 from actspec.report.terminal import Progress, print_diagnostics, print_json
 from actspec.units import Kind, UnitError, parse_quantity
 
@@ -128,7 +126,7 @@ def _design(arguments: argparse.Namespace) -> int:
     rate = _quantity(arguments.rate, Kind.FREQUENCY, "--rate")
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
-    actuators = _chosen(api.resolve(spec, robot), arguments.joint)
+    actuators = joints_named(api.resolve(spec, robot), arguments.joint, "--joint")
     made = design(
         robot,
         actuators,
@@ -234,22 +232,3 @@ def _quantity(text: str, kind: Kind, option: str) -> float:
     if value < 0:
         raise LogError.of("SYS042", f"must be at least 0, got {text}", where=option)
     return value
-
-
-def _chosen(actuators: ActuatorSet, patterns: Sequence[str]) -> list[JointActuator]:
-    """The joints that patterns match, all without patterns."""
-    from actspec.patterns import PatternError, match_names, suggest_pattern
-
-    names = [joint.joint for joint in actuators.joints]
-    wanted: set[str] = set() if patterns else set(names)
-    for pattern in patterns:
-        try:
-            found = set(match_names(pattern, names)) or ({pattern} & set(names))
-        except PatternError as err:
-            raise ResolveError.of("BIND001", err.message, where="--joint", help=err.help) from err
-        if not found:
-            guess = suggest_pattern(pattern, names)
-            help = f"did you mean '{guess}'?" if guess else f"joints: {listed(names)}"
-            raise ResolveError.of("BIND001", f"'{pattern}' matches no joint", where="--joint", help=help)
-        wanted |= found
-    return [joint for joint in actuators.joints if joint.joint in wanted]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
 from actspec.sysid.motion import Bounds
-from actspec.sysid.recording import Recording
+from actspec.sysid.recording import Recording, smooth
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -37,6 +37,8 @@ CLIPPED = 0.03
 """Share of rows at the largest torque, from which on it is a limit. Chosen."""
 AT_MOST = 0.002
 """Within this share of the largest torque a row is at it."""
+WINDOW = 0.03
+"""Width of the filter with which a velocity is compared [s]."""
 SEEN = 10.0
 """Least speed of a joint, in the smoothed noise of its velocity, at which the two are compared."""
 EXCITED = 1e-3
@@ -158,23 +160,18 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
     read = recording.measured.get("velocity")
     if read is None:
         return recording
-    from scipy.signal import savgol_filter
-
-    good = np.isfinite(read)
-    width = max(round(0.03 / recording.step) // 2 * 2 + 1, 5)
-    slopes = savgol_filter(recording.position, width, 3, deriv=1, delta=recording.step)
-    filled = np.interp(recording.time, recording.time[good], read[good])
-    smooth = savgol_filter(filled, width, 3)
-    slope, sure = _scale(smooth, slopes)
+    slopes = smooth(recording.time, recording.position, WINDOW, 1)
+    course = smooth(recording.time, read, WINDOW)
+    slope, sure = _scale(course, slopes)
     place, name = _place(recording), recording.joint
-    if float(np.std(smooth)) < SEEN * float(np.std(filled - smooth)) / math.sqrt(width):
+    if float(np.std(course)) < SEEN * float(np.nanstd(read - course)) * math.sqrt(recording.step / WINDOW):
         # Noise is all that one sees of so slow a joint: there is nothing to compare.
         return recording
     if sure < -SURE:
         message = f"the velocity has the opposite sign of the position's derivative (correlation {sure:.2f})"
         out.error("SYS014", message, where=name, span=place, help="turn the sign of one of the two columns")
         return recording
-    lag, at_lag = _lag(smooth, slopes, recording.step)
+    lag, at_lag = _lag(course, slopes, recording.step)
     if at_lag > SURE and abs(slope - 1.0) > NEAR and (unit := _unit_of(slope)) is not None:
         message = f"the velocity is {slope:.3g} times the position's derivative: it is in {unit}"
         shown = {"degrees": "deg/s", "rpm": "rpm", "thousandths": "mrad/s", "turns": "rev/s"}[unit]

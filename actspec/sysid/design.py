@@ -11,12 +11,11 @@ from actspec.diagnostics import listed
 from actspec.fields import PLACEHOLDER
 from actspec.ir import Command, JointActuator
 from actspec.joints import JointKind
-from actspec.laws import law_of
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.robot.view import RobotView
 from actspec.simulate.excitation import chirp
 from actspec.sysid.links import links_along
-from actspec.sysid.motion import Bounds, Course, Figures, Moved, move
+from actspec.sysid.motion import Bounds, Course, Figures, Moved, figures_of, move
 
 if TYPE_CHECKING:
     import numpy as np
@@ -140,7 +139,7 @@ def design(
             a.joint,
             a.kind is JointKind.SLIDE,
             command=given[a.joint],
-            position=moved[a.joint].q[:, 0, 0] + law_of(a).encoder_bias,
+            position=moved[a.joint].q[:, 0, 0] + (a.encoder_bias.value or 0.0),
             velocity=moved[a.joint].qd[:, 0, 0],
             torque=moved[a.joint].torque[:, 0, 0],
         )
@@ -198,24 +197,8 @@ def _expected(
     links = links_along(robot, names, path, speed, None if base is None else base.orientation)
     found = {}
     for j, actuator in enumerate(actuators):
-        law = law_of(actuator)
-
-        def of(name: str, actuator: JointActuator = actuator) -> Array:
-            return np.array([float(getattr(getattr(actuator, name), "value", None) or 0.0)])
-
-        cutoff = law.filter_cutoff
-        figures = Figures(
-            kp=np.array([law.kp]),
-            kd=np.array([law.kd]),
-            armature=of("armature"),
-            coulomb=of("friction_coulomb"),
-            viscous=of("friction_viscous"),
-            delay=np.array([law.delay]),
-            bias=np.array([law.encoder_bias]),
-            static=of("friction_static"),
-            stribeck_velocity=of("stribeck_velocity"),
-            lag=np.array([1.0 / (2.0 * math.pi * cutoff) if cutoff else 0.0]),
-        )
+        values = figures_of(actuator)
+        figures = Figures(**{name: np.array([value]) for name, value in values.items()})
         course = Course(
             time,
             path[:, j],
@@ -225,18 +208,11 @@ def _expected(
             links.slope[:, j].copy(),
             path[:, j],
         )
-        start = np.array([[path[0, j] - law.encoder_bias]])
+        start = np.array([[path[0, j] - values["bias"]]])
         found[actuator.joint] = move(
-            course, figures, _bounds(law), np.array([0]), len(time), start, 0.0 * start
+            course, figures, Bounds.of(actuator), np.array([0]), len(time), start, 0.0 * start
         )
     return found
-
-
-def _bounds(law: object) -> Bounds:
-    limit = getattr(law, "effort_limit", math.inf)
-    stall, speed = getattr(law, "stall_torque", None), getattr(law, "no_load_speed", None)
-    limit = math.inf if limit >= PLACEHOLDER else limit
-    return Bounds(limit) if stall is None or speed is None else Bounds(limit, stall, speed)
 
 
 def _shapes(

@@ -13,7 +13,6 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed, nearest
-from actspec.fields import PLACEHOLDER
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.logs import Log, LogError
 from actspec.patterns import match_names
@@ -24,7 +23,7 @@ from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
-from actspec.sysid.motion import Bounds, Course, Figures
+from actspec.sysid.motion import Bounds, Course, Figures, figures_of
 from actspec.sysid.recording import Recording, record
 from actspec.sysid.work import FitOptions, HeldGains, JointInWork, piecewise
 from actspec.units import format_number
@@ -125,7 +124,7 @@ def _prepared(
         ]
         for name in names
     }
-    known = {joint.joint: _bounds(joint) for joint in actuators.joints}
+    known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
     checked = check(recorded, known, out)
     for name in names:
         actuator = actuators.joint(name)
@@ -146,17 +145,6 @@ def _prepared(
     if not out.failed:
         _couple(joints, _links(robot, logs, joints), predicted=False)
     return joints
-
-
-def _bounds(actuator: JointActuator) -> Bounds:
-    def known(value: float | None) -> float:
-        return math.inf if value is None or value >= PLACEHOLDER else value
-
-    limit = known(actuator.effort_limit.value)
-    stall, speed = actuator.stall_torque, actuator.no_load_speed
-    if stall is None or speed is None or stall.value is None or speed.value is None:
-        return Bounds(limit)
-    return Bounds(limit, stall.value, speed.value)
 
 
 def _held_gains(
@@ -334,7 +322,7 @@ def _descend(joint: JointInWork, options: FitOptions, out: Collector) -> None:
     """Fit a joint, from its last fit or from a regression on."""
     pieces = piecewise(joint)
     free = _free(joint, options)
-    spec = _spec_values(joint)
+    spec = figures_of(joint.actuator)
     if joint.fit is not None:
         values = dict(joint.fit.values)
         assert joint.scale is not None
@@ -398,28 +386,6 @@ def _searched(
             if other.cost < best.cost:
                 best = other
     return best
-
-
-def _spec_values(joint: JointInWork) -> dict[str, float]:
-    actuator = joint.actuator
-
-    def of(quantity: object) -> float:
-        value = getattr(quantity, "value", None)
-        return float(value) if value is not None else 0.0
-
-    cutoff = of(actuator.filter_cutoff)
-    return {
-        "kp": of(actuator.kp),
-        "kd": of(actuator.kd),
-        "armature": of(actuator.armature),
-        "coulomb": of(actuator.friction_coulomb),
-        "viscous": of(actuator.friction_viscous),
-        "static": of(actuator.friction_static),
-        "stribeck_velocity": of(actuator.stribeck_velocity),
-        "delay": of(actuator.delay.nominal) if actuator.delay is not None else 0.0,
-        "bias": of(actuator.encoder_bias),
-        "lag": 1.0 / (2.0 * math.pi * cutoff) if cutoff > 0 else 0.0,
-    }
 
 
 def _scales(joint: JointInWork, values: Mapping[str, float]) -> dict[str, float]:

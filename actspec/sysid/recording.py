@@ -199,17 +199,27 @@ def _pieces(time: Array, position: Array) -> tuple[NDArray[np.intp], int]:
 
 def _smooth(time: Array, measured: dict[str, Array]) -> tuple[Array, Array, Array]:
     """Position, speed and acceleration by a local cubic."""
+    position, velocity, acceleration = (smooth(time, measured["position"], SMOOTH, d) for d in range(3))
+    if "velocity" in measured:
+        acceleration = smooth(time, measured["velocity"], SMOOTH, 1)
+    return position, velocity, acceleration
+
+
+def smooth(time: Array, signal: Array, width: float, derivative: int = 0) -> Array:
+    """A signal, or its derivative, by a local cubic; what is not a number is filled by a straight line.
+
+    Args:
+        time: [s], shape (n,), rows even but for jitter.
+        signal: Likewise.
+        width: Of the cubic [s].
+        derivative: Which.
+    """
     import numpy as np
     from scipy.signal import savgol_filter
 
     usual = float(np.median(np.diff(time)))
-    width = max(round(SMOOTH / usual) // 2 * 2 + 1, 5)
-    width = min(width, (len(time) - 1) // 2 * 2 - 1)
-    filled = {}
-    for name, signal in measured.items():
-        good = np.isfinite(signal)
-        filled[name] = np.interp(time, time[good], signal[good])
-    found = [savgol_filter(filled["position"], width, 3, deriv=d, delta=usual) for d in range(3)]
-    if "velocity" in filled:
-        found[2] = savgol_filter(filled["velocity"], width, 3, deriv=1, delta=usual)
-    return found[0], found[1], found[2]
+    rows = min(max(round(width / usual) // 2 * 2 + 1, 5), (len(time) - 1) // 2 * 2 - 1)
+    good = np.isfinite(signal)
+    filled = np.interp(time, time[good], signal[good])
+    found: Array = savgol_filter(filled, rows, 3, deriv=derivative, delta=usual)
+    return found

@@ -12,11 +12,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Span, listed
-from actspec.fields import PLACEHOLDER
 from actspec.ir import Command, JointActuator
-from actspec.laws import law_of
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.robot.view import RobotView
+from actspec.sysid.motion import Bounds, figures_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -79,6 +78,7 @@ class _Plant:
     limit: Array
     stall: Array
     no_load: Array
+    curves: Sequence[tuple[int, Bounds]]
     rate: Array
     sag: float
     links: Callable[[Array, Array], tuple[Array, Array]] = field(repr=False)
@@ -92,6 +92,8 @@ class _Plant:
         line = np.where(np.isfinite(self.stall), self.stall, 0.0) * qd / self.no_load
         high, low = np.minimum(self.limit, stall - line), np.maximum(-self.limit, -stall - line)
         found: Array = np.minimum(np.maximum(wanted, low), high)
+        for i, curved in self.curves:
+            found[i] = curved.clip(wanted[i], qd[i])
         return found
 
     def dry(self, qd: Array) -> Array:
@@ -182,30 +184,28 @@ def _plant(
 ) -> _Plant:
     import numpy as np
 
-    laws = [law_of(actuator) for actuator in actuators]
+    figures = [figures_of(actuator) for actuator in actuators]
+    bounds = [Bounds.of(actuator) for actuator in actuators]
 
     def of(name: str) -> Array:
-        return np.array([float(getattr(getattr(a, name), "value", None) or 0.0) for a in actuators])
+        return np.array([values[name] for values in figures])
 
-    def bound(values: Sequence[float | None]) -> Array:
-        return np.array([math.inf if v is None or v >= PLACEHOLDER else v for v in values])
-
-    coulomb, stribeck = of("friction_coulomb"), of("stribeck_velocity")
-    static = np.maximum(of("friction_static"), coulomb)
+    coulomb, stribeck, lag = of("coulomb"), of("stribeck_velocity"), of("lag")
     return _Plant(
-        kp=np.array([law.kp for law in laws]),
-        kd=np.array([law.kd for law in laws]),
+        kp=of("kp"),
+        kd=of("kd"),
         armature=of("armature"),
         coulomb=coulomb,
-        static=np.where(stribeck > 0, static, coulomb),
+        static=np.where(stribeck > 0, np.maximum(of("static"), coulomb), coulomb),
         per_stribeck=1.0 / np.where(stribeck > 0, stribeck, 1.0),
-        viscous=of("friction_viscous"),
-        delay=np.array([law.delay for law in laws]),
-        bias=np.array([law.encoder_bias for law in laws]),
-        limit=bound([law.effort_limit for law in laws]),
-        stall=bound([law.stall_torque for law in laws]),
-        no_load=np.array([law.no_load_speed or 1.0 for law in laws]),
-        rate=np.array([2.0 * math.pi * (law.filter_cutoff or math.inf) for law in laws]),
+        viscous=of("viscous"),
+        delay=of("delay"),
+        bias=of("bias"),
+        limit=np.array([bound.limit for bound in bounds]),
+        stall=np.array([bound.stall for bound in bounds]),
+        no_load=np.array([bound.no_load for bound in bounds]),
+        curves=[(i, bound) for i, bound in enumerate(bounds) if bound.curve is not None],
+        rate=1.0 / np.where(lag > 0, lag, 1.0) + np.where(lag > 0, 0.0, math.inf),
         sag=sag,
         links=links,
     )
