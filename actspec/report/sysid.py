@@ -32,6 +32,17 @@ def sysid_lines(found: Identification) -> Iterator[str]:
             [c.name, format_number(c.value, 5), format_number(c.std, 2), "", c.unit, "combination"]
             for c in joint.combinations
         ]
+        rows += [
+            [
+                d.name,
+                format_number(d.value, 5),
+                "-" if d.std is None else format_number(d.std, 2),
+                "",
+                d.unit,
+                "diagnostic",
+            ]
+            for d in joint.diagnostics
+        ]
         yield from table(rows)
     fields = sum(p.state is State.IDENTIFIED for joint in found.joints for p in joint.parameters)
     yield f"{many(fields, 'figure')} of {many(len(found.joints), 'joint')}, {found.seconds:.1f} s"
@@ -107,5 +118,8 @@ def _joint(joint: JointFit) -> dict[str, Any]:
             {"name": c.name, "value": json_number(c.value), "std": json_number(c.std), "unit": c.unit}
             for c in joint.combinations
         ],
-        "diagnostics": [],
+        "diagnostics": [
+            {"name": d.name, "value": json_number(d.value), "std": json_number(d.std), "unit": d.unit}
+            for d in joint.diagnostics
+        ],
     }

@@ -43,6 +43,17 @@ class CombinationResult(Strict):
     """SI unit."""
 
 
+class DiagnosticResult(Strict):
+    """What the data tell of the experiment or of the closed loop, in SI; no figure of the spec."""
+
+    value: float
+    """The number."""
+    std: Annotated[float, Field(ge=0.0)] | None = None
+    """Its standard deviation; left out: unknown."""
+    unit: str
+    """SI unit; 1 for a share or a factor."""
+
+
 class HeldGains(Strict):
     """Gains that the fit took as given."""
 
@@ -80,6 +91,8 @@ class JointResult(Strict):
     """Gains that the other figures rest on, where they were not fitted."""
     combinations: dict[str, CombinationResult] = Field(default_factory=dict)
     """Sums and ratios of fields that the data tell where single fields do not, by their formula; never compiled."""
+    diagnostics: dict[str, DiagnosticResult] = Field(default_factory=dict)
+    """Figures of the experiment or the closed loop, by name, such as `torque_scale`; never compiled."""
     correlation: tuple[tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], ...] = ()
     """Pairs of fields whose errors go together, and their correlation."""
 

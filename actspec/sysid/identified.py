@@ -81,6 +81,23 @@ class Combination:
 
 
 @dataclass(frozen=True, slots=True)
+class Indicator:
+    """What a log tells of the experiment or of the closed loop; no figure of the spec, and never compiled.
+
+    Attributes:
+        name: Such as `torque_scale`.
+        value: SI.
+        std: Standard deviation; None: unknown.
+        unit: SI unit; `1` for a share or a factor.
+    """
+
+    name: str
+    value: float
+    std: float | None
+    unit: str
+
+
+@dataclass(frozen=True, slots=True)
 class JointFit:
     """One joint.
 
@@ -94,6 +111,7 @@ class JointFit:
         held_out_rmse: On pieces that the fit did not see [rad or m]; None where there are too few.
         misfit: Position residual over the noise of the readings; about 1 where nothing is left to explain.
         condition: Condition number of the scaled normal matrix.
+        diagnostics: Of the experiment or the closed loop.
     """
 
     joint: str
@@ -105,6 +123,7 @@ class JointFit:
     held_out_rmse: float | None
     misfit: float
     condition: float
+    diagnostics: tuple[Indicator, ...] = ()
 
     def parameter(self, field: str) -> Parameter:
         """That of a field."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from actspec.logs import Log
 from actspec.spec.results import FORMAT
-from actspec.sysid.identified import Identification, JointFit, Parameter, State
+from actspec.sysid.identified import Identification, Indicator, JointFit, Parameter, State
 
 HEAD = "# Written by `actspec sysid fit`. A spec takes it by `identified: THIS FILE` in a group.\n"
 DIGITS = 6
@@ -58,9 +58,16 @@ def _joint(joint: JointFit) -> dict[str, Any]:
             c.name: {"value": _short(c.value), "std": _short(c.std), "unit": c.unit}
             for c in joint.combinations
         }
+    if joint.diagnostics:
+        data["diagnostics"] = {item.name: _indicator(item) for item in joint.diagnostics}
     if joint.correlation:
         data["correlation"] = [[a, b, round(r, 3)] for a, b, r in joint.correlation]
     return data
+
+
+def _indicator(item: Indicator) -> dict[str, Any]:
+    std = {} if item.std is None else {"std": _short(item.std)}
+    return {"value": _short(item.value), **std, "unit": item.unit}
 
 
 def _number(parameter: Parameter) -> dict[str, Any]:
