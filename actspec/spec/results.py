@@ -6,11 +6,12 @@ holds the conventions that a network file alone does not tell.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from actspec.diagnostics import Collector, SpecError
+from actspec.diagnostics import Collector, SpecError, did_you_mean, shortened
 from actspec.spec.document import Document
 from actspec.spec.validate import checked
 from actspec.spec.values import Name, Number, SpecValue, Strict
@@ -87,6 +88,8 @@ class JointResult(Strict):
     """Fields that ended at a bound of the fit; they have no value."""
     unidentifiable: tuple[str, ...] = ()
     """Fields that the data cannot tell; they have no value."""
+    left_out: dict[str, str] = Field(default_factory=dict)
+    """What another tool found of the joint and these results have not, to the reason."""
     gains: HeldGains | None = None
     """Gains that the other figures rest on, where they were not fitted."""
     combinations: dict[str, CombinationResult] = Field(default_factory=dict)
@@ -95,6 +98,13 @@ class JointResult(Strict):
     """Figures of the experiment or the closed loop, by name, such as `torque_scale`; never compiled."""
     correlation: tuple[tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], ...] = ()
     """Pairs of fields whose errors go together, and their correlation."""
+
+
+FIELDS = (
+    *("kp", "kd", "armature", "delay", "bandwidth", "closed_loop_bandwidth", "encoder_bias"),
+    *(f"friction.{part}" for part in FrictionResult.model_fields),
+)
+"""Figures of a joint, by the names of `randomize`."""
 
 
 class LogFile(Strict):
@@ -131,6 +141,19 @@ class Results(Strict):
     """Joint to what was fitted."""
 
 
+@dataclass(frozen=True, slots=True)
+class ResultsFile:
+    """Results with their places.
+
+    Attributes:
+        model: What they say.
+        document: Where they say it.
+    """
+
+    model: Results
+    document: Document
+
+
 def validate_results(document: Document) -> Results:
     """Check a results file.
 
@@ -142,6 +165,15 @@ def validate_results(document: Document) -> Results:
     for name, joint in results.joints.items() if results is not None else ():
         for key in ("bounds_hit", "unidentifiable"):
             for index, field in enumerate(getattr(joint, key)):
+                if field not in FIELDS:
+                    collector.error(
+                        "SPEC174",
+                        f"'{shortened(field)}' is no field of a joint's results",
+                        where=f"joints.{name}.{key}",
+                        span=document.spans.value(("joints", name, key, index)),
+                        help=did_you_mean(field, FIELDS, f"fields: {', '.join(FIELDS)}"),
+                    )
+                    continue
                 group, _, part = field.rpartition(".")
                 holder = getattr(joint, group, None) if group else joint
                 if getattr(holder, part, None) is not None:
