@@ -28,6 +28,7 @@ FILES = {
     "spec": "actspec-v1.schema.json",
     "results": "actspec-results-v1.schema.json",
     "network": "actspec-network-v1.schema.json",
+    "log": "actspec-log-v1.schema.json",
 }
 """Name to file in `schemas/`."""
 
@@ -38,7 +39,7 @@ _NAMED = ("properties", "$defs", "patternProperties")
 
 
 def schema(name: str) -> dict[str, Any]:
-    """The JSON Schema of `spec`, `results` or `network`."""
+    """The JSON Schema of one of `FILES`."""
     root = _root(name)
     found = root.model_json_schema(by_alias=True)
     definitions: dict[str, Any] = found.pop("$defs", {})
@@ -77,6 +78,10 @@ def _root(name: str) -> type[BaseModel]:
         from actspec.spec.results import NetworkManifest
 
         return NetworkManifest
+    if name == "log":
+        from actspec.spec.sidecar import Sidecar
+
+        return Sidecar
     from actspec.spec.models import SpecModel
 
     return SpecModel
