@@ -75,7 +75,7 @@ def _root(name: str) -> type[BaseModel]:
 
         return Results
     if name == "network":
-        from actspec.spec.results import NetworkManifest
+        from actspec.spec.network import NetworkManifest
 
         return NetworkManifest
     if name == "log":
