@@ -1,4 +1,4 @@
-"""`actspec sysid`: commands for an experiment, a virtual robot that follows them, and the fit of a log."""
+"""`actspec sysid`: commands for an experiment, a virtual robot that follows them, the fit of a log, and its report."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from dataclasses import fields
 from typing import Any
 
 from actspec import api
+from actspec.cli import sysid_report
 from actspec.cli.options import Lines, add_format, describe, joints_named
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
 from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -44,6 +45,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         )
     )
     _add_fit(parts.add_parser("fit", help="fit logs", formatter_class=Lines))
+    sysid_report.add_arguments(parts.add_parser("report", help="show a fit on a page", formatter_class=Lines))
 
 
 def _add_design(command: argparse.ArgumentParser) -> None:
@@ -114,8 +116,20 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run a subcommand."""
-    parts = {"design": _design, "simulate": _simulate, "fit": _fit}
+    parts = {"design": _design, "simulate": _simulate, "fit": _fit, "report": sysid_report.run}
+    if arguments.part in ("fit", "report"):
+        _need_scipy()
     return parts[arguments.part](arguments)
+
+
+def _need_scipy() -> None:
+    from actspec.logs import LogError
+
+    try:
+        import scipy.signal  # noqa: F401
+    except ImportError as err:
+        help = "pip install 'actspec[sysid]'"
+        raise LogError.of("SYS002", "a fit needs scipy, which is not installed", help=help) from err
 
 
 def _design(arguments: argparse.Namespace) -> int:
@@ -191,11 +205,6 @@ def _fit(arguments: argparse.Namespace) -> int:
     from actspec.sysid.results import results_text
     from actspec.sysid.work import FitOptions
 
-    try:
-        import scipy.signal  # noqa: F401
-    except ImportError as err:
-        help = "pip install 'actspec[sysid]'"
-        raise LogError.of("SYS002", "a fit needs scipy, which is not installed", help=help) from err
     output = arguments.output
     if output is not None and os.path.exists(output) and not arguments.force:
         raise LogError.of("OUT001", "the file is there already", Span(output), help="--force replaces it")
@@ -205,7 +214,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
     found = fit_logs(api.resolve(spec, robot), robot, logs, options)
     if output is not None:
-        replace_file(output, results_text(found, logs).encode())
+        replace_file(output, results_text(found, logs, spec.document).encode())
     if arguments.output_format == "json":
         print_json(sysid_record(found, output))
     else:

@@ -1,4 +1,4 @@
-"""One page with everything in it: no script, nothing fetched, readable on a phone and in the dark."""
+"""The report of an audit as one page."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import actspec
 from actspec.audit.outcome import Report
 from actspec.audit.pages import page
 from actspec.audit.rule import Rule
-from actspec.diagnostics import SEVERITIES, Severity, Span, listed, one_line
+from actspec.diagnostics import SEVERITIES, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 from actspec.report.ledger import Sheet, comparisons, ledger_sheets
+from actspec.report.page import fold, plain, whole
 from actspec.report.sources import Sources
 from actspec.report.tables import many
 from actspec.report.text import counted, worst_first
-from actspec.resources import data_path
 
 _MOST_OPEN = 8
 """So many files or tables are shown, more are folded away. Chosen: they fit on a screen."""
@@ -27,45 +27,23 @@ _MOST_OPEN = 8
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as one page."""
-    body = "\n".join(
-        (
-            *_head(report, options),
-            *_findings(report, options),
-            *_comparisons(report),
-            *_ledger(report),
-            *_files(report),
-            *_rules(report, options),
-            f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
-        )
+    body = (
+        *_head(report, options),
+        *_findings(report, options),
+        *_comparisons(report),
+        *_ledger(report),
+        *_files(report),
+        *_rules(report, options),
+        f'<p class="faint">actspec {escape(actspec.__version__)}</p>',
     )
-    style = data_path("templates", "report/report.css").read_text(encoding="utf-8")
-    title = f"actspec audit: {escape(counted(grouped(report.at_or_above(options.least))))}"
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        # A second lock: should a name ever slip through unescaped, it can load and run nothing.
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"
-        f"<title>{title}</title>\n<style>\n{style}</style>\n</head>\n"
-        f"<body>\n{body}\n</body>\n</html>\n"
-    )
-
-
-def _text(text: str) -> str:
-    return escape(one_line(text))
-
-
-def _fold(title: str, lines: Iterator[str], *, shown: bool) -> Iterator[str]:
-    """What can be folded away."""
-    yield f"<details{' open' * shown}><summary>{_text(title)}</summary>"
-    yield from lines
-    yield "</details>"
+    return whole(f"actspec audit: {counted(grouped(report.at_or_above(options.least)))}", body)
 
 
 def _head(report: Report, options: ReportOptions) -> Iterator[str]:
-    yield f"<h1>actspec audit: {_text(counted(grouped(report.at_or_above(options.least))))}</h1>"
+    yield f"<h1>actspec audit: {plain(counted(grouped(report.at_or_above(options.least))))}</h1>"
     problems = report.for_people(options.least)
     if problems:
-        lines = "".join(f"<li>{_text(str(item).partition(chr(10))[0])}</li>" for item in problems)
+        lines = "".join(f"<li>{plain(str(item).partition(chr(10))[0])}</li>" for item in problems)
         yield f"<ul>{lines}</ul>"
     counts = Counter(
         (item.severity, item.finding.code, item.name) for item in report.at_or_above(options.least)
@@ -75,7 +53,7 @@ def _head(report: Report, options: ReportOptions) -> Iterator[str]:
         yield f'<div class="wide"><table><tr>{heads}</tr>'
         for (severity, code, name), count in sorted(counts.items(), key=_worst_first):
             yield (
-                f'<tr class="{severity.value}"><td>{_link(code)} {_text(name)}</td>'
+                f'<tr class="{severity.value}"><td>{_link(code)} {plain(name)}</td>'
                 f'<td class="severity">{severity.value}</td><td class="n">{count}</td></tr>'
             )
         yield "</table></div>"
@@ -89,7 +67,7 @@ def _worst_first(entry: tuple[tuple[Severity, str, str], int]) -> tuple[int, int
 
 
 def _link(code: str) -> str:
-    return f'<a href="#rule-{_text(code)}">{_text(code)}</a>'
+    return f'<a href="#rule-{plain(code)}">{plain(code)}</a>'
 
 
 def _state(file: FileReading) -> str:
@@ -102,7 +80,7 @@ def _files(report: Report) -> Iterator[str]:
         yield "<h2>Files</h2>"
         unread = sum(not file.readable for file in files)
         title = many(len(files), "file") + (f", {unread} not read" if unread else "")
-        yield from _fold(title, _file_table(files), shown=len(files) <= _MOST_OPEN)
+        yield from fold(title, _file_table(files), shown=len(files) <= _MOST_OPEN)
 
 
 def _file_table(files: Sequence[FileReading]) -> Iterator[str]:
@@ -111,8 +89,8 @@ def _file_table(files: Sequence[FileReading]) -> Iterator[str]:
         names = ", ".join(artifact.name for artifact in file.artifacts)
         kind = file.kind.value if file.kind is not None else ""
         yield (
-            f'<tr><td class="long">{_text(file.path)}</td><td>{_text(kind)}</td><td>{_text(names)}</td>'
-            f'<td class="long">{_text(_state(file))}</td></tr>'
+            f'<tr><td class="long">{plain(file.path)}</td><td>{plain(kind)}</td><td>{plain(names)}</td>'
+            f'<td class="long">{plain(_state(file))}</td></tr>'
         )
     yield "</table></div>"
 
@@ -130,19 +108,19 @@ def _finding(group: FindingGroup, sources: Sources) -> Iterator[str]:
     item, finding = group.first, group.first.finding
     severity = item.severity.value
     yield f'<article class="{severity}">'
-    rule = f"{_link(finding.code)} {_text(item.name)}"
-    yield f'<p class="place">{_text(str(finding.span))}</p>'
+    rule = f"{_link(finding.code)} {plain(item.name)}"
+    yield f'<p class="place">{plain(str(finding.span))}</p>'
     yield f'<p><span class="severity">{severity}</span> {rule}, {item.confidence.value} confidence</p>'
-    joints = f"<strong>{_text(listed(group.joints, 12))}</strong>: " if group.joints else ""
-    yield f"<p>{joints}{_text(finding.message)}</p>"
+    joints = f"<strong>{plain(listed(group.joints, 12))}</strong>: " if group.joints else ""
+    yield f"<p>{joints}{plain(finding.message)}</p>"
     yield from _excerpt(finding.span, sources)
     also_on = group.also_on(12)
     if also_on:
         yield f'<p class="faint">{also_on}</p>'
     if finding.help:
-        yield f"<p>Help: {_text(finding.help)}</p>"
+        yield f"<p>Help: {plain(finding.help)}</p>"
     for span in group.related()[:4]:
-        yield f'<p class="place">see {_text(str(span))}</p>'
+        yield f'<p class="place">see {plain(str(span))}</p>'
         yield from _excerpt(span, sources)
     yield "</article>"
 
@@ -161,12 +139,12 @@ def _comparisons(report: Report) -> Iterator[str]:
         # Paths are long: the folders that they share stand once.
         folder = _shared_folder(comparison.sources)
         names = [source.removeprefix(folder) for source in comparison.sources]
-        below = f'<p class="faint">below {_text(folder)}</p>' if folder else ""
+        below = f'<p class="faint">below {plain(folder)}</p>' if folder else ""
         for differs in (True, False):
             sheet = comparison.sheet(names, differs)
             if sheet is not None:
                 title = sheet.title if differs else f"{sheet.title} ({many(len(sheet.rows), 'line')})"
-                yield from _fold(title, _table(sheet, "file", below), shown=differs)
+                yield from fold(title, _table(sheet, "file", below), shown=differs)
 
 
 def _shared_folder(paths: Sequence[str]) -> str:
@@ -183,7 +161,7 @@ def _ledger(report: Report) -> Iterator[str]:
     if sheets:
         yield "<h2>Ledger: what acts on each joint</h2>"
     for sheet in sheets:
-        yield from _fold(sheet.title, _table(sheet), shown=len(sheets) <= _MOST_OPEN)
+        yield from fold(sheet.title, _table(sheet), shown=len(sheets) <= _MOST_OPEN)
 
 
 def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
@@ -198,7 +176,7 @@ def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
         yield above
     figure_head = f'<th class="{css}">' if css else "<th>"
     heads = (
-        ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{_text(title)}</th>"
+        ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{plain(title)}</th>"
         for place, title in enumerate(sheet.titles())
     )
     yield f'<div class="wide"><table><tr>{"".join(heads)}</tr>'
@@ -206,10 +184,10 @@ def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
         yield '<tr class="differs">' if number in sheet.differing else "<tr>"
         for place, (raw, text) in enumerate(zip(row, cells, strict=True)):
             kind = ' class="long"' if not isinstance(raw, str) else ' class="n"' if place > 1 else ""
-            yield f"<td{kind}>{_text(text)}</td>"
+            yield f"<td{kind}>{plain(text)}</td>"
         yield "</tr>"
     yield "</table></div>"
-    yield from (f'<p class="faint">{_text(note)}</p>' for note in sheet.notes)
+    yield from (f'<p class="faint">{plain(note)}</p>' for note in sheet.notes)
 
 
 def _rules(report: Report, options: ReportOptions) -> Iterator[str]:
@@ -222,11 +200,11 @@ def _rules(report: Report, options: ReportOptions) -> Iterator[str]:
     if report.skipped:
         count, reasons = report.did_not_apply()
         title = f"{many(count, 'rule')} did not apply"
-        lines = "".join(f"<li>{_text(reason)}: {', '.join(codes)}</li>" for reason, codes in reasons.items())
-        yield from _fold(title, iter((f"<ul>{lines}</ul>",)), shown=False)
+        lines = "".join(f"<li>{plain(reason)}: {', '.join(codes)}</li>" for reason, codes in reasons.items())
+        yield from fold(title, iter((f"<ul>{lines}</ul>",)), shown=False)
 
 
 def _rule(rule: type[Rule]) -> Iterator[str]:
     # A link to what is inside opens it, one to the fold itself does not.
-    text = f'<pre id="rule-{_text(rule.code)}">{escape(page(rule))}</pre>'
-    yield from _fold(f"{rule.code} {rule.name}", iter((text,)), shown=False)
+    text = f'<pre id="rule-{plain(rule.code)}">{escape(page(rule))}</pre>'
+    yield from fold(f"{rule.code} {rule.name}", iter((text,)), shown=False)

@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from actspec.logs import Log
+from actspec.spec.document import Document
 from actspec.spec.results import FORMAT
+from actspec.spec.variants import named
 from actspec.sysid.identified import Identification, Indicator, JointFit, Parameter, State
 
 HEAD = "# Written by `actspec sysid fit`. A spec takes it by `identified: THIS FILE` in a group.\n"
@@ -14,12 +16,13 @@ DIGITS = 6
 """Significant digits. Chosen: an interval is never known to a thousandth of itself."""
 
 
-def results_text(found: Identification, logs: Sequence[Log]) -> str:
+def results_text(found: Identification, logs: Sequence[Log], spec: Document | None = None) -> str:
     """The results file's YAML.
 
     Args:
         found: The fit.
         logs: That it used.
+        spec: That it began with.
     """
     import yaml
 
@@ -29,6 +32,8 @@ def results_text(found: Identification, logs: Sequence[Log]) -> str:
         stated = {getattr(sidecar, key) for sidecar in sidecars}
         if len(stated) == 1 and None not in stated:
             data[key] = stated.pop()
+    if spec is not None:
+        data["spec"] = {"path": named(spec.path, spec.variant), "sha256": spec.text_sha256}
     data["data"] = [{"path": log.path, "sha256": log.sha256} for log in logs]
     held_out = [joint.held_out_rmse for joint in found.joints if joint.held_out_rmse is not None]
     if held_out and len({joint.kind for joint in found.joints}) == 1:
@@ -53,6 +58,10 @@ def _joint(joint: JointFit) -> dict[str, Any]:
         fields = [parameter.field for parameter in joint.parameters if parameter.state is state]
         if fields:
             data[key] = fields
+    untold = (State.AT_BOUND, State.UNIDENTIFIABLE)
+    reasons = {p.field: p.why for p in joint.parameters if p.state in untold and p.why}
+    if reasons:
+        data["reasons"] = reasons
     if joint.combinations:
         data["combinations"] = {
             c.name: {"value": _short(c.value), "std": _short(c.std), "unit": c.unit}

@@ -1,0 +1,453 @@
+"""A fit as one page: every figure with its interval, the logs beside the fitted joints, and what is not told."""
+
+from __future__ import annotations
+
+import math
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import actspec
+from actspec.diagnostics import SEVERITIES, Diagnostic, listed
+from actspec.fields import BY_SPEC
+from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
+from actspec.logs import Log
+from actspec.report.page import fold, plain, whole
+from actspec.report.plot import Axis, Interval, intervals, plot_style
+from actspec.report.sysid_pictures import figure, pictures
+from actspec.report.tables import many
+from actspec.resources import data_path
+from actspec.spec.results import JointResult, Results
+from actspec.spec.validate import Spec
+from actspec.spec.values import SpecValue
+from actspec.spec.variants import named
+from actspec.sysid.identified import FIELDS
+from actspec.sysid.judge import WIDE
+from actspec.sysid.remedy import remedy
+from actspec.sysid.replay import Replay
+from actspec.units import format_number
+
+NAMES = tuple(field for field, _ in FIELDS.values())
+"""Fields of a fit, in the order in which they are shown."""
+ABSOLUTE = ("delay", "encoder_bias")
+"""Fields whose change is a difference: a share of nearly 0 tells nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Identified:
+    """A results file, and what belongs to it.
+
+    Attributes:
+        path: Of the file.
+        results: What stands in it.
+        sha256: Of its bytes.
+        spec: The spec; None: it is not there.
+        actuators: The spec, resolved; None: its model is not there.
+        replays: Joint to its logs, simulated.
+        logs: Logs that are there.
+        findings: What is missing or wrong.
+    """
+
+    path: str
+    results: Results
+    sha256: str
+    spec: Spec | None
+    actuators: ActuatorSet | None
+    replays: Mapping[str, Sequence[Replay]]
+    logs: Sequence[Log]
+    findings: Sequence[Diagnostic]
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    """One figure of a joint; SI."""
+
+    field: str
+    state: str
+    value: float | None
+    std: float | None
+    unit: str
+    spec: float | None
+    origin: str
+
+    @property
+    def low(self) -> float | None:
+        if self.value is None or self.std is None:
+            return None
+        low = self.value - WIDE * self.std
+        return low if self.field == "encoder_bias" else max(low, 0.0)
+
+    @property
+    def high(self) -> float | None:
+        return None if self.value is None or self.std is None else self.value + WIDE * self.std
+
+
+def render(shown: Identified) -> str:
+    """The page.
+
+    Args:
+        shown: What it is about.
+    """
+    rows = {name: _rows(shown, name, joint) for name, joint in shown.results.joints.items()}
+    told = sum(row.state == "identified" for mine in rows.values() for row in mine)
+    untold = sum(_untold(row) for mine in rows.values() for row in mine)
+    title = f"{shown.results.robot}: {many(told, 'figure')} identified" + (
+        f", {untold} not told" if untold else ""
+    )
+    body = [
+        f"<h1>{plain(title)}</h1>",
+        *_head(shown),
+        *_findings(shown.findings),
+        *_overview(rows),
+        *_not_told(shown, rows),
+        *_intervals(rows),
+    ]
+    for place, (name, joint) in enumerate(shown.results.joints.items()):
+        body += _joint(shown, place, name, joint, rows[name])
+    body += [*_files(shown), *_commands(shown), f'<p class="faint">actspec {plain(actspec.__version__)}</p>']
+    own = data_path("templates", "report/sysid.css").read_text(encoding="utf-8")
+    return whole(title, body, (plot_style(), own))
+
+
+def _untold(row: _Row) -> bool:
+    return row.state in ("not told", "at its bound")
+
+
+def _head(shown: Identified) -> Iterator[str]:
+    results = shown.results
+    parts = [f"method {results.method}", many(len(results.joints), "joint"), many(len(results.data), "log")]
+    parts += [
+        part for part in (results.date, results.temperature and f"{results.temperature} motors") if part
+    ]
+    if results.held_out_rmse is not None and results.held_out_rmse.value is not None:
+        text = f"{results.held_out_rmse.value:.3g}"
+        unit = results.held_out_rmse.unit or ""
+        parts.append(f"position error {text} {unit} on pieces that the fit did not see".replace("  ", " "))
+    if results.condition is not None:
+        parts.append(f"condition number {results.condition:.3g}")
+    yield f'<p class="faint">{plain("; ".join(parts))}.</p>'
+    if results.note:
+        yield f"<p>{plain(results.note)}</p>"
+    if len(results.joints) > 1:
+        links = " ".join(
+            f'<a href="#joint-{place}">{plain(name)}</a>' for place, name in enumerate(results.joints)
+        )
+        yield f"<nav>{links}</nav>"
+
+
+def _findings(findings: Sequence[Diagnostic]) -> Iterator[str]:
+    if findings:
+        yield "<h2>Findings</h2>"
+    for item in sorted(findings, key=lambda item: -SEVERITIES.index(item.severity)):
+        severity = item.severity.value
+        where = f"<strong>{plain(item.where)}</strong>: " if item.where else ""
+        yield f'<article class="{severity}">'
+        if item.span is not None:
+            yield f'<p class="place">{plain(str(item.span))}</p>'
+        yield f'<p><span class="severity">{severity}</span> {plain(item.code)} {where}{plain(item.message)}</p>'
+        if item.help:
+            yield f"<p>Help: {plain(item.help)}</p>"
+        yield "</article>"
+
+
+def _rows(shown: Identified, name: str, result: JointResult) -> list[_Row]:
+    """The figures that the file tells, holds or lists without a value."""
+    actuator = shown.actuators.joint(name) if shown.actuators is not None else None
+    found = []
+    for field, kind in FIELDS.values():
+        stated = _stated(result, field)
+        spec, origin = _of_spec(actuator, field)
+        unit = kind.rotary_unit if actuator is None else BY_SPEC.get(field, BY_SPEC["kp"]).unit(actuator.kind)
+        if field not in BY_SPEC:
+            unit = kind.rotary_unit
+        gains = result.gains
+        if stated is not None and stated.value is not None:
+            found.append(
+                _Row(field, "identified", stated.value, stated.std, stated.unit or unit, spec, origin)
+            )
+        elif field in result.bounds_hit:
+            found.append(_Row(field, "at its bound", None, None, unit, spec, origin))
+        elif field in result.unidentifiable:
+            found.append(_Row(field, "not told", None, None, unit, spec, origin))
+        elif gains is not None and field in ("kp", "kd"):
+            held = gains.kp if field == "kp" else gains.kd
+            found.append(_Row(field, "held", held.value, None, held.unit or unit, spec, origin))
+    return found
+
+
+def _stated(result: JointResult, field: str) -> SpecValue | None:
+    section, _, key = field.rpartition(".")
+    found: SpecValue | None = getattr(getattr(result, section) if section else result, key, None)
+    return found
+
+
+def _of_spec(actuator: JointActuator | None, field: str) -> tuple[float | None, str]:
+    """What the spec has without the results, and where from."""
+    if actuator is None:
+        return None, ""
+    if field == "delay":
+        quantity: Quantity | None = actuator.delay.nominal if actuator.delay is not None else None
+    elif field == "bandwidth":
+        quantity = actuator.filter_cutoff
+    else:
+        quantity = getattr(actuator, BY_SPEC[field].ir)
+    while quantity is not None and quantity.origin is Origin.IDENTIFIED:
+        quantity = quantity.lost[0] if quantity.lost else None
+    if quantity is None:
+        return None, ""
+    return quantity.value, quantity.origin.value
+
+
+def _change(row: _Row) -> str:
+    if row.value is None or row.spec is None:
+        return ""
+    away = row.value - row.spec
+    if row.field in ABSOLUTE:
+        text = f"{away:+.3g} {row.unit}"
+    elif row.spec == 0.0:
+        return ""
+    else:
+        text = f"{100.0 * away / abs(row.spec):+.3g} %"
+    if row.low is not None and row.high is not None and not row.low <= row.spec <= row.high:
+        text += ", outside"
+    return text
+
+
+def _number(value: float | None, std: float | None = None) -> str:
+    """With the digits that its standard deviation leaves; without one with all that the file gives."""
+    if value is None:
+        return ""
+    if not std:
+        return format_number(value)
+    places = 1 - math.floor(math.log10(std))
+    rounded = round(value, places)
+    return f"{rounded:.{places}f}" if 0 < places < 7 else format_number(rounded)
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> Iterator[str]:
+    """A table of plain text; the columns `right` stand right."""
+    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+    for row in rows:
+        cells = (f"<td{' class=n' * (i in right)}>{plain(cell)}</td>" for i, cell in enumerate(row))
+        yield f"<tr>{''.join(cells)}</tr>"
+    yield "</table></div>"
+
+
+def _overview(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
+    """Joint by field, where there are several."""
+    if len(rows) < 2:
+        return
+    fields = [field for field in NAMES if any(row.field == field for mine in rows.values() for row in mine)]
+    units = {row.field: row.unit for mine in rows.values() for row in mine}
+    lines = []
+    for name, mine in rows.items():
+        by = {row.field: row for row in mine}
+        lines.append([name, *(_short(by.get(field)) for field in fields)])
+    yield "<h2>Figures</h2>"
+    heads = ["joint", *(f"{field} [{units[field]}]" for field in fields)]
+    yield from _table(heads, lines, range(1, len(heads)))
+    yield '<p class="faint">Value and half of the 95 % interval; in brackets: held; "-": not told.</p>'
+
+
+def _short(row: _Row | None) -> str:
+    if row is None:
+        return ""
+    if row.value is None:
+        return "-"
+    if row.std is None:
+        return f"({_number(row.value)})"
+    return f"{_number(row.value, row.std)} ± {_number(WIDE * row.std, row.std)}"
+
+
+def _not_told(shown: Identified, rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
+    """What has no value, why, and what would give it one."""
+    found: dict[tuple[str, str, str, str | None], list[str]] = {}
+    for name, mine in rows.items():
+        result = shown.results.joints[name]
+        for row in mine:
+            if _untold(row):
+                would = remedy(row.field, result)
+                why = result.reasons.get(row.field, "")
+                key = (row.field, f"{row.state}: {why}" if why else row.state, would.words, would.experiment)
+                found.setdefault(key, []).append(name)
+    yield "<h2>What the logs do not tell</h2>"
+    if not found:
+        yield "<p>Every figure of this fit has a value and an interval.</p>"
+        return
+    lines = []
+    for (field, why, words, experiment), names in found.items():
+        command = "" if experiment is None else design(_spec_path(shown), experiment, names)
+        lines.append(
+            f"<tr><td>{plain(field)}</td><td>{plain(listed(names, 12))}</td><td class=long>{plain(why)}</td>"
+            f"<td class=long>{plain(words)}{f'<pre>{plain(command)}</pre>' if command else ''}</td></tr>"
+        )
+    yield '<div class="wide"><table><tr><th>field</th><th>joints</th><th>why</th><th>what would tell it</th></tr>'
+    yield from lines
+    yield "</table></div>"
+
+
+def design(spec: str, experiment: str, joints: Sequence[str]) -> str:
+    """The command line that designs an experiment, safe to paste into a shell.
+
+    Args:
+        spec: Path.
+        experiment: Of `design`.
+        joints: That it moves.
+    """
+    words = ["actspec", "sysid", "design", spec, "-o", f"{experiment}.csv", "--experiment", experiment]
+    for joint in joints:
+        words += ["--joint", joint]
+    return shlex.join(words)
+
+
+def _spec_path(shown: Identified) -> str:
+    if shown.spec is not None:
+        return named(shown.spec.document.path, shown.spec.document.variant)
+    return shown.results.spec.path if shown.results.spec is not None else "SPEC"
+
+
+def _intervals(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
+    """A picture a field: each joint's interval beside the spec's value."""
+    yield "<h2>Intervals of 95 %</h2>"
+    yield '<div class="grid">'
+    for field in NAMES:
+        mine = {name: row for name, all_rows in rows.items() for row in all_rows if row.field == field}
+        if not any(row.value is not None for row in mine.values()):
+            continue
+        unit = next(iter(mine.values())).unit
+        lines = [
+            Interval(name, row.value, row.low, row.high, row.spec, row.state) for name, row in mine.items()
+        ]
+        outside = [name for name, row in mine.items() if _change(row).endswith("outside")]
+        text = f"The spec's value is outside of the interval of {listed(outside)}." if outside else ""
+        yield from figure(
+            intervals(f"{field}: 95 % intervals by joint", Axis(field, unit), lines), field, text
+        )
+    yield "</div>"
+
+
+def _joint(
+    shown: Identified, place: int, name: str, result: JointResult, rows: Sequence[_Row]
+) -> Iterator[str]:
+    yield f'<h2 id="joint-{place}">{plain(name)}</h2>'
+    heads = ["field", "value", "std", "95 %", "unit", "spec", "change", "state"]
+    lines = []
+    for row in rows:
+        interval = "" if row.low is None else f"{_number(row.low, row.std)} to {_number(row.high, row.std)}"
+        spec = f"{_number(row.spec)} ({row.origin})" if row.spec is not None else row.origin
+        lines.append(
+            [
+                row.field,
+                _number(row.value, row.std) or "-",
+                _number(row.std, row.std),
+                interval,
+                row.unit,
+                spec,
+                _change(row),
+                row.state,
+            ]
+        )
+    yield from _table(heads, lines, (1, 2, 3, 5, 6))
+    yield from _beside(result)
+    if name in shown.replays:
+        for one in shown.replays[name]:
+            yield from pictures(one, named=len(shown.replays[name]) > 1)
+    else:
+        yield '<p class="faint">No log of this joint is simulated.</p>'
+    yield from _correlation(result)
+
+
+def _beside(result: JointResult) -> Iterator[str]:
+    """Combinations and diagnostics."""
+    if result.combinations:
+        yield "<p>What the logs tell of several figures together:</p>"
+        yield from _table(
+            ["combination", "value", "std", "unit"],
+            [
+                [name, _number(one.value, one.std), _number(one.std, one.std), one.unit]
+                for name, one in result.combinations.items()
+            ],
+            (1, 2),
+        )
+    if result.diagnostics or result.closed_loop_bandwidth is not None:
+        lines = [
+            [name, _number(one.value, one.std), _number(one.std, one.std), one.unit]
+            for name, one in result.diagnostics.items()
+        ]
+        stated = result.closed_loop_bandwidth
+        if stated is not None and "closed_loop_bandwidth" not in result.diagnostics:
+            lines.append(
+                [
+                    "closed_loop_bandwidth",
+                    _number(stated.value, stated.std),
+                    _number(stated.std, stated.std),
+                    "Hz",
+                ]
+            )
+        yield "<p>Of the experiment and the closed loop, no figures of the spec:</p>"
+        yield from _table(["diagnostic", "value", "std", "unit"], lines, (1, 2))
+
+
+def _correlation(result: JointResult) -> Iterator[str]:
+    """Errors that go together, as a matrix."""
+    pairs = {frozenset((a, b)): r for a, b, r in result.correlation}
+    fields = [field for field in NAMES if any(field in pair for pair in pairs)]
+    if not fields:
+        return
+    head = "".join(f"<th>{plain(field)}</th>" for field in fields)
+    lines = []
+    for a in fields:
+        cells = []
+        for b in fields:
+            r = 1.0 if a == b else pairs.get(frozenset((a, b)))
+            if r is None:
+                cells.append("<td class=n></td>")
+            else:
+                strength = "" if a == b else f' style="--r:{abs(r):.2f}"'
+                cells.append(f'<td class="n{" r" if a != b else ""}"{strength}>{r:.2f}</td>')
+        lines.append(f"<tr><th>{plain(a)}</th>{''.join(cells)}</tr>")
+    yield from fold(
+        "Correlation of the errors",
+        (
+            f'<div class="wide"><table><tr><th></th>{head}</tr>{"".join(lines)}</table></div>',
+            '<p class="faint">Empty: less than a half.</p>',
+        ),
+        shown=True,
+    )
+
+
+def _files(shown: Identified) -> Iterator[str]:
+    yield "<h2>Files</h2>"
+    lines = [["results", shown.path, shown.sha256, ""]]
+    spec = shown.results.spec
+    if shown.spec is not None:
+        document = shown.spec.document
+        state = "" if spec is None or spec.sha256 == document.text_sha256 else "changed since the fit"
+        lines.append(["spec", named(document.path, document.variant), document.text_sha256, state])
+    elif spec is not None:
+        lines.append(["spec", spec.path, spec.sha256, "not here"])
+    here = {log.sha256: log.path for log in shown.logs}
+    for entry in shown.results.data:
+        path = here.get(entry.sha256)
+        lines.append(["log", path or entry.path, entry.sha256, "" if path else "not here"])
+    yield from _table(["", "file", "sha256", ""], lines)
+
+
+def _commands(shown: Identified) -> Iterator[str]:
+    """How the results and this page come about again."""
+    logs = [entry.path for entry in shown.results.data]
+    default = {"friction.static", "friction.stribeck_velocity", "bandwidth"}
+    extra = [
+        field
+        for field in NAMES
+        if field in default and any(_stated(joint, field) for joint in shown.results.joints.values())
+    ]
+    fit = ["actspec", "sysid", "fit", _spec_path(shown), *(logs or ["LOG"]), "-o", shown.path]
+    if shown.results.method != "rollout":
+        fit += ["--method", shown.results.method]
+    if extra:
+        fit += ["--free", ",".join(extra)]
+    report = ["actspec", "sysid", "report", shown.path, "-o", "report.html"]
+    yield "<h2>Again</h2>"
+    yield f"<pre>{plain(shlex.join(fit))}\n{plain(shlex.join(report))}</pre>"
+    yield '<p class="faint">Other options of the fit do not stand in the results file.</p>'

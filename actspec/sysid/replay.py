@@ -1,0 +1,298 @@
+"""A results file beside its logs: the joints of the file, let loose on what the logs command.
+
+Each piece of a log begins at the state at which it agrees best with its readings, as in the fit. Figures that the file
+does not tell are those that do best here; with them the joint moves as in the fit, although none of them is known.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector
+from actspec.ir import ActuatorSet, Command
+from actspec.logs import Log
+from actspec.robot.view import RobotView
+from actspec.spec.results import JointResult, Results
+from actspec.sysid.checks import check
+from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.identified import FIELDS
+from actspec.sysid.links import Links, links_along
+from actspec.sysid.motion import Bounds, Course, Figures, figures_of
+from actspec.sysid.recording import Recording, record
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+SHOWS = 1e-6
+"""Least slope of gravity's torque over kp at which an encoder's bias shows."""
+
+
+@dataclass(frozen=True, slots=True)
+class Replay:
+    """One joint in one log.
+
+    Attributes:
+        joint: Its name.
+        recording: What was read.
+        course: Commands, and the links along the path.
+        bounds: Of the drive.
+        figures: By the names of `Figures`; what the results do not tell is what does best here.
+        told: Names of those that are the results'.
+        model: Channel to what the sensors would read of the fitted joint; NaN outside of the pieces, shape (n,).
+        moved: Likewise `velocity` and `friction`, of the joint itself.
+        starts: First rows of the pieces.
+        rows: Length of each.
+    """
+
+    joint: str
+    recording: Recording
+    course: Course
+    bounds: Bounds
+    figures: Mapping[str, float]
+    told: frozenset[str]
+    model: Mapping[str, Array]
+    moved: Mapping[str, Array]
+    starts: NDArray[np.intp]
+    rows: int
+
+    def residual(self, channel: str) -> Array:
+        """Read less simulated; NaN where one of them is not there, shape (n,)."""
+        found: Array = self.recording.measured[channel] - self.model[channel]
+        return found
+
+    def ranked(self, channel: str = "position") -> list[int]:
+        """The pieces by their root-mean-square residual, least first."""
+        import numpy as np
+
+        left = self.residual(channel)
+        sizes = [float(np.nanmean(left[s : s + self.rows] ** 2)) for s in self.starts]
+        return [int(i) for i in np.argsort(sizes, kind="stable")]
+
+
+def replay(
+    actuators: ActuatorSet,
+    robot: RobotView,
+    logs: Sequence[Log],
+    results: Results,
+    out: Collector,
+    tell: Callable[[int, int], None] = lambda done, total: None,
+) -> dict[str, list[Replay]]:
+    """Every joint of the results in every log that has it.
+
+    Args:
+        actuators: The spec, resolved.
+        robot: Its model.
+        logs: Those that are there.
+        results: The file.
+        out: Takes what is wrong with the logs.
+        tell: Takes how many logs are done, and of how many.
+
+    Raises:
+        RobotError: the model does not tell the links' inertia.
+    """
+    known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
+    found: dict[str, list[Replay]] = {}
+    for place, log in enumerate(logs):
+        tell(place, len(logs))
+        recorded = {}
+        for name in known:
+            actuator = actuators.joint(name)
+            if name not in results.joints or name not in log.joints or actuator is None:
+                continue
+            if actuator.command is Command.POSITION:
+                recording = record(log, log.joints[name], out)
+                recorded[name] = [] if recording is None else [recording]
+        checked = check(recorded, known, out)
+        usable = {name: mine[0] for name, mine in checked.items() if mine}
+        if usable:
+            for one in _replayed(actuators, robot, log, usable, known, results):
+                found.setdefault(one.joint, []).append(one)
+    return found
+
+
+def _replayed(
+    actuators: ActuatorSet,
+    robot: RobotView,
+    log: Log,
+    recordings: Mapping[str, Recording],
+    known: Mapping[str, Bounds],
+    results: Results,
+) -> list[Replay]:
+    import numpy as np
+
+    names = list(recordings)
+    values = {name: _figures(actuators, name, results.joints[name], log) for name in names}
+    base = log.sidecar.base
+    q = np.stack([recordings[name].position - values[name]["bias"] for name in names], axis=1)
+    qd = np.stack([recordings[name].velocity for name in names], axis=1)
+    links = links_along(robot, names, q, qd, None if base is None else base.orientation)
+    accelerations = {name: recordings[name].acceleration for name in names}
+    fits: dict[str, Fit] = {}
+    logs: dict[str, Piecewise] = {}
+    # Joints of one log move each other: the second time with accelerations of the fit in place of a filter's.
+    for again in (False, True) if len(names) > 1 else (False,):
+        for j, name in enumerate(names):
+            course = _course(recordings[name], links, names, j, accelerations, values[name]["bias"])
+            logs[name] = _pieces(recordings[name], course)
+            free = () if again else _free(results.joints[name], course, values[name])
+            search = Search([logs[name]], known[name], free, _scales(values[name], course), _lowest())
+            before = fits.get(name)
+            fits[name] = descend(search, before.values if before else values[name], before)
+        accelerations = {
+            name: _acceleration(recordings[name], logs[name], fits[name], known[name]) for name in names
+        }
+    return [_replay(recordings[name], logs[name], fits[name], known[name], results) for name in names]
+
+
+def _course(
+    recording: Recording,
+    links: Links,
+    names: Sequence[str],
+    j: int,
+    accelerations: Mapping[str, Array],
+    bias: float,
+) -> Course:
+    """What a joint is commanded, with a load in which the others' accelerations are."""
+    others = sum(
+        (links.inertia[:, j, k] * accelerations[name] for k, name in enumerate(names) if k != j),
+        0.0 * recording.time,
+    )
+    return Course(
+        recording.time,
+        recording.command,
+        recording.speed_command,
+        links.inertia[:, j, j].copy(),
+        links.load[:, j] + others,
+        links.slope[:, j].copy(),
+        recording.position - bias,
+    )
+
+
+def _pieces(recording: Recording, course: Course) -> Piecewise:
+    behind = recording.log.sidecar.torque == "joint"
+    return Piecewise(course, recording.measured, recording.starts, recording.rows, behind)
+
+
+def result_value(result: JointResult, field: str) -> float | None:
+    """What a results file says of a field; None: it has no value.
+
+    Args:
+        result: Of the joint.
+        field: As in `randomize`.
+    """
+    section, _, key = field.rpartition(".")
+    holder = getattr(result, section) if section else result
+    stated = getattr(holder, key, None)
+    return None if stated is None or stated.value is None else float(stated.value)
+
+
+def _figures(actuators: ActuatorSet, name: str, result: JointResult, log: Log) -> dict[str, float]:
+    """All figures of a joint: the results' before gains as sent before the spec's."""
+    actuator = actuators.joint(name)
+    assert actuator is not None
+    found = figures_of(actuator)
+    sent = log.sidecar.gains.get(name) or result.gains
+    if sent is not None and sent.kp.value is not None and sent.kd.value is not None:
+        found |= {"kp": sent.kp.value, "kd": sent.kd.value}
+    for figure, (field, _) in FIELDS.items():
+        value = result_value(result, field)
+        if value is not None:
+            found[figure] = _lag(value) if figure == "lag" else value
+        elif field in result.bounds_hit:
+            found[figure] = 0.0
+    # A search that begins at nothing has no way to go.
+    found["kp"] = found["kp"] or 1.0
+    return found
+
+
+def _lag(cutoff: float) -> float:
+    """Time constant of a low-pass [s] from its cutoff [Hz]."""
+    import math
+
+    return 1.0 / (2.0 * math.pi * cutoff)
+
+
+def _free(result: JointResult, course: Course, values: Mapping[str, float]) -> tuple[str, ...]:
+    """Figures that the results do not tell, of which not all can be free."""
+    import numpy as np
+
+    untold = {figure for figure, (field, _) in FIELDS.items() if field in result.unidentifiable}
+    if {"kd", "viscous"} <= untold:
+        untold.discard("viscous")  # only their sum shows
+    if {"kp", "armature"} <= untold:
+        untold -= {"armature", "bias"}  # ratios to the inertia alone
+    if float(np.abs(course.slope).max()) < SHOWS * values["kp"]:
+        untold.discard("bias")
+    return tuple(name for name in Figures.names() if name in untold)
+
+
+def _scales(values: Mapping[str, float], course: Course) -> dict[str, float]:
+    """Sizes of the figures, for differences."""
+    import numpy as np
+
+    inertia = float(course.inertia.mean()) + values["armature"]
+    damping = max(values["kd"] + values["viscous"], 0.02 * (values["kp"] * inertia) ** 0.5)
+    torque = max(0.1 * values["kp"] * float(np.std(course.command - course.path)), 1e-4)
+    step = float(np.median(np.diff(course.time)))
+    speed = 0.1 * float(np.ptp(course.path)) / max(float(np.ptp(course.time)), step)
+    return {
+        "kp": values["kp"], "kd": damping, "armature": inertia, "coulomb": torque, "viscous": damping,
+        "static": torque, "stribeck_velocity": max(speed, 1e-3), "delay": step, "bias": 0.01, "lag": step,
+    }  # fmt: skip
+
+
+def _lowest() -> dict[str, float]:
+    return {name: (-float("inf") if name == "bias" else 0.0) for name in Figures.names()}
+
+
+def _acceleration(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds) -> Array:
+    """Of the fitted joint, outside of the pieces of the filter."""
+    import numpy as np
+
+    moved = simulated(log, fit.values, bounds, fit.states[0])
+    found = recording.acceleration.copy()
+    for piece, start in enumerate(log.starts):
+        rows = slice(start, start + log.rows)
+        found[rows] = np.gradient(moved.qd[:, piece, 0], recording.time[rows])
+    return found
+
+
+def _replay(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds, results: Results) -> Replay:
+    import numpy as np
+
+    moved = simulated(log, fit.values, bounds, fit.states[0])
+    spread: dict[str, Array] = {}
+    behind = moved.friction if log.joint_torque else 0.0
+    for name, pieces in (
+        ("position", moved.q + fit.values["bias"]),
+        ("velocity", moved.qd),
+        ("torque", moved.torque - behind),
+        ("friction", moved.friction),
+    ):
+        whole = np.full(len(recording.time), np.nan)
+        for piece, start in enumerate(log.starts):
+            whole[start : start + log.rows] = pieces[:, piece, 0]
+        spread[name] = whole
+    model = {name: spread[name] for name in recording.measured}
+    told = {
+        name
+        for name, (field, _) in FIELDS.items()
+        if result_value(results.joints[recording.joint], field) is not None
+    }
+    return Replay(
+        recording.joint,
+        recording,
+        log.course,
+        bounds,
+        fit.values,
+        frozenset(told),
+        model,
+        {name: spread[name] for name in ("velocity", "friction")},
+        log.starts,
+        log.rows,
+    )
