@@ -12,6 +12,7 @@ parallel motors are already in it.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, fields, replace
 from enum import Enum
@@ -191,11 +192,22 @@ class Randomization:
 
 @dataclass(frozen=True, slots=True)
 class Network:
-    """An actuator network, by file; paths are absolute or relative to the working folder."""
+    """An actuator network, by file; paths are absolute or relative to the working folder.
 
-    file: str
+    Attributes:
+        file: The network itself; None: those that the manifest names.
+        manifest: Its manifest; None: none is named. One of the two is there.
+        span: Where it is written.
+    """
+
+    file: str | None
     manifest: str | None
     span: Span | None = None
+
+    @property
+    def name(self) -> str:
+        """Base name by which it is shown."""
+        return os.path.basename(self.file or self.manifest or "")
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,7 +84,14 @@ def network_files(compiled: Compilation) -> dict[str, str]:
     Args:
         compiled: One target, compiled.
     """
-    paths = {os.path.abspath(a.network.file) for a in compiled.actuators.joints if a.network is not None}
+    from actspec.readings.networks import network_paths
+
+    paths = {
+        os.path.abspath(path)
+        for actuator in compiled.actuators.joints
+        if actuator.network is not None
+        for path in network_paths(actuator.network).values()
+    }
     own = {}
     for path in sorted(paths):
         with open(path, "rb") as file:

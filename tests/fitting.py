@@ -12,7 +12,7 @@ from actspec.resolution import resolve
 from actspec.robot.load import listed_robot
 from actspec.spec.document import document_from_text
 from actspec.spec.models import SpecModel
-from actspec.spec.results import validate_results
+from actspec.spec.results import ResultsFile, validate_results
 from actspec.spec.validate import validate
 from tests.compiling import view_of
 
@@ -48,9 +48,8 @@ def fit(text: str, model: str | None = None, *, results: str | None = None) -> A
     spec = validate(document_from_text(text, "s.yaml"))
     if results is not None:
         head = "format: actspec-results/1\nrobot: leg\nmethod: rollout\njoints: "
-        spec = replace(
-            spec, results={"r.yaml": validate_results(document_from_text(head + results, "r.yaml"))}
-        )
+        document = document_from_text(head + results, "r.yaml")
+        spec = replace(spec, results={"r.yaml": ResultsFile(validate_results(document), document)})
     return resolve(spec, listed_robot(spec) if model is None else view_of(model))
 
 

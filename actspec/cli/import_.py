@@ -149,7 +149,7 @@ def _placed(combined: Combined, folder: str) -> Combined:
         if network is not None:
             files = (network.file, network.manifest)
             file, manifest = (_reference(f, folder) if f and os.path.isfile(f) else f for f in files)
-            joint = replace(joint, network=replace(network, file=file or "", manifest=manifest))
+            joint = replace(joint, network=replace(network, file=file, manifest=manifest))
         joints.append(joint)
     return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)))
 

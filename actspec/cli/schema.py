@@ -30,8 +30,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Print a JSON Schema: of files that people write (spec, results, network), or of what actspec writes: the JSON "
-        "of compile, show (actuators), validate, verify, sysid, audit (report), rule (rules) and diff, and files.",
+        "Print a JSON Schema: of files that people write (spec, results, network, log for its sidecar), or of "
+        "what actspec writes: the JSON of compile, show (actuators), validate, verify, sysid, audit (report), rule "
+        "(rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )
@@ -39,7 +40,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         default="spec",
-        choices=("spec", "results", "network", *WRITTEN),
+        choices=("spec", "results", "network", "log", *WRITTEN),
         help="default: spec",
     )
 

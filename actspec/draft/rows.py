@@ -136,8 +136,8 @@ def network_of(joint: JointActuator) -> str:
     """The network as a flow mapping; "" without one."""
     if joint.level is not Level.ACTUATOR_NET or joint.network is None:
         return ""
-    manifest = f", manifest: {scalar(joint.network.manifest)}" if joint.network.manifest else ""
-    return f"{{file: {scalar(joint.network.file)}{manifest}}}"
+    named = (("file", joint.network.file), ("manifest", joint.network.manifest))
+    return "{" + ", ".join(f"{key}: {scalar(path)}" for key, path in named if path is not None) + "}"
 
 
 def _silence(key: str, name: str, quantity: Quantity, kinds: Sequence[FileKind]) -> str | None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from actspec.logs.log import SIGNALS, JointLog, Log, LogError
 from actspec.logs.read import load_log
-from actspec.logs.sidecar import Sidecar
 from actspec.logs.write import write_log
+from actspec.spec.sidecar import Sidecar
 
 __all__ = ["SIGNALS", "JointLog", "Log", "LogError", "Sidecar", "load_log", "write_log"]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from actspec.logs.sidecar import Sidecar
+    from actspec.spec.sidecar import Sidecar
 
     Array = NDArray[np.float64]
 

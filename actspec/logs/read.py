@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, did_you_mean, listed, shortened
 from actspec.logs.log import SIGNALS, JointLog, Log, LogError
-from actspec.logs.sidecar import Sidecar, load_sidecar, sidecar_path
+from actspec.logs.sidecar import load_sidecar, sidecar_path
 from actspec.logs.tables import Table, read_table
+from actspec.patterns import PatternError, match_names
+from actspec.spec.sidecar import Sidecar
 from actspec.units import Kind, UnitError, parse_with_unit
 
 if TYPE_CHECKING:
@@ -25,6 +27,9 @@ LEAST_ROWS = 20
 SLOWEST = 0.5
 """Longest usual time between two rows [s]. Chosen: a drive's course cannot be seen at 2 Hz; milliseconds written as
 seconds are longer."""
+FASTEST = 5e-5
+"""Shortest [s]. Chosen: no drive is read at 20 kHz over a link; seconds written as milliseconds or minutes are
+shorter."""
 
 _UNIT = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
 
@@ -45,8 +50,8 @@ def load_log(path: str) -> Log:
     Raises:
         LogError: with every error of both; a fault of a cell names its row.
     """
-    sidecar = load_sidecar(path)
     table = read_table(path)
+    sidecar = load_sidecar(path)
     out = Collector()
     columns = _columns(table, sidecar, path, out)
     time = _time(table, columns, sidecar, path, out)
@@ -72,9 +77,37 @@ def load_log(path: str) -> Log:
         out.error("LOG011", message, span=Span(path, 1), help=help)
     out.raise_if_failed(LogError)
     assert time is not None
+    _check_sidecar(sidecar, columns, list(found), path)
     joints = {name: JointLog(name, linear.get(name), **signals) for name, signals in found.items()}
     digest = hashlib.sha256(table.data).hexdigest()
     return Log(path, digest, time, joints, sidecar, tuple(ignored), table.first_row)
+
+
+def _check_sidecar(
+    sidecar: Sidecar, columns: Mapping[str, _Column], joints: Sequence[str], path: str
+) -> None:
+    """Units of columns that are not there, and gains of misspelt joints."""
+    out = Collector()
+    place = Span(sidecar_path(path))
+    known = [*columns, *(column.theirs for column in columns.values()), *SIGNALS, "time"]
+    for name in sidecar.units:
+        if name not in known:
+            help = did_you_mean(name, known, f"signals: {listed(SIGNALS)}")
+            message = f"the log has no column '{shortened(name)}'"
+            out.error("LOG015", message, where="units", span=place, help=help)
+    lacking = []
+    try:
+        lacking = [name for name in joints if sidecar.gains_of(name) is None]
+        unused = [text for text in sidecar.gains if text not in joints and not match_names(text, joints)]
+    except PatternError as err:
+        out.error("LOG015", err.message, where="gains", span=place, help=err.help)
+        unused = []
+    for text in unused if lacking else ():
+        # Where all joints have gains, the others are those of another log of the robot.
+        message = f"'{shortened(text)}' is no joint of the log; no gains are stated for {listed(lacking)}"
+        help = did_you_mean(text, lacking, f"joints: {listed(joints)}")
+        out.error("LOG015", message, where="gains", span=place, help=help)
+    out.raise_if_failed(LogError)
 
 
 def _columns(table: Table, sidecar: Sidecar, path: str, out: Collector) -> dict[str, _Column]:
@@ -138,6 +171,10 @@ def _time(
     if step > SLOWEST:
         message = f"a row comes every {step:.6g} s: no course of a drive can be seen at that rate"
         help = "is the unit right? Write `time [ms]` for milliseconds"
+        out.error("LOG012", message, span=Span(path, 1), help=help)
+    if step < FASTEST:
+        message = f"a row comes every {step * 1e6:.6g} us: no robot is read at that rate"
+        help = "is the unit right? Write `time [s]` for seconds"
         out.error("LOG012", message, span=Span(path, 1), help=help)
     return time
 

@@ -1,74 +1,16 @@
-"""The YAML file beside a recording: how it was made, and what its columns are."""
+"""The YAML file beside a recording, found and read."""
 
 from __future__ import annotations
 
+import math
 import os
-from typing import Annotated, Literal
+from datetime import date
 
-from pydantic import Field
-
-from actspec.diagnostics import Collector, SpecError
+from actspec.diagnostics import Collector, SpecError, shortened
 from actspec.logs.log import LogError
 from actspec.spec.document import load_document
+from actspec.spec.sidecar import FORMAT, Sidecar
 from actspec.spec.validate import checked
-from actspec.spec.values import Name, Number, SpecValue, Strict
-from actspec.units import Kind
-
-FORMAT = "actspec-log/1"
-
-
-class LogGains(Strict):
-    """Gains as they were sent to the drive."""
-
-    kp: Annotated[SpecValue, Number(Kind.STIFFNESS, at_least=0.0, unknown=False)]
-    """Position gain [N*m/rad or N/m]."""
-    kd: Annotated[SpecValue, Number(Kind.VELOCITY_GAIN, at_least=0.0, unknown=False)]
-    """Velocity gain [N*m*s/rad or N*s/m]."""
-
-
-class LogBase(Strict):
-    """A base that is held still."""
-
-    orientation: Annotated[tuple[float, ...], Field(min_length=4, max_length=4)]
-    """Quaternion w, x, y, z from the base to the world."""
-
-
-class Accuracy(Strict):
-    """How far figures that the fit takes as given may be off, as standard deviations."""
-
-    torque: Annotated[SpecValue, Number(Kind.RATIO, at_least=0.0, at_most=1.0, unknown=False)] | None = None
-    """Scale of the torque that was logged."""
-    masses: Annotated[SpecValue, Number(Kind.RATIO, at_least=0.0, at_most=1.0, unknown=False)] | None = None
-    """Masses and inertias of the model."""
-
-
-class Sidecar(Strict):
-    """What is known of a recording."""
-
-    format: Literal["actspec-log/1"] = FORMAT  # type: ignore[assignment]
-    """Format of this file."""
-    robot: Name | None = None
-    """Name of the robot."""
-    date: str | None = None
-    """Day of the experiment, YYYY-MM-DD."""
-    temperature: Literal["cold", "warm"] | None = None
-    """Whether the motors were cold or warm."""
-    supply: Annotated[SpecValue, Number(Kind.VOLTAGE, above=0.0)] | None = None
-    """Voltage of the supply [V]."""
-    units: dict[str, str] = Field(default_factory=dict)
-    """Unit of a column without one in its header, by the column's name or by that of a signal."""
-    columns: dict[str, str] = Field(default_factory=dict)
-    """The file's name of a column to `JOINT.SIGNAL` or `time`."""
-    torque: Literal["drive", "joint"] | None = None
-    """Where the torque was measured: at the drive, before friction, or at the joint, behind it."""
-    gains: dict[str, LogGains] = Field(default_factory=dict)
-    """Joint, or pattern of joints, to the gains that the drive had."""
-    base: LogBase | None = None
-    """How the base was held."""
-    accuracy: Accuracy = Accuracy()
-    """Of figures that the fit takes as given."""
-    note: str | None = None
-    """Remark."""
 
 
 def sidecar_path(path: str) -> str:
@@ -101,6 +43,20 @@ def load_sidecar(path: str) -> Sidecar:
         found = checked(Sidecar, document, collector)
     except SpecError as err:
         raise LogError(err.diagnostics) from err
+    if found is not None and found.date is not None and not _is_day(found.date):
+        message = f"must be a day as 2026-11-22, got '{shortened(found.date)}'"
+        collector.error("LOG016", message, where="date", span=document.spans.value(("date",)))
+    if found is not None and found.base is not None and not 0.9 < math.hypot(*found.base.orientation) < 1.1:
+        message = f"a quaternion has length 1, this one {math.hypot(*found.base.orientation):.3g}"
+        place = document.spans.value(("base", "orientation"))
+        collector.error("LOG016", message, where="base.orientation", span=place, help="order: w, x, y, z")
     collector.raise_if_failed(LogError)
     assert found is not None
     return found
+
+
+def _is_day(text: str) -> bool:
+    try:
+        return date.fromisoformat(text).isoformat() == text
+    except ValueError:
+        return False

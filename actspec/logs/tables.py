@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import io
 import os
 import zipfile
@@ -12,6 +11,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, listed, shortened
 from actspec.files import NotRegular, TooLarge, read_regular, why
 from actspec.logs.log import LogError
+from actspec.logs.text import MAX_CELLS, MAX_COLUMNS, read_text
 
 if TYPE_CHECKING:
     import numpy as np
@@ -21,13 +21,6 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 256 * 2**20
 """Largest file [bytes]. Chosen: ten minutes of 29 joints at 200 Hz are 140 MB of text."""
-MAX_CELLS = 40_000_000
-"""Most numbers. Chosen: 320 MB."""
-MAX_COLUMNS = 2000
-MAX_FAULTS = 20
-"""After so many faulty cells the others are counted. Chosen: they tend to have one cause."""
-MISSING = frozenset(("", "nan", "na", "n/a", "null", "none", "-nan"))
-"""Texts of a cell that holds no number, in small letters. Source: what pandas, numpy and MATLAB write."""
 PICKLES = (".pkl", ".pickle", ".pt", ".pth", ".npy", ".mat", ".h5", ".hdf5", ".bag", ".mcap", ".db3")
 
 
@@ -55,7 +48,7 @@ def read_table(path: str) -> Table:
         LogError: with every fault of the file, each with its row.
     """
     suffix = os.path.splitext(path)[1].lower()
-    readers = {".csv": _csv, ".tsv": _csv, ".txt": _csv, ".npz": _npz, ".parquet": _parquet}
+    readers = {".csv": _text, ".tsv": _text, ".txt": _text, ".npz": _npz, ".parquet": _parquet}
     if suffix not in readers:
         help = "write CSV, NPZ or Parquet with columns `time [s]`, `JOINT.position [rad]`, ..."
         if suffix in PICKLES:
@@ -70,127 +63,15 @@ def read_table(path: str) -> Table:
         ) from err
     except (NotRegular, OSError, ValueError) as err:
         raise LogError.of("LOG001", f"the log cannot be read: {why(err)}", Span(path)) from err
+    if data.startswith(b"\x80"):
+        message = "the log is a pickle, which is not read: it may run code"
+        raise LogError.of("LOG003", message, Span(path), help="write CSV, NPZ or Parquet")
     return readers[suffix](path, data)
 
 
-def _csv(path: str, data: bytes) -> Table:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as err:
-        line = data.count(b"\n", 0, err.start) + 1
-        raise LogError.of("LOG003", "the log is not UTF-8 text", Span(path, line)) from err
-    if "\0" in text:
-        raise LogError.of(
-            "LOG003", "the log is not text", Span(path, text.count("\n", 0, text.index("\0")) + 1)
-        )
-    head, _, body = text.partition("\n")
-    delimiter = next((mark for mark in ("\t", ";", ",") if mark in head), ",")
-    names = _header(path, next(csv.reader([head.rstrip("\r")], delimiter=delimiter), []))
-    del text
-    return Table(names, _numbers(path, body, delimiter, len(names)), 2, data)
-
-
-def _header(path: str, given: list[str]) -> tuple[str, ...]:
-    names = tuple(name.strip() for name in given)
-    if not any(names):
-        raise LogError.of("LOG003", "the log is empty", Span(path, 1), help="the first row names the columns")
-    if len(names) > MAX_COLUMNS:
-        message = f"the log has {len(names)} columns, at most {MAX_COLUMNS} are read"
-        raise LogError.of("LOG002", message, Span(path, 1))
-    if all(_number(name) is not None for name in names if name):
-        help = "write a first row such as `time [s],hip.command [rad],hip.position [rad]`"
-        raise LogError.of(
-            "LOG003", "the first row holds numbers, not names of columns", Span(path, 1), help=help
-        )
-    return names
-
-
-def _numbers(path: str, body: str, delimiter: str, width: int) -> tuple[Array, ...]:
-    """The cells below a header, a column each."""
-    import numpy as np
-
-    if not body.strip():
-        raise LogError.of("LOG003", "the log has no rows", Span(path, 2))
-    try:
-        # In C, and it takes nothing but numbers; what it refuses is looked at cell by cell.
-        found = np.loadtxt(io.StringIO(body), delimiter=delimiter, ndmin=2, comments=None)
-        if found.shape[1] == width and len(found) == body.count("\n") + (not body.endswith("\n")):
-            return tuple(np.ascontiguousarray(column) for column in found.T)
-    except ValueError:
-        pass
-    return _cells(path, body, delimiter, width)
-
-
-def _cells(path: str, body: str, delimiter: str, width: int) -> tuple[Array, ...]:
-    import numpy as np
-
-    faults = Collector()
-    many = 0
-    rows: list[list[float]] = []
-    for line, cells in enumerate(csv.reader(io.StringIO(body), delimiter=delimiter), 2):
-        if not cells:
-            # Blank lines count in file rows: a gap would move every later place.
-            rows.append([])
-            continue
-        if len(cells) != width:
-            many += 1
-            if many <= MAX_FAULTS:
-                message = f"the row has {len(cells)} cells, the header {width}"
-                faults.error("LOG004", message, span=Span(path, line), help=_comma(cells, width, delimiter))
-            continue
-        found = [_number(cell) for cell in cells]
-        for column, (value, cell) in enumerate(zip(found, cells, strict=True), 1):
-            if value is None:
-                many += 1
-                if many <= MAX_FAULTS:
-                    message = f"column {column} holds '{shortened(cell, 30)}', not a number"
-                    faults.error("LOG004", message, span=Span(path, line, column), help=_written(cell))
-        rows.append([0.0 if value is None else value for value in found])
-        if len(rows) * width > MAX_CELLS:
-            raise LogError.of("LOG002", f"the log has over {MAX_CELLS} cells", Span(path, line))
-    if many > MAX_FAULTS:
-        faults.error("LOG004", f"{many - MAX_FAULTS} more cells or rows are faulty", span=Span(path))
-    while rows and not rows[-1]:
-        rows.pop()
-    for index, row in enumerate(rows):
-        if not row:
-            faults.error("LOG004", "the line is blank", span=Span(path, index + 2), help="remove it")
-            break
-    faults.raise_if_failed(LogError)
-    if not rows:
-        raise LogError.of("LOG003", "the log has no rows", Span(path, 2))
-    return tuple(np.array(column, dtype=float) for column in zip(*rows, strict=True))
-
-
-def _number(cell: str) -> float | None:
-    """A cell's number, NaN for a missing one; None for text."""
-    text = cell.strip()
-    if text.lower() in MISSING:
-        return float("nan")
-    if text.lower() in ("true", "false"):
-        return float(text.lower() == "true")
-    # float() takes 1_000, which no program writes as a number.
-    if "_" in text:
-        return None
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
-def _comma(cells: list[str], width: int, delimiter: str) -> str | None:
-    if delimiter == "," and len(cells) in (2 * width, 2 * width - 1):
-        return "numbers with a decimal comma cannot be told from columns: write points, or separate by `;`"
-    return None
-
-
-def _written(cell: str) -> str | None:
-    plain = cell.strip().replace(",", ".")
-    if plain != cell.strip() and _number(plain) is not None:
-        return f"write {plain}, with a point"
-    if cell.strip().split(" ")[0] != cell.strip() and _number(cell.strip().split(" ")[0]) is not None:
-        return "units stand in the header: `hip.position [rad]`"
-    return None
+def _text(path: str, data: bytes) -> Table:
+    names, columns, first = read_text(path, data)
+    return Table(names, columns, first, data)
 
 
 def _npz(path: str, data: bytes) -> Table:

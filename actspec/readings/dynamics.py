@@ -6,7 +6,6 @@ From ledger rows, and from the artifact for what the ledger has no column for. N
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -17,6 +16,7 @@ from actspec.ir import JointActuator
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig
 from actspec.readings.compare import Figure
 from actspec.readings.ledger import LedgerRow
+from actspec.readings.networks import network_paths
 from actspec.readings.pair import matching
 from actspec.robot.view import ActuatorView, JointView
 
@@ -257,10 +257,11 @@ def _network(actuator: JointActuator) -> str | None:
 
     if actuator.network is None:
         return None
+    path = next(iter(network_paths(actuator.network).values()), None)
     try:
-        return hashlib.sha256(read_regular(actuator.network.file, _MOST_NETWORK_BYTES)).hexdigest()
+        return hashlib.sha256(read_regular(path or "", _MOST_NETWORK_BYTES)).hexdigest()
     except (OSError, ValueError, NotRegular, TooLarge):
-        return os.path.basename(actuator.network.file)
+        return actuator.network.name
 
 
 def _links(row: LedgerRow) -> tuple[float, float] | None:

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import os
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, SpecError
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet, Network
 from actspec.readings.artifact import ActuatorGroup, NetworkConventions, NetworkReading, RobotConfig
+
+if TYPE_CHECKING:
+    from actspec.spec.network import NetworkManifest
 
 SETTINGS = ("network_file", "actuator_net_file")
 """Settings that name a network: of Isaac Lab and mjlab, and of legged_gym."""
@@ -50,12 +54,29 @@ def networks_of(spec: ActuatorSet) -> tuple[NetworkReading, ...]:
         network = actuator.network
         if network is None or network in found:
             continue
-        path = network.file if os.path.isfile(network.file) else None
-        manifest = network.manifest or f"{os.path.splitext(network.file)[0]}.json"
+        paths = [path for path in network_paths(network).values() if os.path.isfile(path)]
+        manifest = network.manifest or f"{os.path.splitext(network.file or '')[0]}.json"
         said, problem = _manifest(manifest) if os.path.isfile(manifest) else (None, None)
-        span = network.span or actuator.span or Span(network.file)
-        found[network] = NetworkReading(network.file, span, True, path, said, problem)
+        file = network.file or manifest
+        span = network.span or actuator.span or Span(file)
+        found[network] = NetworkReading(file, span, True, next(iter(paths), None), said, problem)
     return tuple(found.values())
+
+
+def network_paths(network: Network) -> dict[str, str]:
+    """Paths of a network's files by format: `file` where a spec names it, else those of its manifest.
+
+    A manifest that cannot be read names none: whoever needs a file says why.
+    """
+    if network.file is not None:
+        return {"file": network.file}
+    assert network.manifest is not None
+    manifest, _ = _checked(network.manifest)
+    if manifest is None or manifest.files is None:
+        return {}
+    folder = os.path.dirname(network.manifest)
+    named = {"onnx": manifest.files.onnx, "torchscript": manifest.files.torchscript}
+    return {form: os.path.join(folder, entry.path) for form, entry in named.items() if entry is not None}
 
 
 def _find(file: str, folder: str) -> str | None:
@@ -75,24 +96,9 @@ def _find(file: str, folder: str) -> str | None:
 
 def _manifest(path: str) -> tuple[NetworkConventions | None, str | None]:
     """The manifest beside a network, or why it cannot be read; neither when there is none."""
-    try:
-        if _MARK not in read_regular(path, MAX_MANIFEST):
-            return None, None
-    except (OSError, ValueError, NotRegular, TooLarge):
-        return None, None
-    # Few configurations have one, and the models take time to build.
-    from actspec.spec.document import load_document
-    from actspec.spec.results import NetworkManifest
-    from actspec.spec.validate import checked
-
-    collector = Collector()
-    try:
-        found = checked(NetworkManifest, load_document(path), collector)
-    except SpecError as err:
-        return None, err.diagnostics[0].message
+    found, problem = _checked(path)
     if found is None:
-        first = next(iter(collector.sorted()))
-        return None, f"{first.where}: {first.message}"
+        return None, problem
     return (
         NetworkConventions(
             path,
@@ -106,3 +112,26 @@ def _manifest(path: str) -> tuple[NetworkConventions | None, str | None]:
         ),
         None,
     )
+
+
+def _checked(path: str) -> tuple[NetworkManifest | None, str | None]:
+    """A file as a manifest, or what is wrong with it; neither where it is no manifest."""
+    try:
+        if _MARK not in read_regular(path, MAX_MANIFEST):
+            return None, None
+    except (OSError, ValueError, NotRegular, TooLarge):
+        return None, None
+    # Few configurations have one, and the models take time to build.
+    from actspec.spec.document import load_document
+    from actspec.spec.network import NetworkManifest
+    from actspec.spec.validate import checked
+
+    collector = Collector()
+    try:
+        found = checked(NetworkManifest, load_document(path), collector)
+    except SpecError as err:
+        return None, err.diagnostics[0].message
+    if found is None:
+        first = next(iter(collector.sorted()))
+        return None, f"{first.where}: {first.message}"
+    return found, None

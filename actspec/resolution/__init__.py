@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, ResolveError
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
 from actspec.readings.joint import read_joints
+from actspec.resolution.identified import check_gains, drawn_apart, results_sources
 from actspec.resolution.joint import actuator_of, armature_of
 from actspec.resolution.motor import own_motors
 from actspec.resolution.quantities import Reports, model_values, written
@@ -90,6 +91,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     reports.tell(collector)
     for actuator in joints:
         _check_finite(actuator, collector)
+    check_gains(zip(joints, stated, strict=True), collector)
     check_joints(joints, spec.model, spec.document, collector)
     collector.raise_if_failed(ResolveError)
     model = spec.model
@@ -112,11 +114,15 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         sources=tuple(
             Source(key, s.title, s.url, None if s.page is None else str(s.page), s.commit, s.accessed, s.note)
             for key, s in model.sources.items()
-        ),
+        )
+        + tuple(results_sources(spec)),
         spec_sha256=spec.document.text_sha256,
         diagnostics=collector.sorted(),
         default_pose=tuple(model.robot.default_pose),
-        approximations=simplifications(joints, motors, linkages),
+        approximations=(
+            *simplifications(joints, motors, linkages),
+            *(loss for inputs in said for loss in drawn_apart(inputs)),
+        ),
         variant=model.variant,
     )
 

@@ -133,13 +133,21 @@ def _fitted(inputs: JointInputs, field: str, path: Path) -> Quantity | None:
     """The fitted value that a range is taken from; None after an error."""
     fitted = None if field in UNFITTED else inputs.identified(field, RANDOMIZED_KINDS[field])
     if fitted is None or fitted.std is None:
+        from actspec.resolution.identified import why_missing
+
+        help = "write `std` there, or state the range as scale, add or abs"
+        if fitted is not None:
+            why = f"{fitted.span} has {format_quantity(fitted.value, fitted.unit)} without `std`"
+        else:
+            why, help = why_missing(inputs, field)
+            help = help.replace("write the number here", "state the range as scale, add or abs")
         inputs.reports.error(
             "RES007",
             inputs.joint.name,
-            f"no identified standard deviation of {field} to take the range from",
+            f"no identified standard deviation of {field} to take the range from: {why}",
             dotted(path),
             inputs.stated.spec.span(*path),
-            "state the range as scale, add or abs",
+            help,
         )
         return None
     return fitted

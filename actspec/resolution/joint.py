@@ -97,7 +97,7 @@ def actuator_of(
         network=None
         if network is None
         else Network(
-            network_path(network.file),
+            None if network.file is None else network_path(network.file),
             None if network.manifest is None else network_path(network.manifest),
             stated.spec.span(*group_path, "network"),
         ),

@@ -23,7 +23,7 @@ CONFLICT_STD = 3.0
 """Authored and identified apart by more than this many std are reported (DESIGN: precedence)."""
 
 
-def written(value: SpecValue, unit: str, span: Span, origin: Origin = Origin.AUTHORED) -> Quantity:
+def written(value: SpecValue, unit: str, span: Span | None, origin: Origin = Origin.AUTHORED) -> Quantity:
     """A number of the spec (or of a results file) as a quantity; `unknown` keeps its place."""
     return Quantity(
         value.value,

@@ -25,7 +25,7 @@ from actspec.units import Kind
 if TYPE_CHECKING:
     from actspec.resolution.motor import JointMotor
     from actspec.resolution.quantities import ModelValues
-    from actspec.spec.results import JointResult
+    from actspec.spec.results import JointResult, ResultsFile
 
 
 FIELDS = tuple(name for name in Tunable.model_fields if name != "friction")
@@ -44,7 +44,7 @@ class Stated:
         binding: The joint and its group.
         group: The group.
         motor: Its motor; None without one.
-        result: What identification says of the joint; None without results.
+        results: The group's results file; None without one.
         fields: Field (`kp`, `friction.viscous`, ...) to (what is written, where).
     """
 
@@ -52,13 +52,24 @@ class Stated:
     binding: Binding
     group: Actuators
     motor: Motor | None
-    result: JointResult | None
+    results: ResultsFile | None
     fields: dict[str, tuple[Any, Path]]
 
     @property
     def kind(self) -> JointKind:
         """hinge or slide."""
         return self.binding.joint.kind
+
+    @property
+    def result(self) -> JointResult | None:
+        """What identification says of the joint; None: nothing."""
+        return None if self.results is None else self.results.model.joints.get(self.binding.joint.name)
+
+    def result_span(self, *path: str | int) -> Span | None:
+        """Where the results file says something of the joint; None without a file."""
+        if self.results is None:
+            return None
+        return self.results.document.spans.value(("joints", self.binding.joint.name, *path))
 
     def get(self, field: str) -> Any:
         """What is written, or None."""
@@ -99,10 +110,8 @@ def stated_of(spec: Spec, binding: Binding, breaches: Breaches) -> Stated:
             fields[field] = (value, path)
     motor_name = fields["motor"][0] if "motor" in fields else None
     motor = spec.model.motors.get(motor_name) if motor_name is not None else None
-    result = None
-    if group.identified is not None:
-        result = spec.results[group.identified].joints.get(binding.joint.name)
-    found = Stated(spec, binding, group, motor, result, fields)
+    results = None if group.identified is None else spec.results[group.identified]
+    found = Stated(spec, binding, group, motor, results, fields)
     _check_units(found, breaches)
     return found
 
@@ -335,6 +344,10 @@ FITTED = tuple(spec for spec, field in BY_SPEC.items() if field.fitted)
 """Fields that identification results may hold, beside the delay and the bandwidth."""
 
 
+FITTED_AS = {"command_filter": "bandwidth"}
+"""Field of a spec to its name in results, where the two differ."""
+
+
 @dataclass(frozen=True, slots=True)
 class JointInputs:
     """What is said about one joint.
@@ -405,10 +418,15 @@ class JointInputs:
         value = getattr(result.friction, field.partition(".")[2]) if "." in field else getattr(result, field)
         if not isinstance(value, SpecValue) or value.value is None:
             return None
-        file = str(self.stated.group.identified)
-        path = ("actuators", self.stated.binding.group, "identified")
-        self.check_unit(value, f"{file} gives its {field} as {value.written}", path)
-        found = written(value, self.unit(kind), self.stated.spec.span(*path), Origin.IDENTIFIED)
+        file, span = str(self.stated.group.identified), self.stated.result_span(*field.split("."))
+        if value.linear is not None and value.linear is not (self.kind is JointKind.SLIDE):
+            name = self.joint.name
+            self.breaches.collector.at(f"joints.{name}.{field}", span).error(
+                "RES001",
+                f"'{name}' is a {self.kind.value} joint, but its {field} is {value.written}",
+                UNITS_OF_JOINTS,
+            )
+        found = written(value, self.unit(kind), span, Origin.IDENTIFIED)
         return replace(found, source=found.source or file)
 
     def number(
@@ -443,12 +461,11 @@ class JointInputs:
             word: Key to write `identified` at; default: the field's own.
         """
         if isinstance(value, SpecValue) and value.identified and fitted is None:
-            self.error(
-                "RES002",
-                f"{field} is to be the identified value, but the results have none",
-                field,
-                f"see {self.stated.group.identified}, or write the number here",
-            )
+            from actspec.resolution.identified import why_missing
+
+            fitted_field = FITTED_AS.get(field, field)
+            why, help = why_missing(self, fitted_field)
+            self.error("RES002", f"{field} is to be the identified value, but {why}", field, help)
         apart = conflict(authored, fitted)
         if apart is not None:
             self.breaches.collector.at(dotted(self.stated.path(field)), self.span(field)).warning(

@@ -236,10 +236,11 @@ FilterOrWord = Annotated[
 class NetworkFile(Strict):
     """Actuator network, level actuator_net."""
 
-    file: str
-    """Network, relative to the spec's folder (TorchScript)."""
     manifest: str | None = None
-    """Its manifest: inputs, scales, order, period."""
+    """Its manifest, relative to the spec's folder: files, inputs, scales, order, period."""
+    file: str | None = None
+    """The network itself, relative to the spec's folder, for every target; default: those that the manifest names,
+    each target the one that it reads."""
 
 
 Ends = Annotated[list[Any], Field(min_length=2, max_length=2)]

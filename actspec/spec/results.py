@@ -1,16 +1,16 @@
-"""Files that a spec names: identification results, written by a fit, and the manifest of an actuator network.
+"""Identification results, which a spec names under `identified`.
 
-YAML like the spec, read as strictly. Results have one entry a joint; each number carries unit and std. A manifest
-holds the conventions that a network file alone does not tell.
+YAML like the spec, read as strictly. One entry a joint; each number carries unit and std.
 """
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from pydantic import Field
 
-from actspec.diagnostics import Collector, SpecError
+from actspec.diagnostics import Collector, SpecError, did_you_mean, shortened
 from actspec.spec.document import Document
 from actspec.spec.validate import checked
 from actspec.spec.values import Name, Number, SpecValue, Strict
@@ -87,6 +87,8 @@ class JointResult(Strict):
     """Fields that ended at a bound of the fit; they have no value."""
     unidentifiable: tuple[str, ...] = ()
     """Fields that the data cannot tell; they have no value."""
+    left_out: dict[str, str] = Field(default_factory=dict)
+    """What another tool found of the joint and these results have not, to the reason."""
     reasons: dict[str, str] = Field(default_factory=dict)
     """Why a field of these two lists has no value."""
     gains: HeldGains | None = None
@@ -97,6 +99,13 @@ class JointResult(Strict):
     """Figures of the experiment or the closed loop, by name, such as `torque_scale`; never compiled."""
     correlation: tuple[tuple[str, str, Annotated[float, Field(ge=-1.0, le=1.0)]], ...] = ()
     """Pairs of fields whose errors go together, and their correlation."""
+
+
+FIELDS = (
+    *("kp", "kd", "armature", "delay", "bandwidth", "closed_loop_bandwidth", "encoder_bias"),
+    *(f"friction.{part}" for part in FrictionResult.model_fields),
+)
+"""Figures of a joint, by the names of `randomize`."""
 
 
 class FitFile(Strict):
@@ -135,6 +144,19 @@ class Results(Strict):
     """Joint to what was fitted."""
 
 
+@dataclass(frozen=True, slots=True)
+class ResultsFile:
+    """Results with their places.
+
+    Attributes:
+        model: What they say.
+        document: Where they say it.
+    """
+
+    model: Results
+    document: Document
+
+
 def validate_results(document: Document) -> Results:
     """Check a results file.
 
@@ -146,6 +168,15 @@ def validate_results(document: Document) -> Results:
     for name, joint in results.joints.items() if results is not None else ():
         for key in ("bounds_hit", "unidentifiable"):
             for index, field in enumerate(getattr(joint, key)):
+                if field not in FIELDS:
+                    collector.error(
+                        "SPEC174",
+                        f"'{shortened(field)}' is no field of a joint's results",
+                        where=f"joints.{name}.{key}",
+                        span=document.spans.value(("joints", name, key, index)),
+                        help=did_you_mean(field, FIELDS, f"fields: {', '.join(FIELDS)}"),
+                    )
+                    continue
                 group, _, part = field.rpartition(".")
                 holder = getattr(joint, group, None) if group else joint
                 if getattr(holder, part, None) is not None:
@@ -159,42 +190,3 @@ def validate_results(document: Document) -> Results:
     collector.raise_if_failed(SpecError)
     assert results is not None
     return results
-
-
-class NetworkManifest(Strict):
-    """Inputs, scales, order and period of an actuator network.
-
-    The law is tau = torque_scale * net([position_scale * e(t - k T) ..., velocity_scale * qd(t - k T) ...])
-    with e = target - measured and T = tap_period.
-    """
-
-    format: Literal["actspec-network/1"]
-    """Format of this file."""
-    kind: Literal["mlp", "lstm", "gru"]
-    """Kind of network."""
-    inputs: Literal["position_velocity", "velocity_position"]
-    """Which block of inputs comes first."""
-    error: Literal["target_minus_measured"] = "target_minus_measured"
-    """Sign of the position error; scales carry a minus where the network was trained the other way."""
-    taps: Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=1)]
-    """Which past samples, in order; 0 is now."""
-    tap_period: Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
-    """Time between samples, T [s]."""
-    position_scale: float
-    """Factor on the position error [1/rad or 1/m]."""
-    velocity_scale: float
-    """Factor on the velocity [s/rad or s/m]."""
-    torque_scale: float
-    """Factor on the output [N*m or N]."""
-    initial_history: Literal["zero", "first_sample"]
-    """What stands in the history at a reset."""
-    hidden_size: Annotated[int, Field(ge=1)] | None = None
-    """Of an lstm or gru."""
-    num_layers: Annotated[int, Field(ge=1)] | None = None
-    """Of an lstm or gru."""
-    joints: tuple[str, ...] = ()
-    """Joints that the network was trained on; empty: not recorded."""
-    sha256: Annotated[str, Field(pattern="^[0-9a-f]{64}$")] | None = None
-    """Hash of the network file."""
-    note: str | None = None
-    """Remark."""

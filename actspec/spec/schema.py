@@ -28,6 +28,7 @@ FILES = {
     "spec": "actspec-v1.schema.json",
     "results": "actspec-results-v1.schema.json",
     "network": "actspec-network-v1.schema.json",
+    "log": "actspec-log-v1.schema.json",
 }
 """Name to file in `schemas/`."""
 
@@ -38,7 +39,7 @@ _NAMED = ("properties", "$defs", "patternProperties")
 
 
 def schema(name: str) -> dict[str, Any]:
-    """The JSON Schema of `spec`, `results` or `network`."""
+    """The JSON Schema of one of `FILES`."""
     root = _root(name)
     found = root.model_json_schema(by_alias=True)
     definitions: dict[str, Any] = found.pop("$defs", {})
@@ -74,9 +75,13 @@ def _root(name: str) -> type[BaseModel]:
 
         return Results
     if name == "network":
-        from actspec.spec.results import NetworkManifest
+        from actspec.spec.network import NetworkManifest
 
         return NetworkManifest
+    if name == "log":
+        from actspec.spec.sidecar import Sidecar
+
+        return Sidecar
     from actspec.spec.models import SpecModel
 
     return SpecModel

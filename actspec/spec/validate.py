@@ -32,7 +32,7 @@ from actspec.spec.shape import misplaced
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
-    from actspec.spec.results import Results
+    from actspec.spec.results import ResultsFile
 
 
 M = TypeVar("M", bound=BaseModel)
@@ -51,7 +51,7 @@ class Spec:
 
     model: SpecModel
     document: Document
-    results: Mapping[str, Results] = field(default_factory=dict)
+    results: Mapping[str, ResultsFile] = field(default_factory=dict)
     diagnostics: tuple[Any, ...] = ()
 
     def span(self, *path: str | int) -> Span:
@@ -433,7 +433,7 @@ def load_spec(path: str) -> Spec:
     path = spec.document.path
     folder = os.path.dirname(os.path.abspath(path))
     collector = Collector()
-    results: dict[str, Results] = {}
+    results: dict[str, ResultsFile] = {}
     for name, group in spec.model.actuators.items():
         named = group.identified
         if named is None or named in results:
@@ -450,10 +450,11 @@ def load_spec(path: str) -> Spec:
             )
             continue
         # Most specs name no results, and the models take time to build.
-        from actspec.spec.results import validate_results
+        from actspec.spec.results import ResultsFile, validate_results
 
         try:
-            found = validate_results(load_document(os.path.join(os.path.dirname(path), named)))
+            document = load_document(os.path.join(os.path.dirname(path), named))
+            found = validate_results(document)
         except SpecError as err:
             for item in err.diagnostics:
                 if item.span is None or not item.span.line:
@@ -462,7 +463,7 @@ def load_spec(path: str) -> Spec:
                     item = replace(item, where=where, span=place)
                 collector.add(item)
             continue
-        results[named] = found
+        results[named] = ResultsFile(found, document)
         if found.robot != spec.model.robot.name:
             collector.warning(
                 "RES012",

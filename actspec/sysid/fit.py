@@ -15,7 +15,6 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, listed, nearest
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.logs import Log, LogError
-from actspec.patterns import match_names
 from actspec.robot.view import RobotView
 from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
@@ -161,12 +160,10 @@ def _held_gains(
         return None
     stated = []
     for recording in recordings:
-        sidecar = recording.log.sidecar
-        for pattern, gains in sidecar.gains.items():
-            if pattern == name or match_names(pattern, [name]):
-                assert gains.kp.value is not None and gains.kd.value is not None
-                stated.append((gains.kp.value, gains.kd.value, recording.log.path))
-                break
+        gains = recording.log.sidecar.gains_of(name)
+        if gains is not None:
+            assert gains.kp.value is not None and gains.kd.value is not None
+            stated.append((gains.kp.value, gains.kd.value, recording.log.path))
     if stated and len({(kp, kd) for kp, kd, _ in stated}) == 1:
         sent = stated[0]
         return HeldGains(sent[0], sent[1], f"as sent to the drive, by the sidecar of {sent[2]}")

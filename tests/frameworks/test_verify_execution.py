@@ -8,17 +8,20 @@ import shutil
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 
 from actspec.verify.agreement import Agreement
 from actspec.verify.run import verify
 from tests.frameworks.prepare import Frameworks
+from tests.network_files import onnx_mlp, torchscript
 from tests.verify.making import SPEC, Built, build
 
 pytestmark = pytest.mark.slow
 
-MANIFEST = {
+MANIFEST: dict[str, Any] = {
     "format": "actspec-network/1",
     "kind": "mlp",
     "inputs": "position_velocity",
@@ -67,8 +70,9 @@ class Trap:
 def mixed(folder: Path, network: str, targets: str) -> Built:
     """The spec with a file for a network that is none."""
     (folder / "net.json").write_text(json.dumps(MANIFEST), "utf-8")
-    # Of an ONNX file the target reads the head: a version, and a graph of three bytes.
-    (folder / network).write_bytes(b"\x08\x08\x3a\x03abc" if network.endswith("onnx") else b"no network")
+    taps = len(MANIFEST["taps"])
+    none = onnx_mlp([(np.ones((1, 2 * taps)), [0.0], "")]) if network.endswith("onnx") else torchscript()
+    (folder / network).write_bytes(none)
     return build(folder, HEAD + MIXED % (network, targets))
 
 

@@ -134,7 +134,7 @@ def test_asking_for_the_identified_value() -> None:
 def test_asking_for_an_identified_value_that_is_not_there() -> None:
     """Asked for and missing is an error, never a silent fall to the file's value."""
     assert refused(legs(", kp: identified", identified=True), MODEL, results="{hip: {kd: 0.5}}") == [
-        "RES002 actuators.legs.kp: hip: kp is to be the identified value, but the results have none"
+        "RES002 actuators.legs.kp: hip: kp is to be the identified value, but r.yaml has no kp of it"
     ]
 
 
@@ -210,5 +210,5 @@ def test_the_files_delay_is_recorded_as_lost() -> None:
 def test_results_in_the_other_joints_unit() -> None:
     """A fitted mass at a hinge is refused, like a written one."""
     assert refused(legs("", identified=True), MODEL, results="{hip: {armature: 0.02 kg}}") == [
-        "RES001 actuators.legs.identified: 'hip' is a hinge joint, but r.yaml gives its armature as 0.02 kg"
+        "RES001 joints.hip.armature: 'hip' is a hinge joint, but its armature is 0.02 kg"
     ]

@@ -165,6 +165,10 @@ NETWORK = """{"format": "actspec-network/1", "kind": "mlp", "inputs": "position_
 "tap_period": "5 ms", "position_scale": 1.0, "velocity_scale": 0.05, "torque_scale": 20,
 "initial_history": "zero", "sha256": "%s"}""" % ("ab" * 32)
 
+LOG = """{"format": "actspec-log/1", "robot": "a1", "date": "2026-11-22", "temperature": "warm", "supply": "24 V",
+"units": {"position": "rad"}, "columns": {"q": "hip.position"}, "torque": "drive", "base": {"orientation": [1, 0, 0, 0]
+}, "gains": {"hip": {"kp": 25, "kd": "0.5 N*m*s/rad"}}, "accuracy": {"torque": "3 %", "masses": 0.05}}"""
+
 
 @pytest.mark.parametrize(
     ("name", "text", "key", "wrong"),
@@ -172,6 +176,10 @@ NETWORK = """{"format": "actspec-network/1", "kind": "mlp", "inputs": "position_
         pytest.param("results", RESULTS, "format", "actspec-results/2", id="results format"),
         pytest.param("results", RESULTS, "joints", {"hip": {"damping": 1}}, id="results key"),
         pytest.param("results", RESULTS, "joints", {"hip": {"kp": -1}}, id="results range"),
+        pytest.param("log", LOG, "temperature", "hot", id="log temperature"),
+        pytest.param("log", LOG, "gains", {"hip": {"kp": 25}}, id="log gains"),
+        pytest.param("log", LOG, "base", {"orientation": [1, 0, 0]}, id="log base"),
+        pytest.param("log", LOG, "supply", -24, id="log supply"),
         pytest.param("network", NETWORK, "kind", "cnn", id="network kind"),
         pytest.param("network", NETWORK, "tap_period", 5, id="network period"),
         pytest.param("network", NETWORK, "taps", [-1], id="network taps"),
@@ -179,7 +187,7 @@ NETWORK = """{"format": "actspec-network/1", "kind": "mlp", "inputs": "position_
     ],
 )
 def test_results_and_network(name: str, text: str, key: str, wrong: Any) -> None:
-    """The other two schemas take the good file and mark the bad one."""
+    """The other schemas take the good file and mark the bad one."""
     good = json.loads(text)
     assert list(validator(name).iter_errors(good)) == []
     assert list(validator(name).iter_errors({**good, key: wrong}))

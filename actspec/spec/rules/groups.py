@@ -33,7 +33,11 @@ def check_group(name: str, group: Actuators, model: SpecModel, breaches: Breache
             "SPEC140",
             "level actuator_net needs `network`",
             path,
-            "write network: {file: ..., manifest: ...}",
+            "write network: {manifest: ...}",
+        )
+    if group.network is not None and group.network.file is None and group.network.manifest is None:
+        breaches.error(
+            "SPEC140", "`network` names no file", (*path, "network"), "write network: {manifest: ...}"
         )
     if group.level != "actuator_net" and group.network is not None:
         breaches.error(

@@ -107,7 +107,7 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     learned = (actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
     for group, members in grouped(learned, lambda actuator: actuator.group):
-        file = read_network(members[0], collector)
+        file = read_network(members[0], "torchscript", collector)
         if file is None:
             continue
         stride = file.stride(actuators.physics_dt.require())

@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import hashlib
+import io
 import math
 import os
-from collections.abc import Iterable
+import zipfile
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
-from actspec.diagnostics import Collector, Place, SpecError
+from actspec.diagnostics import Collector, Place, SpecError, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.ir import Command, JointActuator, Level
+from actspec.ir import Command, JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
-    from actspec.spec.results import NetworkManifest
+    from actspec.spec.network import NetworkManifest
 
 MAX_NETWORK = 64 * 1024 * 1024
 """Largest network file [bytes]. Chosen: actuator networks have some tens of kilobytes."""
+
+
+NetworkForm = Literal["onnx", "torchscript"]
+_FORMS: Mapping[NetworkForm, str] = {"onnx": "ONNX", "torchscript": "TorchScript"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -85,17 +91,19 @@ class NetworkWithManifest:
         return stride
 
 
-def read_network(actuator: JointActuator, collector: Collector) -> NetworkWithManifest | None:
+def read_network(
+    actuator: JointActuator, form: NetworkForm, collector: Collector
+) -> NetworkWithManifest | None:
     """Read a joint's network and its manifest; None after an error.
 
     Args:
         actuator: Of level actuator_net; that it names no network is an error too.
+        form: Which of the manifest's files; a spec's own `file` goes before.
         collector: Takes the errors.
     """
     network, place = actuator.network, collector.at(f"actuators.{actuator.group}", actuator.span)
     if network is None:
-        help = "write network: {file: ..., manifest: ...}"
-        place.error("NET001", "level actuator_net has no network", help)
+        place.error("NET001", "level actuator_net has no network", "write network: {manifest: ...}")
         return None
     place = replace(place, where=f"{place.where}.network", span=network.span or place.span)
     if network.manifest is None:
@@ -105,19 +113,118 @@ def read_network(actuator: JointActuator, collector: Collector) -> NetworkWithMa
             "write network: {file: ..., manifest: ...}; `actspec schema network` has the manifest's keys",
         )
         return None
-    data, manifest = _bytes(network.file, place), _manifest(network.manifest, place)
-    if data is None or manifest is None:
+    path = network.file
+    data = None if path is None else _bytes(path, place)
+    manifest = _manifest(network.manifest, place)
+    if manifest is None:
+        return None
+    sha256 = manifest.sha256
+    if path is None:
+        entry = None if manifest.files is None else getattr(manifest.files, form)
+        if entry is None:
+            place.error(
+                "NET009",
+                f"the manifest names no {_FORMS[form]} file, which this target needs",
+                "`actspec net train` and `actspec net convert` write all files of a network",
+            )
+            return None
+        path, sha256 = os.path.join(os.path.dirname(network.manifest), entry.path), entry.sha256
+        data = _bytes(path, place)
+    if data is None:
         return None
     found = hashlib.sha256(data).hexdigest()
-    if manifest.sha256 is not None and manifest.sha256 != found:
+    if sha256 is not None and sha256 != found:
         place.error(
             "NET005",
             f"the network is not the one that its manifest describes: sha256 {found[:12]}..., "
-            f"the manifest has {manifest.sha256[:12]}...",
+            f"the manifest has {sha256[:12]}...",
             "name the manifest that was written with this network",
         )
         return None
-    return NetworkWithManifest(os.path.basename(network.file), data, manifest, place)
+    if form == "torchscript" and not data.startswith(b"PK") and _known(path, data, place):
+        place.error(
+            "NET009",
+            f"'{shortened(os.path.basename(path))}' is no TorchScript file, and this target runs no other",
+            "write network: {manifest: ...} with a manifest that names both files: `actspec net convert` writes them",
+        )
+        return None
+    if not _known(path, data, place) or not _fits(network, path, data, manifest, place):
+        return None
+    return NetworkWithManifest(os.path.basename(path), data, manifest, place)
+
+
+def _known(path: str, data: bytes, place: Place) -> bool:
+    """Whether a file is TorchScript or may be ONNX; a pickle is neither, and is a program."""
+    shown = f"'{shortened(os.path.basename(path))}'"
+    help = "`actspec net convert` makes ONNX and TorchScript of a network"
+    if data[:2] == b"\x80\x02" or (data[:1] == b"\x80" and data[1:2] in b"\x03\x04\x05"):
+        place.error("NET011", f"{shown} is a pickle, which is no network and may run anything", help)
+        return False
+    if not data.startswith(b"PK"):
+        return True
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            names = [name.partition("/")[2] for name in archive.namelist()]
+    except (zipfile.BadZipFile, ValueError, NotImplementedError):
+        place.error("NET011", f"{shown} is an archive that is cut off or damaged")
+        return False
+    if "constants.pkl" in names and any(name.startswith("code/") for name in names):
+        return True
+    place.error(
+        "NET011", f"{shown} holds weights or a pickle, and no network: torch.jit.save writes one", help
+    )
+    return False
+
+
+def _fits(network: Network, path: str, data: bytes, manifest: NetworkManifest, place: Place) -> bool:
+    """Whether the shape that an ONNX file states is that of the manifest's inputs."""
+    from actspec.readings.networks import network_paths
+    from actspec.readings.onnx_network import NetworkFileError, NetworkUnknown, OnnxMissing, read_onnx
+
+    if data.startswith(b"PK"):
+        # TorchScript states no shape that could be read without running it; the ONNX file beside it does.
+        beside = network_paths(replace(network, file=None)).get("onnx") if manifest.files else None
+        if beside is None:
+            return True
+        found = _bytes(beside, place)
+        if found is None:
+            return False
+        path, data = beside, found
+    try:
+        layers = read_onnx(data)
+    except (OnnxMissing, NetworkUnknown) as err:
+        help = "pip install 'actspec[learn]'" if isinstance(err, OnnxMissing) else None
+        place.info("NET012", f"whether the network fits its manifest is not checked: {err}", help)
+        return True
+    except NetworkFileError as err:
+        place.error("NET011", f"'{shortened(os.path.basename(path))}' cannot be read: {err}")
+        return False
+    kind = "lstm" if layers.recurrent else "mlp"
+    wrong = []
+    if kind != manifest.kind:
+        wrong.append(f"it is of kind {kind}, the manifest says {manifest.kind}")
+    if layers.inputs != 2 * len(manifest.taps):
+        wrong.append(
+            f"it has {layers.inputs} inputs, and position errors and velocities at {len(manifest.taps)} taps "
+            f"are {2 * len(manifest.taps)}"
+        )
+    if layers.outputs != 1:
+        wrong.append(f"it has {layers.outputs} outputs, and a joint has one torque")
+    sizes = (
+        (layers.hidden, manifest.hidden_size, "hidden_size"),
+        (len(layers.recurrent), manifest.num_layers, "num_layers"),
+    )
+    wrong += [
+        f"its {name} is {own}, the manifest says {said}"
+        for own, said, name in sizes
+        if layers.recurrent and said not in (None, own)
+    ]
+    if wrong:
+        message = (
+            f"'{shortened(os.path.basename(path))}' is not what its manifest describes: {'; '.join(wrong)}"
+        )
+        place.error("NET010", message, "name the manifest that was written with this network")
+    return not wrong
 
 
 def _bytes(path: str, place: Place) -> bytes | None:
@@ -132,7 +239,7 @@ def _bytes(path: str, place: Place) -> bytes | None:
         message = f"there is no file {shown}"
     except (OSError, ValueError) as err:
         message = f"{shown} cannot be read: {getattr(err, 'strerror', None) or 'bad path'}"
-    help = "network.file names the network itself (TorchScript), relative to the spec's folder"
+    help = "a network is a file beside its manifest, or network.file relative to the spec's folder"
     place.error("NET003", message, help)
     return None
 
@@ -140,7 +247,7 @@ def _bytes(path: str, place: Place) -> bytes | None:
 def _manifest(path: str, place: Place) -> NetworkManifest | None:
     """JSON is YAML: read as strictly as a spec, with places."""
     from actspec.spec.document import load_document
-    from actspec.spec.results import NetworkManifest
+    from actspec.spec.network import NetworkManifest
     from actspec.spec.validate import checked
 
     try:

@@ -300,7 +300,7 @@ def passive_fields(joint: MjlabJoint, view: JointView | None) -> list[CfgField]:
 def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]] | None:
     """Fields of the network and its file; None after an error."""
     actuator, step = joint.actuator, joint.step * 1e3
-    found = read_network(actuator, joint.collector)
+    found = read_network(actuator, "torchscript", joint.collector)
     if found is None:
         return None
     manifest, taps = found.manifest, found.manifest.taps

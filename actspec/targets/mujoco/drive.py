@@ -12,7 +12,6 @@ Torque limits are kept first, then delay, then the filter. What a drive cannot h
 from __future__ import annotations
 
 import math
-import os
 from dataclasses import dataclass, replace
 from enum import Enum
 
@@ -318,7 +317,7 @@ def _network_losses(actuator: JointActuator, target: str) -> tuple[Approximation
     joint = JointLosses(actuator, target)
     joint.approximate(
         "network",
-        os.path.basename(actuator.network.file) if actuator.network is not None else "a network",
+        actuator.network.name if actuator.network is not None else "a network",
         "<motor>, its control is the torque",
         "MuJoCo runs no network: the runtime computes the torque and writes it",
         None,

@@ -259,7 +259,7 @@ TENSORS = (
 
 def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[str, bytes]] | None:
     """`newton:modelPath` and the file; None after an error."""
-    found = read_network(joint.actuator, joint.collector)
+    found = read_network(joint.actuator, "onnx", joint.collector)
     if found is None:
         return None
     manifest = found.manifest

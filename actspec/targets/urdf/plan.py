@@ -207,7 +207,7 @@ def format_losses(actuators: ActuatorSet, target: str) -> Iterator[Approximation
 def _command_path(actuator: JointActuator) -> Iterator[tuple[str, str]]:
     """What of a drive's network and command is not written at all: field, and what is asked for."""
     if actuator.network is not None:
-        yield "network", os.path.basename(actuator.network.file)
+        yield "network", actuator.network.name
     if actuator.filter_cutoff is not None and actuator.filter_cutoff.known:
         yield "command_filter", format_quantity(actuator.filter_cutoff.value, actuator.filter_cutoff.unit)
     if actuator.command_range is not None:

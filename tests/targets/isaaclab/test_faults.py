@@ -11,6 +11,7 @@ import pytest
 
 from actspec.diagnostics import EmitError
 from tests.frameworks.isaaclab_asking import compiled
+from tests.network_files import torchscript
 
 PLAIN = """actspec: 1
 robot: {name: bot, model: none, joints: [a]}
@@ -159,7 +160,7 @@ def test_delta_action_does_not_depend_on_the_working_folder(
 
 def written(folder: Path, manifest: dict[str, Any]) -> str:
     """Path of a spec beside a network and its manifest."""
-    (folder / "net.pt").write_bytes(b"network")
+    (folder / "net.pt").write_bytes(torchscript())
     (folder / "net.json").write_text(json.dumps(manifest, indent=2), encoding="utf-8")
     return str(folder / "s.yaml")
 
@@ -221,9 +222,9 @@ def test_files_that_are_not_there(tmp_path: Path, missing: str, monkeypatch: pyt
 
 def test_network_goes_with_the_module(tmp_path: Path) -> None:
     """The network's bytes lie beside the module, which finds them by its own place."""
-    digest = hashlib.sha256(b"network").hexdigest()
+    digest = hashlib.sha256(torchscript()).hexdigest()
     emitted = compiled(NET, path=written(tmp_path, {**MANIFEST, "sha256": digest}))
-    assert [(f.path, f.data) for f in emitted.emission.files[1:]] == [("net.pt", b"network")]
+    assert [(f.path, f.data) for f in emitted.emission.files[1:]] == [("net.pt", torchscript())]
     assert 'network_file=os.path.join(FOLDER, "net.pt"),' in emitted.text
     assert "input_idx=[0, 2]," in emitted.text
     assert str(tmp_path) not in emitted.text
@@ -234,7 +235,7 @@ def test_network_goes_with_the_module(tmp_path: Path) -> None:
 def test_network_does_not_take_the_target_s_own_names(tmp_path: Path) -> None:
     """A network called like the module or the manifest of the output goes under its group's name."""
     path = written(tmp_path, MANIFEST)
-    (tmp_path / "bot_cfg.py").write_bytes(b"network")
+    (tmp_path / "bot_cfg.py").write_bytes(torchscript())
     emitted = compiled(NET.replace("net.pt", "bot_cfg.py"), path=path)
     assert [f.path for f in emitted.emission.files] == ["bot_cfg.py", "legs_bot_cfg.py"]
     assert 'network_file=os.path.join(FOLDER, "legs_bot_cfg.py"),' in emitted.text

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 
 from actspec.diagnostics import EmitError
+from tests.network_files import torchscript
 from tests.targets.mjlab.emitting import LEG, group, refused, written
 
 LIMIT = {"effort_limit": "24 N*m"}
@@ -31,7 +32,7 @@ def network(folder: Path, *, file: bool = True, **changed: Any) -> str:
     """A group with a network whose manifest differs so, its files in the folder."""
     (folder / "net.json").write_text(json.dumps({**MANIFEST, **changed}), encoding="utf-8")
     if file:
-        (folder / "net.pt").write_bytes(b"weights")
+        (folder / "net.pt").write_bytes(torchscript())
     return group(level="actuator_net", kp="", kd="", **LIMIT, network="{file: net.pt, manifest: net.json}")
 
 
@@ -54,7 +55,7 @@ def test_network(tmp_path: Path) -> None:
     }
     assert fields | expected == fields
     assert "stiffness" not in fields
-    assert {file.path: file.data for file in found.emission.files[1:]} == {"net.pt": b"weights"}
+    assert {file.path: file.data for file in found.emission.files[1:]} == {"net.pt": torchscript()}
     assert found.emission.approximations == ()
 
 
@@ -102,7 +103,7 @@ def test_step_into_a_network_is_sized_by_its_limit(tmp_path: Path) -> None:
         (
             {"sha256": hashlib.sha256(b"others").hexdigest()},
             "NET005 actuators.leg.network: the network is not the one that its manifest describes: "
-            f"sha256 {hashlib.sha256(b'weights').hexdigest()[:12]}..., the manifest has "
+            f"sha256 {hashlib.sha256(torchscript()).hexdigest()[:12]}..., the manifest has "
             f"{hashlib.sha256(b'others').hexdigest()[:12]}...",
         ),
         ({"file": False}, "NET003 actuators.leg.network: there is no file 'net.pt'"),
@@ -116,7 +117,7 @@ def test_network_refused(changed: dict[str, Any], expected: str, tmp_path: Path)
 
 def test_network_without_manifest(tmp_path: Path) -> None:
     """A network file alone is refused."""
-    (tmp_path / "net.pt").write_bytes(b"weights")
+    (tmp_path / "net.pt").write_bytes(torchscript())
     spec = group(level="actuator_net", kp="", kd="", **LIMIT, network="{file: net.pt}")
     assert refused(spec, path=str(tmp_path / "spec.yaml")) == [
         "NET002 actuators.leg.network: the network has no manifest, and its file alone does not state order, "
@@ -209,7 +210,7 @@ def test_network_files_that_are_not_there(tmp_path: Path) -> None:
     with pytest.raises(EmitError) as caught:
         written(spec, path=str(tmp_path / "spec.yaml"))
     assert [(fault.code, fault.help) for fault in caught.value.diagnostics] == [
-        ("NET003", "network.file names the network itself (TorchScript), relative to the spec's folder"),
+        ("NET003", "a network is a file beside its manifest, or network.file relative to the spec's folder"),
         ("NET004", "`actspec schema network` has the manifest's keys"),
     ]
 

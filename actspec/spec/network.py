@@ -1,0 +1,124 @@
+"""Manifests of learned files, which a spec names: of an actuator network, and of a delta action.
+
+JSON or YAML, read as strictly as a spec. They hold the conventions that a network file alone does not tell, where
+it comes from and how far it may be trusted.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from actspec.spec.results import FitFile
+from actspec.spec.values import Number, SpecValue, Strict
+from actspec.units import Kind
+
+Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
+
+
+class NetworkFileEntry(Strict):
+    """A network file."""
+
+    path: Annotated[str, Field(pattern=r"^[^/\\\x00-\x1f:]+$", max_length=200)]
+    """Its name, in the manifest's own folder."""
+    sha256: Sha256
+    """Hash of its bytes."""
+
+
+class NetworkFiles(Strict):
+    """One network in several formats."""
+
+    onnx: NetworkFileEntry | None = None
+    """ONNX: data, which actspec, MuJoCo's runtime and Newton read."""
+    torchscript: NetworkFileEntry | None = None
+    """TorchScript: a program, which Isaac Lab and mjlab run."""
+
+
+class InputRange(Strict):
+    """How far an input goes in the training data."""
+
+    low: float
+    """Quantile 0.001 [rad or m, rad/s or m/s]."""
+    high: float
+    """Quantile 0.999."""
+    least: float
+    """Least."""
+    most: float
+    """Most."""
+
+
+class InputRanges(Strict):
+    """How far the inputs go, before scales."""
+
+    error: InputRange
+    """Of target - measured [rad or m]."""
+    velocity: InputRange
+    """Of the velocity [rad/s or m/s]."""
+
+
+class NetworkValidation(Strict):
+    """Errors on recordings that the network was not trained on."""
+
+    rmse: Annotated[float, Field(ge=0.0)]
+    """Of the torque [N*m or N]."""
+    relative_error: Annotated[float, Field(ge=0.0)]
+    """RMSE over the root mean square of the torque [-]."""
+    r2: Annotated[float, Field(le=1.0)]
+    """Share of the torque's variance that it explains [-]."""
+    rows: Annotated[int, Field(ge=1)]
+    """Rows of all joints."""
+    logs: tuple[str, ...] = ()
+    """Recordings, by path."""
+
+
+class NetworkManifest(Strict):
+    """Inputs, scales, order and period of an actuator network.
+
+    The law is tau = torque_scale * net([position_scale * e(t - k T) ..., velocity_scale * qd(t - k T) ...])
+    with e = target - measured and T = tap_period.
+    """
+
+    format: Literal["actspec-network/1"]
+    """Format of this file."""
+    kind: Literal["mlp", "lstm", "gru"]
+    """Kind of network."""
+    inputs: Literal["position_velocity", "velocity_position"]
+    """Which block of inputs comes first."""
+    error: Literal["target_minus_measured"] = "target_minus_measured"
+    """Sign of the position error; scales carry a minus where the network was trained the other way."""
+    taps: Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=1)]
+    """Which past samples, in order; 0 is now."""
+    tap_period: Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
+    """Time between samples, T [s]."""
+    position_scale: float
+    """Factor on the position error [1/rad or 1/m]."""
+    velocity_scale: float
+    """Factor on the velocity [s/rad or s/m]."""
+    torque_scale: float
+    """Factor on the output [N*m or N]."""
+    initial_history: Literal["zero", "first_sample"]
+    """What stands in the history at a reset."""
+    hidden_size: Annotated[int, Field(ge=1)] | None = None
+    """Of an lstm or gru."""
+    num_layers: Annotated[int, Field(ge=1)] | None = None
+    """Of an lstm or gru."""
+    joints: tuple[str, ...] = ()
+    """Joints that the network was trained on; empty: not recorded."""
+    sha256: Sha256 | None = None
+    """Hash of the network file that a spec names as `file`."""
+    files: NetworkFiles | None = None
+    """The network in the formats that simulators read, beside the manifest."""
+    torque: Literal["drive", "joint", "inferred"] | None = None
+    """What the network gives: the drive's torque, what is left of it behind joint friction, or the torque that
+    the compiled model needs for the logged motion."""
+    logs: tuple[FitFile, ...] = ()
+    """Recordings that it was trained on."""
+    model: Sha256 | None = None
+    """Hash of the compiled dynamics with which its torques were inferred."""
+    range: InputRanges | None = None
+    """What the training data held."""
+    validation: NetworkValidation | None = None
+    """How well it does on recordings that it was not trained on."""
+    note: str | None = None
+    """Remark."""
