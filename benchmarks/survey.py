@@ -347,19 +347,28 @@ def _text(
 
 def _untouched(told: dict[str, Any]) -> Iterator[str]:
     """Files on which nothing was tuned, with what a reader thought of their errors and warnings."""
-    rows = [(name, *row) for name, row in told["wheels"].items()]
-    sums = [sum(row[i] for row in rows) for i in range(1, 5)]
     yield from (
         "## Files that were not used while working",
         "",
         f"Wheels that were audited for the first time on {told['date']}, a folder each, nothing tuned on them, and",
         "read by hand. Counted are errors and warnings as a reader sees them: worth acting on, true, false.",
         "",
-        "| wheel | files | worth acting on | true | false | |",
-        "|---|---:|---:|---:|---:|---|",
-        *(f"| {' | '.join(_cell(str(cell)) for cell in row)} |" for row in rows),
-        f"| all | {' | '.join(map(str, sums))} | |",
+        *_wheels(told["wheels"], "found"),
+        "",
+        "Wheels for which something was changed, as they were on first sight:",
+        "",
+        *_wheels(told["changed"], "changed"),
     )
+
+
+def _wheels(wheels: dict[str, Any], last: str) -> Iterator[str]:
+    """A table of wheels, with their sum."""
+    rows = [(name, *row) for name, row in wheels.items()]
+    sums = [sum(row[i] for row in rows) for i in range(1, 5)]
+    yield f"| wheel | files | worth acting on | true | false | {last} |"
+    yield "|---|---:|---:|---:|---:|---|"
+    yield from (f"| {' | '.join(_cell(str(cell)) for cell in row)} |" for row in rows)
+    yield f"| all | {' | '.join(map(str, sums))} | |"
 
 
 def _warning(verdict: Verdict, members: Sequence[Found]) -> Iterator[str]:

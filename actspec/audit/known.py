@@ -7,7 +7,8 @@ to them.
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from itertools import product
@@ -26,6 +27,9 @@ OWN_SHARE = 0.6
 
 SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
+
+
+_NUMBERED = re.compile(r"(.*?)(\d{1,3})(\D*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,9 +155,27 @@ def _rows(
         pairs = tuple((row, tuple(known[name] for name in found)) for row, found in met if found)
         count = len({joint for _, joints in pairs for joint in joints})
         of_own = len(pairs) / max(len(names or by_joint), 1)
-        if count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE:
+        counted = names is None or _counts_alike(known, names)
+        if counted and count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE:
             best = max(best, pairs, key=len)
     return best
+
+
+def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:
+    """Whether numbered joints go as far as the known robot's: an arm of six or ten `panda_joint` is no Franka."""
+    mine, its = _last_numbers(names), _last_numbers(known)
+    return all(mine[series] == last for series, last in its.items() if series in mine)
+
+
+def _last_numbers(names: Iterable[str]) -> dict[tuple[str, str], int]:
+    """Text before and after the last number of a name to the largest such number; short ones, which count."""
+    found: dict[tuple[str, str], int] = {}
+    for name in names:
+        parts = _NUMBERED.fullmatch(name.rpartition("/")[2])
+        if parts is not None:
+            series = parts[1], parts[3]
+            found[series] = max(found.get(series, 0), int(parts[2]))
+    return found
 
 
 def _like(index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]) -> Likeness:

@@ -223,12 +223,17 @@ class Artifact:
 
     @property
     def is_part(self) -> bool:
-        """Whether it is an MJCF for others to include or mount: without `<compiler>`, which the whole model has.
+        """Whether it is an MJCF for others to include or mount: a `<mujocoinclude>`, or without `<compiler>`.
 
         Whether its angles are degrees, and what it is integrated with, is then in a file that is not here.
         """
         known = self.kind is FileKind.MJCF and self.robot is not None
-        return known and not self.states(b"<compiler")
+        return known and (not self.states(b"<compiler") or self._is_included)
+
+    @property
+    def _is_included(self) -> bool:
+        """Whether the root is one that MuJoCo takes in an include alone."""
+        return self.robot is not None and b"<mujocoinclude" in self.robot.files[0].data
 
     def states(self, tag: bytes) -> bool:
         """Whether a robot file or one of its includes has an element; one in a comment counts too."""

@@ -33,6 +33,9 @@ FAULT = "AUD008"
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
 
+_OTHER_ROBOT = re.compile(rb"<!DOCTYPE\s+\w+\s+PUBLIC\s")
+"""The devices of a robot in YARP's own format, whose root is called as a URDF's."""
+
 KINDS = {"mujoco": FileKind.MJCF, "mujocoinclude": FileKind.MJCF, "robot": FileKind.URDF}
 """Root element to the kind of file; a `mujocoinclude` is a part of a model."""
 
@@ -370,7 +373,9 @@ def _concerns(reading: FileReading) -> bool:
         return True
     if any(item.code == FAULT for item in reading.diagnostics):
         return True
-    return reading.kind is None and any(_ROBOT_ROOT.search(file.data) for file in reading.files)
+    return reading.kind is None and any(
+        _ROBOT_ROOT.search(file.data) and not _OTHER_ROBOT.search(file.data) for file in reading.files
+    )
 
 
 def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...]:

@@ -99,6 +99,11 @@ class Written:
         """The default class of an actuator."""
         return self.defaults.get(actuator.get("class") or _MAIN, NO_CLASS)
 
+    def knows_class(self, actuator: Element) -> bool:
+        """Whether the default class that an actuator names is here; in a part of a model it may be its includer's."""
+        name = actuator.get("class")
+        return name is None or name in self.defaults
+
     def attachment(self, name: str) -> Span | None:
         """The `attach` that a compiled name comes from."""
         for prefix, suffix, span in self.attached:

@@ -115,14 +115,15 @@ class _Text:
         self._actuators: dict[int, WrittenActuator | None] = {}
 
     def actuator(self, view: ActuatorView) -> WrittenActuator | None:
-        """An actuator; None for a copy by `replicate` or `attach`."""
+        """An actuator; None for a copy by `replicate` or `attach`, and for one whose class is in another file."""
         if view.index not in self._actuators:
             self._actuators[view.index] = self._actuator(view)
         return self._actuators[view.index]
 
     def _actuator(self, view: ActuatorView) -> WrittenActuator | None:
         element = self._elements.get(view.span)
-        if element is None:
+        if element is None or not self._written.knows_class(element):
+            # Of a part of a model whose classes are elsewhere, the element alone does not tell what it is.
             return None
         classes = self._written.defaults_of(element).actuators
         text = actuator_text(self._class_text(classes), element)

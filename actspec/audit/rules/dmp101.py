@@ -81,6 +81,8 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             alone = row.damping_ratio * parts.kd / parts.total
             ratio = f", a damping ratio of {row.damping_ratio:.2g} instead of {alone:.2g}"
         known = "" if intent is None else f"; {basename(intent.file)} has the drive's gain alone"
+        if row.control == "velocity" and large:
+            return self._lagging(row, parts, field)
         return Finding(
             self.code,
             f"the drive brakes with {shown(row, 'kd', parts.kd)}{inside} and the joint's damping with "
@@ -92,8 +94,25 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             help="if the damping repeats the D gain, keep one of them; if it is measured friction, state it as "
             "friction.viscous in a spec, or set the finding aside with that reason",
             related=(row.span,),
-            severity=self.severity if large else Severity.INFO,
+            # Only a file with the drive's gain alone shows that it is counted twice.
+            severity=self.severity if large and intent is not None else Severity.INFO,
             confidence=Confidence.LOW if not large else Confidence.HIGH if sure else self.confidence,
+        )
+
+    def _lagging(self, row: LedgerRow, parts: Parts, field: str) -> Finding:
+        """A servo of speed, whose damping is not counted twice but kept from its target."""
+        return Finding(
+            self.code,
+            f"the velocity servo of kv {shown(row, 'kd', parts.kd)} works against a damping of "
+            f"{shown(row, 'kd', parts.passive)}: it settles at {parts.kd / parts.total:.2g} of the speed that is "
+            "commanded",
+            row.place(field),
+            row.joint,
+            parts.passive,
+            unit(row, "kd"),
+            help="a velocity servo brakes by itself: leave the joint's damping out, or raise kv to many times as much",
+            related=(row.span,),
+            confidence=Confidence.HIGH,
         )
 
 

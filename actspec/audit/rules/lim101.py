@@ -1,7 +1,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
@@ -66,6 +67,9 @@ class NoEffectiveLimit(RuleInParts):
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 yield (self._zero(row, "effort_limit", _BOTH_ZERO),)
                 continue
+            if self._are_placeholders(case, limits):
+                yield (self._placeholders(row, limits),)
+                continue
             for field, limit in limits.items():
                 if limit is not None:
                     yield self._stated(case, row, field, limit, idle)
@@ -107,6 +111,27 @@ class NoEffectiveLimit(RuleInParts):
             severity=severity,
         )
 
+    def _are_placeholders(self, case: Case, limits: Mapping[str, float | None]) -> bool:
+        """Whether a joint has placeholders for both of its limits."""
+        least = self.option(case, "least")
+        return len(limits) == len(_LIMITS) and all(
+            limit is not None and least <= limit < math.inf for limit in limits.values()
+        )
+
+    def _placeholders(self, row: LedgerRow, limits: Mapping[str, float | None]) -> Finding:
+        """One finding of both limits."""
+        effort, speed = (shown(row, field, limits[field], 6) for field in _LIMITS)
+        return Finding(
+            self.code,
+            f"the effort limit of {effort} and the velocity limit of {speed} are placeholders: no motor reaches them, "
+            "and they limit nothing",
+            row.place("effort_limit"),
+            row.joint,
+            limits["effort_limit"],
+            unit(row, "effort_limit"),
+            help="state the motor's effort and velocity limits",
+        )
+
     def _stated(self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool) -> Iterator[Finding]:
         """A limit that a file states: so large that it is none, or 0."""
         if self.option(case, "least") <= limit < math.inf:
@@ -119,11 +144,16 @@ class NoEffectiveLimit(RuleInParts):
                 limit,
                 unit(row, field),
                 help=f"state the motor's {_noun(field)}",
+                # Few simulators enforce a speed limit at all, and joints without a motor have one too.
+                severity=Severity.INFO if field == "velocity_limit" else None,
             )
         elif limit == 0.0 and not idle:
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             effect = _URDF[field] if urdf else f"the {_noun(field)} is 0: the drive cannot move the joint"
-            yield self._zero(row, field, effect)
+            found = self._zero(row, field, effect)
+            if urdf and field == "effort_limit" and row.artifact in case.once(_without_efforts):
+                found = replace(found, severity=Severity.INFO)
+            yield found
 
     def _zero(self, row: LedgerRow, field: str, message: str) -> Finding:
         return Finding(
@@ -179,6 +209,16 @@ def _limited_elsewhere(case: Case, artifact: int) -> set[str]:
 
 def _noun(field: str) -> str:
     return field.replace("_", " ")
+
+
+def _without_efforts(case: Case) -> frozenset[int]:
+    """URDFs with speed limits and an effort of 0 at every joint: files for kinematics, which state no efforts."""
+    found = set()
+    for index, _ in case.of_kind(FileKind.URDF):
+        rows = [row for row in case.rows_of(index) if "effort_limit" in row.stated]
+        if rows and all(row.effort_limit == 0.0 and (row.velocity_limit or 0.0) > 0.0 for row in rows):
+            found.add(index)
+    return frozenset(found)
 
 
 def _mimics(case: Case) -> set[tuple[int, str]]:

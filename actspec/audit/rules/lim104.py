@@ -17,7 +17,7 @@ _Subject = tuple[LedgerRow, JointView, ActuatorView]
 class TwoClamps(RuleOver[_Subject]):
     code = "LIM104"
     name = "forcerange-against-joint-limit"
-    severity = Severity.WARNING
+    severity = Severity.INFO
     confidence = Confidence.HIGH
     needs = "no MJCF with an actuatorfrcrange and one actuator on its joint among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.02}
@@ -66,7 +66,6 @@ class TwoClamps(RuleOver[_Subject]):
                     clamp,
                     "end the control range at the joint's limit",
                     (place,),
-                    severity=Severity.INFO,
                 )
 
 

@@ -22,6 +22,9 @@ from actspec.units import format_number, format_quantity
 _FITS = 0.1
 """How far, relative to the joint's range, a control range may be from it to be it. Chosen: soft limits of 0.9."""
 
+_MEETS = 0.01
+"""The same of a scale that was worked out from the range. Chosen: figures of two digits."""
+
 
 class NotTheServoMeant(RuleInParts):
     code = "SGN102"
@@ -103,6 +106,9 @@ class NotTheServoMeant(RuleInParts):
             text = found.text
             if text.bias_type != "none" or not any(text.bias[:3]):
                 continue
+            if found.artifact.is_part and found.artifact.text_only is not None:
+                # No model alone: what includes it may have the type in its defaults.
+                continue
             servo = text.bias[1] < 0.0 and text.gain[0] == -text.bias[1]
             numbers = " ".join(format_number(number, 3) for number in text.bias[:3])
             yield Finding(
@@ -140,20 +146,25 @@ def _states_no_ratio(_: RobotView, view: ActuatorView) -> bool:
     return view.tag == "general" and "dampratio" not in view.stated
 
 
-def _is_range(joint: JointView, control: tuple[float, float] | None, factor: float) -> bool:
+def _is_range(
+    joint: JointView, control: tuple[float, float] | None, factor: float, within: float = _FITS
+) -> bool:
     """Whether a control range times a factor is the joint's range."""
     if joint.range is None or control is None:
         return False
     span = joint.range[1] - joint.range[0]
     ends = sorted(factor * end for end in control)
     return all(
-        abs(end - limit) <= _FITS * span and math.isfinite(end)
+        abs(end - limit) <= within * span and math.isfinite(end)
         for end, limit in zip(ends, joint.range, strict=True)
     )
 
 
 def _converts(joint: JointView, control: tuple[float, float] | None, gear: float, scale: float) -> bool:
     """Whether the scale turns a control in another unit into the joint's position."""
+    if _is_range(joint, control, scale / gear, _MEETS):
+        # -1 to 1 is turned into 70 degrees either way, which is as near to 1 rad as a soft limit.
+        return not _is_range(joint, control, 1.0 / gear, _MEETS)
     return _is_range(joint, control, scale / gear) and not _is_range(joint, control, 1.0 / gear)
 
 

@@ -28,6 +28,9 @@ TIMES = 3.0
 GRAVE = 2.0
 """From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
 
+_SAME = 0.01
+"""Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
+
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
     FileKind.CFG: ((FileKind.URDF, FileKind.MJCF),),
@@ -301,13 +304,13 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     one, other = found.rows[0].artifact, found.others[0].artifact
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
-    grave = []
+    differ = []
     theirs = case.joints_by_artifact.get(other, {})
     for joint, rows in case.joints_by_artifact.get(one, {}).items():
         a, b = (figure(each, found.field).value if each else None for each in (rows, theirs.get(joint)))
         if a and b:
-            grave.append(_is_grave(a / b))
-    return 2 * sum(grave) < len(grave)
+            differ.append(not math.isclose(a, b, rel_tol=_SAME))
+    return 2 * sum(differ) < len(differ)
 
 
 def _is_grave(ratio: float | None) -> bool:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -69,6 +70,8 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         beyond = figure >= limit
         sure = beyond and reference is not None and drive.figure(reference) >= limit
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
+        if beyond and row.effort_limit is not None and 0.0 < row.effort_limit < math.inf:
+            what += f" as far as the limit of {shown(row, 'effort_limit', row.effort_limit)} lets it"
         return Finding(
             self.code,
             f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "

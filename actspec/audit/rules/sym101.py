@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
@@ -11,6 +12,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import shown
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
+from actspec.readings.pair import telling
 from actspec.units import format_quantity
 
 _SIDES = (
@@ -22,6 +24,8 @@ _SIDES = (
 _RIGHT = {
     form(left): form(right) for left, right in _SIDES for form in (str.lower, str.upper, str.capitalize)
 }
+
+_SIDE_WORDS = frozenset(word for sides in _SIDES for word in sides)
 
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^A-Za-z0-9]+")
 
@@ -164,10 +168,28 @@ def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow
             continue
         if case.artifacts[one].kind is not case.artifacts[other].kind:
             continue
+        if not _are_two_sides(case.artifacts[one].path, case.artifacts[other].path):
+            continue
         for left, right in ((joints[one], joints[other]), (joints[other], joints[one])):
             pairs = _mirrored(left, right)
             if len(pairs) >= max(2.0, _SHARED * max(len(left), len(right))):
                 yield from pairs
+
+
+def _are_two_sides(one: str, other: str) -> bool:
+    """Whether names allow that two files are the sides of one robot: the left hand of one maker is not another's right.
+
+    What is left of the files' names without their sides has a word in common, or nothing of one is left.
+    """
+    mine, its = (
+        telling(_WORD.sub(_without_side, os.path.splitext(os.path.basename(path))[0]))
+        for path in (one, other)
+    )
+    return not mine or not its or bool(mine & its)
+
+
+def _without_side(word: re.Match[str]) -> str:
+    return "-" if word[0].lower() in _SIDE_WORDS else word[0]
 
 
 def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:

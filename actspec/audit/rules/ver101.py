@@ -20,6 +20,9 @@ from actspec.robot.xml_tree import Element
 from actspec.simulators.mujoco import DAMPRATIO_FREE
 from actspec.units import format_number, format_quantity
 
+_FELT = 0.1
+"""Change of damping from which it is a warning. Chosen: friction is seldom known better."""
+
 
 class RatioChangedMeaning(RuleInParts):
     code = "VER101"
@@ -67,7 +70,7 @@ class RatioChangedMeaning(RuleInParts):
                 + ("" if meant is not None else "; tell the audit which version it is meant for"),
                 # Which of the two is right nobody knows who does not know the version.
                 fix=None if meant is None else _kv_fix(found, owner, chosen, safe=newer),
-                severity=self.severity if meant is None else Severity.INFO,
+                severity=self.severity if meant is None and change >= _FELT else Severity.INFO,
             )
 
     def _unknown(self, found: WrittenActuator, meant: Meant | None) -> Finding:
