@@ -8,7 +8,7 @@ from dataclasses import fields
 from typing import Any
 
 from actspec import api
-from actspec.cli import sysid_report
+from actspec.cli import sysid_import, sysid_report
 from actspec.cli.options import Lines, add_format, describe, joints_named
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
 from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -46,6 +46,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     _add_fit(parts.add_parser("fit", help="fit logs", formatter_class=Lines))
     sysid_report.add_arguments(parts.add_parser("report", help="show a fit on a page", formatter_class=Lines))
+    sysid_import.add_arguments(
+        parts.add_parser("import", help="take results of another tool", formatter_class=Lines)
+    )
 
 
 def _add_design(command: argparse.ArgumentParser) -> None:
@@ -116,7 +119,13 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run a subcommand."""
-    parts = {"design": _design, "simulate": _simulate, "fit": _fit, "report": sysid_report.run}
+    parts = {
+        "design": _design,
+        "simulate": _simulate,
+        "fit": _fit,
+        "report": sysid_report.run,
+        "import": sysid_import.run,
+    }
     if arguments.part in ("fit", "report"):
         _need_scipy()
     return parts[arguments.part](arguments)

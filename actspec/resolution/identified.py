@@ -153,7 +153,7 @@ def results_sources(spec: Spec) -> Iterator[Source]:
     """The results files as sources of their figures: how and when they were found, and the file's hash."""
     for name, file in spec.results.items():
         found = file.model
-        parts = [f"identification by {found.method}"]
+        parts = [f"identification by {found.method}" + (f" at {found.commit}" if found.commit else "")]
         parts += [part for part in (found.date, found.temperature and f"motors {found.temperature}") if part]
         parts.append(f"sha256 {file.document.text_sha256}")
         if name not in spec.model.sources:

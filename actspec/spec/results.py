@@ -126,6 +126,8 @@ class Results(Strict):
     """Name of the robot."""
     method: Name
     """Experiment and fit, e.g. `rollout`."""
+    commit: str | None = None
+    """Version of the tool that found them, where it is not actspec."""
     date: str | None = None
     """Day of the experiment, YYYY-MM-DD."""
     temperature: Literal["cold", "warm"] | None = None
