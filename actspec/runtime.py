@@ -1,7 +1,15 @@
-"""What a compiled model needs while it runs."""
+"""What a compiled model needs while it runs.
+
+nets = networks("build/a1/mujoco", envs=4096)       # torques of networks, for arrays of any library
+with attach(model, "build/a1/mujoco"): ...          # the same in plain MuJoCo, data.ctrl stays the position command
+reset(model, data)                                  # drives at rest, without a jump
+"""
 
 from __future__ import annotations
 
-from actspec.learn.mujoco import reset
+from actspec.learn.attach import Attached, attach
+from actspec.learn.batch import Networks, networks
+from actspec.learn.bundle import RuntimeFault
+from actspec.learn.reset import reset
 
-__all__ = ["reset"]
+__all__ = ["Attached", "Networks", "RuntimeFault", "attach", "networks", "reset"]

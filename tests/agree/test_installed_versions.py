@@ -190,7 +190,7 @@ def test_reset_recipe_has_no_jump(release: str, engine_of: Callable[[str], Engin
     )
     code = """
 import mujoco
-from actspec.learn.mujoco import reset
+from actspec.learn.reset import reset
 model = mujoco.MjModel.from_xml_path("robot.xml")
 data = mujoco.MjData(model)
 def torques():

@@ -322,5 +322,12 @@ def _network_losses(actuator: JointActuator, target: str) -> tuple[Approximation
         "MuJoCo runs no network: the runtime computes the torque and writes it",
         None,
     )
+    own = "a network holds what the logged drive did, its delay and filter too; the runtime adds none"
+    if actuator.delay is not None and actuator.delay.nominal.value:
+        asked = format_quantity(actuator.delay.nominal.value * 1e3, "ms")
+        joint.approximate("delay", asked, "none", own, None)
+    if actuator.filter_cutoff is not None and actuator.filter_cutoff.value is not None:
+        asked = format_quantity(actuator.filter_cutoff.value, "Hz")
+        joint.approximate("command_filter", asked, "none", own, None)
     _lose_passive(joint)
     return tuple(joint.lost)

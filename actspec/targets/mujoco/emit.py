@@ -22,6 +22,7 @@ from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
 from actspec.targets.mujoco.drive import Form
+from actspec.targets.mujoco.networks import runtime_files
 from actspec.targets.mujoco.paths import layout, unresolved, written_files
 from actspec.targets.mujoco.plan import Plan, integrator_for, plan_model, unchanged_controls, with_keys
 
@@ -114,6 +115,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         for file in files
         if os.path.dirname(file.path) == options.folder
     )
+    step = actuators.physics_dt.require()
+    emitted += tuple(runtime_files(actuators.joints, plan.drives, main_name, step, collector))
+    collector.raise_if_failed(EmitError)
     # Its Euler integrator takes joint damping implicitly, and nothing of an actuator.
     euler = robot.integrator == "Euler" and plan.integrator is None
     explicit = frozenset(drive.joint for drive in plan.drives) if euler else frozenset()
@@ -160,6 +164,11 @@ def _emit_fragment(
         "its head says how",
     )
     emitted = tuple(EmittedFile(os.path.basename(file.path), file.data) for file in files)
+    step = actuators.physics_dt.require()
+    emitted += tuple(
+        runtime_files(actuators.joints, fragment.plan.drives, fragment.main_name, step, collector)
+    )
+    collector.raise_if_failed(EmitError)
     return Emission(emitted, lost, collector.sorted())
 
 

@@ -15,7 +15,7 @@ from actspec import api, output
 from actspec.diagnostics import Collector, EmitError, Severity
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
-from actspec.learn.mujoco import reset
+from actspec.learn.reset import reset
 from actspec.resolution import resolve
 from actspec.robot.load import listed_robot
 from actspec.robot.view import ModelFile

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from actspec.learn.mujoco import reset
+from actspec.learn.reset import reset
 from tests.compiling import compile_text
 
 mujoco = pytest.importorskip("mujoco")

@@ -1,0 +1,125 @@
+"""Files that the runtime needs beside a MuJoCo model: the networks as ONNX, and what each joint gives and takes.
+
+`networks.json` holds what no MJCF can: which actuator a network drives, the samples that it takes in physics steps, and
+the clamp of its torque, joint by joint, in SI.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from typing import Any
+
+from actspec.diagnostics import Collector
+from actspec.ir import JointActuator, Level
+from actspec.targets.base import EmittedFile
+from actspec.targets.kit.network import (
+    NetworkWithManifest,
+    network_clip,
+    network_files,
+    read_network,
+)
+from actspec.targets.mujoco.drive import Drive
+
+NAME = "networks.json"
+FORMAT = "actspec-runtime/1"
+
+
+def runtime_files(
+    joints: Iterable[JointActuator], drives: Sequence[Drive], model: str, step: float, collector: Collector
+) -> list[EmittedFile]:
+    """What the runtime needs; nothing where no joint has a network with an ONNX file.
+
+    Args:
+        joints: The spec's.
+        drives: As they are written, for the actuators' names.
+        model: Name of the main file.
+        step: Physics step h [s].
+        collector: Takes errors of networks.
+    """
+    names = {drive.joint: drive.name for drive in drives}
+    read: dict[Any, NetworkWithManifest | None] = {}
+    groups: dict[Any, list[JointActuator]] = {}
+    for actuator in joints:
+        network = actuator.network
+        if actuator.level is not Level.ACTUATOR_NET or network is None or not _has_onnx(actuator):
+            continue
+        if network not in read:
+            read[network] = read_network(_for_onnx(actuator), "onnx", collector)
+        groups.setdefault(network, []).append(actuator)
+    entries, files = [], []
+    for network, members in groups.items():
+        found = read[network]
+        stride = None if found is None else found.stride(step)
+        if found is None or stride is None:
+            continue
+        found.check_command(members[0].group, members[0].command, "MJC030", "a network takes position errors")
+        entries.append(_entry(found, stride, members, names))
+        files += [(member, (found.name, found.data)) for member in members]
+    if not entries or collector.failed:
+        return []
+    text = json.dumps({"format": FORMAT, "model": model, "physics_dt": step, "networks": entries}, indent=1)
+    return [
+        EmittedFile(NAME, (text + "\n").encode()),
+        *network_files(files, "MJC031", "differ in their weights", collector),
+    ]
+
+
+def _has_onnx(actuator: JointActuator) -> bool:
+    """Whether a network's ONNX file is named: the spec's own file, or the manifest's."""
+    from actspec.readings.networks import network_paths
+
+    assert actuator.network is not None
+    if actuator.network.manifest is None:
+        return False
+    paths = network_paths(replace(actuator.network, file=None))
+    return "onnx" in paths or (actuator.network.file or "").endswith(".onnx")
+
+
+def _for_onnx(actuator: JointActuator) -> JointActuator:
+    """The actuator with a network whose `file`, if it is of another format, gives way to the manifest's."""
+    network = actuator.network
+    if network is None or network.file is None or network.file.endswith(".onnx"):
+        return actuator
+    return replace(actuator, network=replace(network, file=None))
+
+
+def _entry(
+    found: NetworkWithManifest, stride: int, members: Sequence[JointActuator], names: dict[str, str]
+) -> dict[str, Any]:
+    manifest = found.manifest
+    return {
+        "file": found.name,
+        "kind": manifest.kind,
+        "inputs": manifest.inputs,
+        "taps": [tap * stride for tap in manifest.taps],
+        "sample_steps": stride,
+        "position_scale": manifest.position_scale,
+        "velocity_scale": manifest.velocity_scale,
+        "torque_scale": manifest.torque_scale,
+        "initial_history": manifest.initial_history,
+        "range": None if manifest.range is None else manifest.range.model_dump(),
+        "joints": [
+            {
+                "joint": actuator.joint,
+                "actuator": names[actuator.joint],
+                "effort_limit": actuator.effort_limit.value,
+                "stall_torque": None if actuator.stall_torque is None else actuator.stall_torque.value,
+                "no_load_speed": None if actuator.no_load_speed is None else actuator.no_load_speed.value,
+                "curve": _curve(actuator),
+                "encoder_bias": actuator.encoder_bias.value or 0.0,
+            }
+            for actuator in members
+        ],
+    }
+
+
+def _curve(actuator: JointActuator) -> list[float] | None:
+    """drive_torque, brake_torque, knee_speed and no_load_speed; None without a curve."""
+    from actspec.laws import law_of
+
+    if actuator.curve is None:
+        return None
+    curve = law_of(network_clip(actuator)).curve
+    return None if curve is None else list(curve)
