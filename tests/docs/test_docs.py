@@ -461,17 +461,19 @@ CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "NWT", "OUT", 
 AUDIT = ["ACT", "AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
 SYSID = ["LOG", "SYS"]
+LEARN = ("LRN",)
 """Families of docs/sysid.md."""
 RULES = {rule.code for rule in all_rules()}
 FORMER = {code for rule in all_rules() for code in rule.aliases} - RULES
 
 
-@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID])
+@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN])
 def test_every_check_has_its_line(family: str) -> None:
     """docs/checks.md, for the audit docs/audit.md, names exactly the codes that the source gives and no rule has."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
     given = set(re.findall(rf'"({family}\d{{3}})"', sources)) - RULES - FORMER
-    name = "audit.md" if family in AUDIT else "sysid.md" if family in SYSID else "checks.md"
+    pages = ((AUDIT, "audit.md"), (SYSID, "sysid.md"), (LEARN, "networks.md"))
+    name = next((page for families, page in pages if family in families), "checks.md")
     page = (ROOT / "docs" / name).read_text(encoding="utf-8")
     # As an entry, a heading or the first cell of a row: a code that a sentence mentions is not explained by it.
     entries = re.findall(rf"^(?:## |\| )({family}\d{{3}})\b", page, re.MULTILINE)
