@@ -31,8 +31,6 @@ NEAR = 0.12
 LATE = 1.5e-3
 """Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
 and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
-FROZEN = 0.1
-"""Time for which all readings of a joint are the same to the last digit [s]. Chosen: noise changes one of them."""
 CLIPPED = 0.03
 """Share of rows at the largest torque, from which on it is a limit. Chosen."""
 AT_MOST = 0.002
@@ -65,7 +63,6 @@ def check(
                 continue
             _follows(recording, recordings, out)
             kept = _velocity(recording, out)
-            kept = _thawed(kept, out)
             _torque(kept, bounds[name], out)
             found[name].append(kept)
     return found
@@ -208,34 +205,6 @@ def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
     else:
         shift = 0.0
     return (best - 2 + shift) * step, top
-
-
-def _thawed(recording: Recording, out: Collector) -> Recording:
-    """Without stretches in which every reading stands still to the last digit while the command moves."""
-    import numpy as np
-
-    same = np.ones(len(recording.time) - 1, dtype=bool)
-    if len(recording.measured) < 2:
-        # A position alone may be that of a coarse encoder in stiction.
-        return recording
-    for signal in recording.measured.values():
-        same &= np.diff(signal) == 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], same, [False]]).astype(int)))
-    spoilt = np.zeros(len(recording.time), dtype=bool)
-    first = None
-    for start, end in zip(edges[::2], edges[1::2], strict=True):
-        long = recording.time[end] - recording.time[start] >= FROZEN
-        if long and np.ptp(recording.command[start : end + 1]) > EXCITED:
-            spoilt[start : end + 1] = True
-            first = start if first is None else first
-    if first is None:
-        return recording
-    message = (
-        f"all readings stand still in {int(spoilt.sum())} rows while the command moves: they are left out"
-    )
-    out.warning("SYS013", message, where=recording.joint, span=_place(recording, int(first)))
-    measured = {key: np.where(spoilt, np.nan, value) for key, value in recording.measured.items()}
-    return replace(recording, measured=measured)
 
 
 def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:

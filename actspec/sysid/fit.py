@@ -19,6 +19,7 @@ from actspec.robot.view import RobotView
 from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.doubts import doubted
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
@@ -71,7 +72,7 @@ def fit_logs(
         _couple(joints, links, predicted=True)
         for joint in joints.values():
             _descend(joint, options, out)
-    found = tuple(judged(joint, options) for joint in joints.values())
+    found = tuple(doubted(joint, judged(joint, options), out) for joint in joints.values())
     out.raise_if_failed(LogError)
     judge_fit(found, out)
     return Identification(actuators.robot, "rollout", found, out.sorted(), clock.perf_counter() - begun)

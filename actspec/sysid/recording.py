@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.logs import JointLog, Log
+from actspec.sysid.spoilt import MOST, frozen, jumps, wild
 
 if TYPE_CHECKING:
     import numpy as np
@@ -87,15 +88,13 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         out.error("SYS010", message, where=joint.name, span=place, help="a fit needs command and position")
         return None
     assert joint.command is not None and joint.position is not None
-    if not np.isfinite(joint.command).all():
-        row = int(np.flatnonzero(~np.isfinite(joint.command))[0])
-        message = "the command is not a number"
-        out.error(
-            "SYS010", message, where=joint.name, span=log.span(row), help="log the command in every row"
-        )
+    told = np.isfinite(joint.command)
+    if told.mean() < 0.5:
+        message = f"the command is not a number in {int((~told).sum())} of {len(told)} rows"
+        out.error("SYS010", message, where=joint.name, span=place, help="log the command in every row")
         return None
-    if np.ptp(joint.command) == 0.0:
-        message = f"the command is {joint.command[0]:.6g} in every row: nothing moves the joint"
+    if np.ptp(joint.command[told]) == 0.0:
+        message = f"the command is {joint.command[told][0]:.6g} in every row: nothing moves the joint"
         out.error(
             "SYS011", message, where=joint.name, span=place, help="`actspec sysid design` writes commands"
         )
@@ -124,17 +123,30 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     if bad > 0:
         message = f"{bad} rows have no position: they are left out"
         out.info("SYS013", message, where=joint.name, span=place)
+    given = np.interp(log.time, log.time[told], joint.command[told])
+    measured = _sound(log, joint.name, given, measured, out)
+    if np.isfinite(measured["position"]).mean() < 0.2:
+        message = "no stretch of the position is sound"
+        out.error("SYS011", message, where=joint.name, span=place)
+        return None
     speed = joint.velocity_command if joint.velocity_command is not None else np.zeros(len(log.time))
-    time, index, fresh = _filled(log.time)
+    rows_told = np.flatnonzero(told)
+    time, index, fresh = _filled(log.time[told])
+    index = rows_told[index]
     if fresh.any():
         message = f"{int(fresh.sum())} rows are missing: the command between its neighbours is taken there"
         out.info("SYS013", message, where=joint.name, span=place)
-    for row in np.flatnonzero(np.diff(time) > GAP * log.step).tolist():
-        message = f"{np.diff(time)[row]:.3g} s without rows: what lies on both sides is fitted"
-        out.info(
-            "SYS013", message, where=joint.name, span=log.span(int(np.searchsorted(log.time, time[row])))
+    gaps = np.flatnonzero(np.diff(time) > GAP * log.step)
+    if len(gaps):
+        first = log.span(int(np.searchsorted(log.time, time[gaps[0]])))
+        longest = float(np.diff(time)[gaps].max())
+        shown = (
+            f"{longest:.3g} s without rows"
+            if len(gaps) == 1
+            else f"{len(gaps)} gaps, up to {longest:.3g} s without rows"
         )
-    command = np.interp(time, log.time, joint.command)
+        out.info("SYS013", f"{shown}: what lies between is fitted", where=joint.name, span=first)
+    command = np.interp(time, log.time, given)
     measured = {name: np.where(fresh, np.nan, signal[index]) for name, signal in measured.items()}
     starts, rows = _pieces(time, measured["position"])
     if not len(starts):
@@ -148,6 +160,42 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     return Recording(
         log, joint.name, time, command, speed, measured, position, velocity, acceleration, starts, rows
     )
+
+
+def _sound(
+    log: Log, joint: str, command: Array, measured: dict[str, Array], out: Collector
+) -> dict[str, Array]:
+    """The readings without wild ones and without those that stand still, both reported."""
+    import numpy as np
+
+    found = {}
+    for name, signal in measured.items():
+        rows = wild(signal, None if name == "position" else jumps(command, log.step))
+        share = float(rows.mean())
+        if share > MOST:
+            message = f"{share:.0%} of the readings of the {name} jump away from those around them"
+            out.warning("SYS017", message, where=joint, span=log.span(int(np.flatnonzero(rows)[0])))
+        elif rows.any():
+            message = f"{int(rows.sum())} wild readings of the {name} are left out"
+            out.info("SYS013", message, where=joint, span=log.span(int(np.flatnonzero(rows)[0])))
+            signal = np.where(rows, np.nan, signal)
+        found[name] = signal
+    still = frozen(log.time, command, found)
+    everywhere = (
+        np.logical_and.reduce(list(still.values())) if len(still) > 1 else np.zeros(len(command), bool)
+    )
+    parts = {
+        "all readings": everywhere,
+        **{f"the {name}": rows & ~everywhere for name, rows in still.items()},
+    }
+    for what, rows in parts.items():
+        if rows.any():
+            verb = "stand" if what == "all readings" else "stands"
+            message = (
+                f"{what} {verb} still in {int(rows.sum())} rows while the command moves: they are left out"
+            )
+            out.warning("SYS013", message, where=joint, span=log.span(int(np.flatnonzero(rows)[0])))
+    return {name: np.where(still[name], np.nan, signal) for name, signal in found.items()}
 
 
 def _unusable(signal: Array) -> str | None:

@@ -1,0 +1,230 @@
+"""What contradicts a fit from outside of it: the torque's scale against known masses, and gains against stated ones.
+
+A fit takes the logged torque at its word: where its scale is off, kp, kd and friction are off by the same factor, and
+nothing in the fit shows it. Gravity, and what other joints do to this one, are torques that the model knows.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, Span
+from actspec.sysid.descent import simulated
+from actspec.sysid.identified import Indicator, JointFit, State
+from actspec.sysid.work import JointInWork, piecewise
+from actspec.units import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+MOVES = 0.1
+"""Share of the greatest speed above which friction has its sign."""
+TOLD = 0.05
+"""Standard deviation of a torque's scale above which nothing is reported of it. Chosen."""
+FAR = 0.03
+"""How far from 1 a scale may be beside twice its standard deviation. Chosen: masses of a model are no better."""
+SAME = 0.05
+"""Likewise of a fitted gain from a stated one, beside its interval. Chosen."""
+NEAR = 0.06
+"""How near a factor must be to one of a unit or a gear. Chosen."""
+DRIVE_UNITS = {180.0 / math.pi: "per degree", 2.0 * math.pi: "per turn", 1e3: "in thousandths"}
+"""Factors of a gain to what they are the mark of."""
+SPEED_UNITS = {30.0 / math.pi: "per rpm", 180.0 / math.pi: "per degree/s", 2.0 * math.pi: "per turn/s"}
+"""Likewise of kd alone."""
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """The logged torque over the true one.
+
+    Attributes:
+        value: Factor.
+        std: Its standard deviation.
+        offset: What is logged at no torque [N*m or N].
+    """
+
+    value: float
+    std: float
+    offset: float
+
+
+def doubted(joint: JointInWork, found: JointFit, out: Collector) -> JointFit:
+    """A joint's fit with what speaks against it; warnings go to `out`."""
+    scale = torque_scale(joint) if joint.torque else None
+    if scale is not None:
+        unit = next(p.unit for p in found.parameters if p.field == "friction.coulomb")
+        read = (
+            Indicator("torque_scale", scale.value, scale.std, "1"),
+            Indicator("torque_offset", scale.offset, None, unit),
+        )
+        found = replace(found, diagnostics=(*found.diagnostics, *read))
+        _judge_scale(joint, scale, unit, out)
+    if joint.torque:
+        _judge_gains(joint, found, scale, out)
+    return found
+
+
+def torque_scale(joint: JointInWork) -> Scale | None:
+    """Scale of the logged torque by torques that the model knows; None where they are too small to tell.
+
+    The torque is regressed on what the links need along the path of the fit, s (J q'' + g), beside armature, Coulomb
+    and viscous friction and an offset, which are free: only what varies otherwise than these tells the scale.
+    """
+    import numpy as np
+
+    fit = joint.fit
+    assert fit is not None
+    blocks: list[tuple[Array, Array]] = []
+    offsets = []
+    for recording, course, pieces, states in zip(
+        joint.recordings, joint.courses, piecewise(joint), fit.states, strict=True
+    ):
+        moved = simulated(pieces, fit.values, joint.bounds, states)
+        fastest = float(np.abs(moved.qd).max())
+        behind = recording.log.sidecar.torque == "joint"
+        for piece, start in enumerate(pieces.starts):
+            rows = slice(start, start + pieces.rows)
+            q, qd = moved.q[:, piece, 0], moved.qd[:, piece, 0]
+            acceleration = np.gradient(qd, course.time[rows])
+            known = course.inertia[rows] * acceleration + course.load[rows]
+            known = known + course.slope[rows] * (q - course.path[rows])
+            read = recording.measured["torque"][rows]
+            one = np.ones_like(q)
+            terms = np.stack([known, acceleration, np.sign(qd), qd, one], axis=1)
+            used = np.isfinite(read) & (np.abs(qd) > MOVES * fastest)
+            if used.sum() > 5:
+                blocks.append((terms[used], read[used]))
+            model = moved.torque[:, piece, 0] - (moved.friction[:, piece, 0] if behind else 0.0)
+            offsets.append((read - model)[np.isfinite(read)])
+    solved = _regressed(blocks)
+    if solved is None or solved[1] > TOLD:
+        return None
+    return Scale(solved[0], solved[1], float(np.mean(np.concatenate(offsets))))
+
+
+def _regressed(blocks: list[tuple[Array, Array]]) -> tuple[float, float] | None:
+    """The first coefficient of a regression and its standard deviation, residuals correlated within each block."""
+    import numpy as np
+
+    if len(blocks) < 3:
+        return None
+    a, b = (np.concatenate([block[i] for block in blocks]) for i in range(2))
+    size = np.abs(a).max(axis=0)
+    a = a[:, size > 0] / size[size > 0]
+    if len(b) < 10 * a.shape[1] or size[0] == 0.0:
+        return None
+    normal = a.T @ a
+    if np.linalg.cond(normal) > 1e10:
+        return None
+    inverse = np.linalg.inv(normal)
+    solved = inverse @ (a.T @ b)
+    scores = np.stack(
+        [
+            (part[:, size > 0] / size[size > 0]).T @ (read - part[:, size > 0] / size[size > 0] @ solved)
+            for part, read in blocks
+        ]
+    )
+    n = len(blocks)
+    spread = inverse @ (scores.T @ scores) @ inverse * n / max(n - a.shape[1], 1)
+    plain = inverse[0, 0] * float(np.mean((b - a @ solved) ** 2))
+    return float(solved[0] / size[0]), math.sqrt(max(float(spread[0, 0]), plain)) / float(size[0])
+
+
+def _judge_scale(joint: JointInWork, scale: Scale, unit: str, out: Collector) -> None:
+    stated = [recording.log.sidecar.accuracy for recording in joint.recordings]
+    known = max(math.hypot(_ratio(one.torque), _ratio(one.masses)) for one in stated)
+    off = abs(scale.value - 1.0)
+    if off < FAR + 2.0 * scale.std or off < 2.0 * math.hypot(known, scale.std):
+        return
+    name, place = joint.actuator.joint, Span(joint.recordings[0].log.path)
+    shown = f"{format_number(scale.value, 3)} +- {format_number(2.0 * scale.std, 1)}"
+    if scale.value <= 0.0:
+        message = (
+            f"the torque is {shown} times what the model's masses need: one of the two has the wrong sign"
+        )
+        out.warning("SYS018", message, where=name, span=place, help="turn the torque's column, or gravity")
+        return
+    message = (
+        f"the torque is {shown} times what the model's masses need: kp, kd and friction may be as wrong as it"
+    )
+    factor = next((f for f in (1e3, 1e-3) if abs(scale.value / f - 1.0) < 0.2), None)
+    if factor is not None:
+        help = f"its unit is {'mN*m' if factor > 1 else 'kN*m'}"
+    else:
+        help = (
+            "check the torque constant, the gear's efficiency and the masses in the model; `accuracy: {torque: 3 %, "
+            "masses: 5 %}` in the sidecar states how well they are known"
+        )
+    out.warning("SYS018", message, where=name, span=place, help=help)
+
+
+def _ratio(value: object) -> float:
+    """A stated share; 0 where none is stated."""
+    number = getattr(value, "value", None)
+    return 0.0 if number is None else float(number)
+
+
+def _judge_gains(joint: JointInWork, found: JointFit, scale: Scale | None, out: Collector) -> None:
+    """Fitted gains against those that the sidecars state."""
+    name = joint.actuator.joint
+    stated = [recording.log.sidecar.gains_of(name) for recording in joint.recordings]
+    pairs = {(gains.kp.value, gains.kd.value) for gains in stated if gains is not None}
+    if len(pairs) != 1 or None in stated:
+        return
+    sent = dict(zip(("kp", "kd"), pairs.pop(), strict=True))
+    fitted = {field: found.parameter(field) for field in sent}
+    factors, shown = {}, []
+    for field, value in sent.items():
+        parameter = fitted[field]
+        if parameter.state is not State.IDENTIFIED or not value:
+            continue
+        assert parameter.value is not None and parameter.low is not None and parameter.high is not None
+        factors[field] = parameter.value / value
+        apart = abs(parameter.value - value)
+        if apart > SAME * value and apart > parameter.high - parameter.value:
+            shown.append(
+                f"{field} is {format_number(parameter.value, 4)} {parameter.unit} by the log and "
+                f"{format_number(value)} as sent to the drive ({format_number(factors[field], 3)} times)"
+            )
+    if not shown:
+        return
+    help = _cause(factors, scale)
+    out.warning("SYS019", "; ".join(shown), where=name, span=Span(joint.recordings[0].log.path), help=help)
+
+
+def _cause(factors: dict[str, float], scale: Scale | None) -> str:
+    """What most likely parts measured gains from stated ones."""
+    kp, kd = factors.get("kp"), factors.get("kd")
+    both = kp is not None and kd is not None and abs(kd / kp - 1.0) < 2.0 * NEAR
+    if (
+        kp is not None
+        and scale is not None
+        and abs(kp / scale.value - 1.0) < NEAR
+        and abs(kp - 1.0) > NEAR / 2
+    ):
+        return f"the torque's scale is {format_number(scale.value, 3)} too: it is the torque that is wrong"
+    if kd is not None and (kp is None or abs(kp - 1.0) < NEAR):
+        unit = _marked(kd, SPEED_UNITS)
+        if unit is not None:
+            return f"the drive takes kd {unit}"
+        return "kp agrees: the drive's speed is filtered or late, or its kd has a unit of its own"
+    if kp is not None and (unit := _marked(kp, DRIVE_UNITS)) is not None:
+        return f"the drive takes kp {unit}"
+    if both and kp is not None and kp > 4.0:
+        gear = format_number(math.sqrt(kp), 3)
+        return f"gains at the rotor, behind a gear of {gear}, are {gear}^2 times as large at the joint"
+    if both:
+        return "both by one factor: the drive's torque constant, or its gains have a unit of their own"
+    return "the drive's gains have units of their own, or it limits, filters or shapes its command"
+
+
+def _marked(factor: float, units: dict[float, str]) -> str | None:
+    return next(
+        (unit for size, unit in units.items() for f in (size, 1.0 / size) if abs(factor / f - 1.0) < NEAR),
+        None,
+    )
