@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span
 from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import Recording, smooth
+from actspec.sysid.spoilt import EXCITED, texture
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -35,12 +36,21 @@ CLIPPED = 0.03
 """Share of rows at the largest torque, from which on it is a limit. Chosen."""
 AT_MOST = 0.002
 """Within this share of the largest torque a row is at it."""
+FLAT = 0.6
+"""Share of the rows within ten times that of the largest torque that are at it, from which on it is clipped. Chosen:
+0.3 for a sine, and near 1 for a limit."""
+ABOVE = 1.2
+"""Times the spec's limit above which a logged torque contradicts it. Chosen: sensors are better."""
+OFTEN = 0.01
+"""Share of the rows that must be above it."""
+SMALL = 5.0
+"""Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
+LEAST_ROWS = 100
+"""Fewest rows that are judged by shares and correlations."""
 WINDOW = 0.03
 """Width of the filter with which a velocity is compared [s]."""
 SEEN = 10.0
 """Least speed of a joint, in the smoothed noise of its velocity, at which the two are compared."""
-EXCITED = 1e-3
-"""Least movement of a command or a joint [rad or m]."""
 
 
 def check(
@@ -61,7 +71,9 @@ def check(
         for recording in mine:
             if not _moves(recording, out):
                 continue
-            _follows(recording, recordings, out)
+            if len(recording.time) >= LEAST_ROWS:
+                _follows(recording, recordings, out)
+            _large(recording, out)
             kept = _velocity(recording, out)
             _torque(kept, bounds[name], out)
             found[name].append(kept)
@@ -155,7 +167,7 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
     import numpy as np
 
     read = recording.measured.get("velocity")
-    if read is None:
+    if read is None or len(read) < LEAST_ROWS:
         return recording
     slopes = smooth(recording.time, recording.position, WINDOW, 1)
     course = smooth(recording.time, read, WINDOW)
@@ -172,6 +184,13 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
     if at_lag > SURE and abs(slope - 1.0) > NEAR and (unit := _unit_of(slope)) is not None:
         message = f"the velocity is {slope:.3g} times the position's derivative: it is in {unit}"
         shown = {"degrees": "deg/s", "rpm": "rpm", "thousandths": "mrad/s", "turns": "rev/s"}[unit]
+        out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
+        return recording
+    if at_lag > SURE and slope > 0 and (unit := _unit_of(1.0 / slope)) is not None and unit != "rpm":
+        message = (
+            f"the position's derivative is {1.0 / slope:.3g} times the velocity: the position is in {unit}"
+        )
+        shown = {"degrees": "deg", "thousandths": "mrad", "turns": "rev"}[unit]
         out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
         return recording
     measured = {key: value for key, value in recording.measured.items() if key != "velocity"}
@@ -207,20 +226,47 @@ def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
     return (best - 2 + shift) * step, top
 
 
+def _large(recording: Recording, out: Collector) -> None:
+    """A joint that moves little more than its encoder's noise or count."""
+    import numpy as np
+
+    seen = texture(recording.measured["position"])
+    spread = float(np.nanstd(recording.measured["position"]))
+    grain = max(seen.noise, seen.count / math.sqrt(12.0))
+    if spread < SMALL * grain:
+        message = f"the joint moves by {spread:.2g}, its encoder's noise is {grain:.2g} (standard deviations)"
+        help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
+        out.warning("SYS043", message, where=recording.joint, span=_place(recording), help=help)
+
+
 def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
-    """A torque that is clipped where the spec has no limit."""
+    """A torque that is clipped where the spec has no limit, or is above the limit that it has."""
     import numpy as np
 
     read = recording.measured.get("torque")
     if read is None:
         return
     size = np.abs(read[np.isfinite(read)])
+    if len(size) < LEAST_ROWS:
+        return
     most = float(size.max())
-    share = float(np.mean(size > (1.0 - AT_MOST) * most))
-    if share > CLIPPED and most < 0.97 * bounds.limit:
-        limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} N*m"
+    at, near = (float(np.mean(size > (1.0 - share) * most)) for share in (AT_MOST, 10.0 * AT_MOST))
+    unit = "N" if recording.log.joints[recording.joint].linear else "N*m"
+    limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
+    if at > CLIPPED and at > FLAT * near and most < 0.97 * bounds.limit:
         row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * most)[0])
-        shown = f"the torque is clipped at {format_number(most, 4)} N*m in {share:.0%} of the rows"
+        shown = f"the torque is clipped at {format_number(most, 4)} {unit} in {at:.0%} of the rows"
         message = f"{shown}, the spec's limit is {limit}"
         help = "state the drive's effort_limit in the spec, or log a smaller experiment"
         out.error("SYS016", message, where=recording.joint, span=_place(recording, row), help=help)
+    above = np.abs(read) > ABOVE * bounds.limit
+    if recording.log.sidecar.torque != "joint" and above.sum() > OFTEN * len(size):
+        shown = f"the torque is above the spec's limit of {limit} in {int(above.sum())} rows, up to "
+        message = f"{shown}{format_number(most, 4)} {unit}"
+        help = (
+            "state the drive's effort_limit in the spec"
+            if most < 100.0 * bounds.limit
+            else f"is it in m{unit}?"
+        )
+        place = _place(recording, int(np.flatnonzero(above)[0]))
+        out.error("SYS016", message, where=recording.joint, span=place, help=help)

@@ -29,6 +29,8 @@ PIECE = 1.0
 in a minute."""
 LEAST_PIECE = 30
 """Fewest rows of a piece."""
+LEAST_TIME = 0.2
+"""Least length of a piece [s]. Chosen: a drive's oscillation is longer."""
 SMOOTH = 0.012
 """Width of the filter [s]. Chosen: it keeps what legs do, and the fit puts right what noise it leaves."""
 
@@ -235,7 +237,7 @@ def _pieces(time: Array, position: Array) -> tuple[NDArray[np.intp], int]:
     stretches = list(zip([0, *(ends + 1)], [*(ends + 1), len(time)], strict=True))
     longest = max(last - first for first, last in stretches)
     rows = min(rows, longest)
-    if rows < LEAST_PIECE:
+    if rows < LEAST_PIECE or rows * usual < LEAST_TIME:
         return np.empty(0, dtype=np.intp), rows
     starts = [
         start

@@ -35,6 +35,8 @@ LEAST_ROWS = 10
 """Likewise in rows."""
 EXCITED = 1e-3
 """Least movement of a command or a joint [rad or m]."""
+SLOW = 15
+"""Rows over which a signal's speed is taken."""
 WHITE = -0.4
 """Correlation of third differences from row to row below which they are noise: -0.75 for white noise, and above 0 for
 a smooth course."""
@@ -55,37 +57,41 @@ class Texture:
     @property
     def flickers(self) -> bool:
         """Whether a joint at rest would show noise."""
-        return self.noise > 0.5 * self.count
+        return self.noise > self.count
 
 
 def texture(signal: Array) -> Texture:
-    """Noise and count of a signal; NaN is passed over."""
+    """Noise and count of a signal, where it is slow; NaN is passed over."""
     import numpy as np
 
     steps = np.abs(np.diff(signal))
     steps = steps[np.isfinite(steps) & (steps > 0)]
     count = float(steps.min()) if len(steps) else 0.0
+    if len(signal) < 4 * SLOW:
+        return Texture(0.0, count)
+    # Jitter makes noise of speed, so only slow rows tell the sensor's; those that stand still tell nothing.
+    gone = np.abs(signal[SLOW:] - signal[:-SLOW])
+    stands = np.convolve(np.diff(signal) == 0.0, np.ones(SLOW), mode="valid") == SLOW
+    gone = np.where(stands, np.nan, gone)
     third = signal[3:] - 3 * signal[2:-1] + 3 * signal[1:-2] - signal[:-3]
-    third = np.where(np.abs(third) <= _most(third), third, np.nan)
-    one, two = third[1:], third[:-1]
-    both = np.isfinite(one) & np.isfinite(two)
-    size = float(np.sum(two[both] ** 2))
-    if size == 0.0 or float(np.sum(one[both] * two[both])) > WHITE * size:
+    third = third[SLOW // 2 : SLOW // 2 + len(gone)]
+    if not np.isfinite(gone).any():
+        return Texture(0.0, count)
+    slow = np.isfinite(third) & (gone <= np.nanquantile(gone, 0.25))
+    if slow.sum() < SLOW:
+        return Texture(0.0, count)
+    sizes = np.abs(third)
+    slow &= sizes <= 20.0 * max(float(np.median(sizes[slow])), count)
+    both = slow[1:] & slow[:-1]
+    size = float(np.sum(third[1:][both] ** 2))
+    if size == 0.0 or float(np.sum(third[1:][both] * third[:-1][both])) > WHITE * size:
         return Texture(0.0, count)
     # 1, 3, 3, 1 of white noise: the sum of the squares is 20.
-    return Texture(1.4826 * float(np.nanmedian(np.abs(third))) / math.sqrt(20.0), count)
-
-
-def _most(third: Array) -> float:
-    """Largest third difference that counts: without those of wild readings."""
-    import numpy as np
-
-    finite = np.abs(third[np.isfinite(third)])
-    return 20.0 * float(np.median(finite)) if len(finite) else 0.0
+    return Texture(1.4826 * float(np.median(sizes[slow])) / math.sqrt(20.0), count)
 
 
 def wild(signal: Array, jumps: Mask | None = None) -> Mask:
-    """Readings far from those around them, which are near each other; shape (n,).
+    """Readings far from where those around them lead; shape (n,).
 
     Args:
         signal: NaN is passed over.
@@ -99,20 +105,37 @@ def wild(signal: Array, jumps: Mask | None = None) -> Mask:
     if len(good) < 4 * WINDOW:
         return found
     values = signal[good]
-    middle = median_filter(values, WINDOW, mode="nearest")
-    away = np.abs(values - middle)
+    away = np.abs(values - median_filter(values, WINDOW, mode="nearest"))
     seen = texture(values)
-    half = WINDOW // 2
-    # Across the window the joint itself has moved by this much.
-    moved = np.abs(middle[np.minimum(np.arange(len(values)) + half, len(values) - 1)] - middle[
-        np.maximum(np.arange(len(values)) - half, 0)
-    ])  # fmt: skip
-    usual = float(np.quantile(away, 0.98))
-    least = max(WILD * seen.noise, USUAL * usual, COUNTS * seen.count, 1e-9)
-    far = (away > least) & (away > moved)
+    passed = np.abs(values[2:] - values[:-2])
+    least = max(
+        WILD * seen.noise,
+        USUAL * float(np.quantile(away, 0.98)),
+        COUNTS * seen.count,
+        0.5 * float(np.quantile(passed, 0.98)),
+        1e-9,
+    )
+    far = away > least
+    if far.mean() <= MOST:
+        # Where a course bends it is away from the median too, but not from a cubic through its neighbours.
+        far &= np.abs(values - _led(values, far)) > least
     if jumps is not None:
         far &= ~jumps[good]
     found[good] = far
+    return found
+
+
+def _led(values: Array, left_out: Mask) -> Array:
+    """Where the readings around those that are left out lead, by a cubic through the three nearest on either side."""
+    import numpy as np
+
+    found = values.copy()
+    kept = np.flatnonzero(~left_out)
+    for row in np.flatnonzero(left_out).tolist():
+        at = int(np.searchsorted(kept, row))
+        near = kept[max(at - 3, 0) : at + 3]
+        if len(near) >= 4:
+            found[row] = float(np.polyval(np.polyfit(near - row, values[near], 3), 0.0))
     return found
 
 
