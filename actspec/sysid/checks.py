@@ -265,7 +265,7 @@ def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
         message = f"{shown}{format_number(most, 4)} {unit}"
         help = (
             "state the drive's effort_limit in the spec"
-            if most < 100.0 * bounds.limit
+            if most < 10.0 * bounds.limit
             else f"is it in m{unit}?"
         )
         place = _place(recording, int(np.flatnonzero(above)[0]))

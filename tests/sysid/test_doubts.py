@@ -80,7 +80,7 @@ def test_gains_that_are_not_those_stated(tmp_path: Path, pendulum: Log) -> None:
     given = off(pendulum, 1.0, 0.0, gains={"hip": {"kp": TRUE["kp"], "kd": TRUE["kd"] / 9.549297}})
     (one,) = warned(fitted(tmp_path, given))
     assert (one.code, one.where) == ("SYS019", "hip")
-    assert "0.09425" in one.message and "9.55 times" in one.message and "kp" not in one.message
+    assert "0.0942478" in one.message and "9.55 times" in one.message and "kp" not in one.message
     assert one.help == "the drive takes kd per rpm"
 
 

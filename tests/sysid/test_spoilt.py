@@ -19,9 +19,7 @@ NOISE = 5e-4 * np.random.default_rng(0).standard_normal(len(T))
 def ringing() -> np.ndarray:
     """Steps of a stiff joint every 0.5 s, which rings at 12 Hz; between them it rests."""
     found, level = np.zeros(len(T)), 0.0
-    for k, target in enumerate(
-        (0.3, -0.2, 0.25, -0.3, 0.1, 0.35, -0.1, 0.2, -0.25, 0.3, -0.3, 0.2, 0.1, 0.0, 0.3, -0.3)
-    ):
+    for k, target in enumerate((0.3, -0.2, 0.25, -0.3, 0.1, 0.35, -0.1, 0.2) * 2):
         rows = slice(250 * k, 250 * k + 250)
         t = T[rows] - T[250 * k]
         found[rows] = target + (level - target) * np.exp(-25 * t) * np.cos(2 * np.pi * 12 * t)
