@@ -178,7 +178,7 @@ def _sound(
             message = f"{share:.0%} of the readings of the {name} jump away from those around them"
             out.warning("SYS017", message, where=joint, span=log.span(int(np.flatnonzero(rows)[0])))
         elif rows.any():
-            message = f"{int(rows.sum())} wild readings of the {name} are left out"
+            message = f"wild readings of the {name} are left out in {int(rows.sum())} of {len(rows)} rows"
             out.info("SYS013", message, where=joint, span=log.span(int(np.flatnonzero(rows)[0])))
             signal = np.where(rows, np.nan, signal)
         found[name] = signal

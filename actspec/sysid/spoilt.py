@@ -140,12 +140,14 @@ def _led(values: Array, left_out: Mask) -> Array:
 
 
 def jumps(command: Array, step: float) -> Mask:
-    """Rows within `AFTER` a jump of the command; shape (n,)."""
+    """Rows within `AFTER` a jump of the command or of its slope; shape (n,)."""
     import numpy as np
 
-    size = np.abs(np.diff(command, prepend=command[0]))
     rows = max(2, math.ceil(AFTER / step))
-    jumped = size > 2.0 * float(np.quantile(size, 0.98))
+    slope = np.diff(command, prepend=command[0])
+    jumped = np.zeros(len(command), dtype=bool)
+    for size in (np.abs(slope), np.abs(np.diff(slope, prepend=slope[0]))):
+        jumped |= size > 2.0 * float(np.quantile(size, 0.98))
     return np.convolve(jumped, np.ones(rows + 1), mode="full")[: len(command)] > 0
 
 
