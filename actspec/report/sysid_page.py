@@ -17,13 +17,13 @@ from actspec.report.plot import Axis, Interval, intervals, plot_style
 from actspec.report.sysid_pictures import figure, pictures
 from actspec.report.tables import many
 from actspec.resources import data_path
+from actspec.spec.remedy import remedy
 from actspec.spec.results import JointResult, Results
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.spec.variants import named
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.judge import WIDE
-from actspec.sysid.remedy import remedy
 from actspec.sysid.replay import Replay
 from actspec.units import format_number
 

@@ -20,21 +20,6 @@ SAME_GAIN = 0.01
 """Relative difference of two gains that is rounding. Chosen: a tenth of what a log tells of a scale without torque."""
 ON_GAINS = ("armature", "friction_coulomb", "friction_static", "friction_viscous")
 """Figures that a fit without torque scales by the gains it holds."""
-EXPERIMENTS = {
-    "kp": "log the drive's torque; or fit with `--free kp,kd` where gravity loads the joint",
-    "kd": "log the drive's torque; without it kd shows in a sum with friction.viscous alone",
-    "armature": "log the drive's torque, or state the gains in the log's sidecar; a chirp up to higher frequencies",
-    "friction.coulomb": "log the drive's torque, or state the gains in the log's sidecar; constant speeds both ways "
-    "(`--experiment friction`)",
-    "friction.viscous": "log the drive's torque, or state the gains in the log's sidecar; fast motion",
-    "friction.static": "`--free friction.static,friction.stribeck_velocity` on slow motion (`--experiment friction`)",
-    "friction.stribeck_velocity": "`--free friction.static,friction.stribeck_velocity` on slow motion "
-    "(`--experiment friction`)",
-    "delay": "a faster log, or a chirp up to higher frequencies",
-    "bandwidth": "`--free bandwidth` on a chirp up to higher frequencies",
-    "encoder_bias": "hold the base so that gravity loads the joint, and move it through large angles",
-}
-"""Field of a result to the experiment or fit that tells it."""
 
 
 def why_missing(inputs: JointInputs, field: str) -> tuple[str, str]:
@@ -44,6 +29,9 @@ def why_missing(inputs: JointInputs, field: str) -> tuple[str, str]:
         inputs: What is said about the joint.
         field: As in `randomize`, and `bandwidth`.
     """
+    # Results are models that take time to build: they are there where this is asked.
+    from actspec.spec.remedy import remedy
+
     stated = inputs.stated
     file, joint, result = stated.results, inputs.joint.name, stated.result
     if file is None:
@@ -55,9 +43,12 @@ def why_missing(inputs: JointInputs, field: str) -> tuple[str, str]:
             f"{name} has no joint '{joint}', its joints are {has}",
             "fit the joint, or write the number here",
         )
-    help = (
-        f"{EXPERIMENTS[field]}; or write the number here" if field in EXPERIMENTS else "write the number here"
-    )
+    if field in result.left_out:
+        where = stated.result_span("left_out", field)
+        return f"{where} left it out: {result.left_out[field]}", "write the number here"
+    found = remedy(field, result)
+    design = f" (`actspec sysid design --experiment {found.experiment}`)" if found.experiment else ""
+    help = f"{found.words}{design}; or write the number here"
     for key, words in (
         ("unidentifiable", "lists it as unidentifiable"),
         ("bounds_hit", "lists it as at a bound of the fit"),
@@ -70,9 +61,8 @@ def why_missing(inputs: JointInputs, field: str) -> tuple[str, str]:
                 for formula, sum_ in result.combinations.items()
                 if field in _fields_in(formula)
             ]
-            return f"{place} {words}" + (f"; it has {' and '.join(told)}" if told else ""), help
-    if field in result.left_out:
-        return f"{stated.result_span('left_out', field)} left it out: {result.left_out[field]}", help
+            because = f": {result.reasons[field]}" if field in result.reasons else ""
+            return f"{place} {words}{because}" + (f"; it has {' and '.join(told)}" if told else ""), help
     held = getattr(result.gains, field, None) if field in ("kp", "kd") else None
     if held is not None:
         where = stated.result_span("gains", field)

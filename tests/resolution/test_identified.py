@@ -36,6 +36,7 @@ joints:
     combinations:
       kd+friction.viscous: {value: 0.62, std: 0.01, unit: N*m*s/rad}
     correlation: [[armature, friction.coulomb, -0.91], [armature, delay, 0.4]]
+    reasons: {encoder_bias: without gravity on the joint it shows in nothing}
 """
 """armature stands on line 8, delay on 9, Coulomb on 11."""
 
@@ -81,29 +82,30 @@ def test_where_is_the_line_of_the_results(leg: Path) -> None:
     [
         pytest.param(
             "encoder_bias: identified",
-            "encoder_bias is to be the identified value, but results/leg.yaml:13:22 lists it as unidentifiable",
-            "gravity",
+            "encoder_bias is to be the identified value, but results/leg.yaml:13:22 lists it as unidentifiable: "
+            "without gravity on the joint it shows in nothing",
+            "base: {orientation",
             id="unidentifiable",
         ),
         pytest.param(
             "friction: {viscous: identified}",
             "friction.viscous is to be the identified value, but results/leg.yaml:13:36 lists it as unidentifiable; "
             "it has kd+friction.viscous = 0.62 N*m*s/rad",
-            "torque",
+            "log the torque",
             id="a sum is known",
         ),
         pytest.param(
             "friction: {static: identified}",
             "friction.static is to be the identified value, but results/leg.yaml:14:18 lists it as at a bound of the "
             "fit",
-            "slow motion",
+            "`actspec sysid design --experiment friction`",
             id="at a bound",
         ),
         pytest.param(
             "command_filter: {cutoff: identified}",
             "command_filter is to be the identified value, but results/leg.yaml:15:27 left it out: the tool has no "
             "such figure",
-            "--free bandwidth",
+            "write the number here",
             id="left out by an import",
         ),
         pytest.param(
@@ -123,7 +125,7 @@ def test_where_is_the_line_of_the_results(leg: Path) -> None:
         pytest.param(
             "randomize: {encoder_bias: {from: identified}}",
             "no identified standard deviation of encoder_bias to take the range from: results/leg.yaml:13:22 lists it "
-            "as unidentifiable",
+            "as unidentifiable: without gravity on the joint it shows in nothing",
             "scale, add or abs",
             id="range of what is not told",
         ),
