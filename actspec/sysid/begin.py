@@ -27,13 +27,15 @@ class Beginning:
     """What a regression says.
 
     Attributes:
-        values: `kp`, `kd`, `armature`, `coulomb`, `viscous`, `delay`.
+        values: `armature`, `coulomb`, `viscous`, `delay`.
+        gains: kp and kd of every set of logs.
         lag: The delay in rows: the torque tells the command of so many rows before.
         unexplained: Share of the torque's variance that is left.
         against: Whether the torque pulls away from the command.
     """
 
     values: Mapping[str, float]
+    gains: Sequence[tuple[float, float]]
     lag: int
     unexplained: float
     against: bool = False
@@ -43,7 +45,8 @@ def begin(
     recordings: Sequence[Recording],
     courses: Sequence[Course],
     bounds: Bounds,
-    gains: tuple[float, float] | None,
+    used: Sequence[int],
+    gains: Sequence[tuple[float, float]] | None,
 ) -> Beginning:
     """First figures of a joint.
 
@@ -51,42 +54,45 @@ def begin(
         recordings: Its logs.
         courses: Links along them.
         bounds: Of the drive.
-        gains: kp and kd where they are held; None: from the torque.
+        used: Set of gains of every log, counted from 0.
+        gains: kp and kd of every set; None: from the torque.
     """
     import numpy as np
 
     step = recordings[0].step
     found = None
     for lag in range(0, max(2, math.ceil(LONGEST / step)) + 1):
-        tried = _tried(recordings, courses, bounds, gains, lag)
-        if tried is not None and (found is None or tried[1] < found[1]):
-            found = (tried[0], tried[1], lag)
+        tried = _tried(recordings, courses, bounds, used, gains, lag)
+        if tried is not None and (found is None or tried[2] < found[2]):
+            found = (*tried, lag)
     if found is None:
-        values = {"kp": 1.0, "kd": 0.1} if gains is None else dict(zip(("kp", "kd"), gains, strict=True))
-        return Beginning({**values, "armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "delay": 0.0}, 0, 1.0)
-    values, left, lag = found
-    against = values["kp"] < 0.0 and left < 0.5
-    values["kp"], values["kd"] = max(values["kp"], 1e-3), max(values["kd"], 0.0)
+        zero = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "delay": 0.0}
+        return Beginning(zero, gains or [(1.0, 0.1)] * (max(used) + 1), 0, 1.0)
+    values, pairs, left, lag = found
+    against = min(kp for kp, _ in pairs) < 0.0 and left < 0.5
+    pairs = [(max(kp, 1e-3), max(kd, 0.0)) for kp, kd in pairs]
     inertia = float(np.mean([course.inertia.mean() for course in courses]))
     values["armature"] = max(values["armature"], 0.01 * inertia)
     for name in ("coulomb", "viscous"):
         values[name] = max(values[name], 0.0)
     values["delay"] = max(lag - 0.5, 0.25) * step
-    return Beginning(values, lag, left, against)
+    return Beginning(values, pairs, lag, left, against)
 
 
 def _tried(
     recordings: Sequence[Recording],
     courses: Sequence[Course],
     bounds: Bounds,
-    gains: tuple[float, float] | None,
+    used: Sequence[int],
+    gains: Sequence[tuple[float, float]] | None,
     lag: int,
-) -> tuple[dict[str, float], float] | None:
-    """Figures with a delay of so many rows, and what is left of the variance."""
+) -> tuple[dict[str, float], Sequence[tuple[float, float]], float] | None:
+    """Figures with a delay of so many rows, gains, and what is left of the variance."""
     import numpy as np
 
-    drives, sides = [], []
-    for recording, course in zip(recordings, courses, strict=True):
+    drives: list[list[tuple[Array, Array]]] = [[] for _ in range(max(used) + 1)]
+    sides = []
+    for mine, recording, course in zip(used, recordings, courses, strict=True):
         error = course.command[np.maximum(np.arange(len(course.time)) - lag, 0)] - recording.position
         against = course.speed_command - recording.velocity
         motion = np.stack([recording.acceleration, recording.velocity, np.sign(recording.velocity)], axis=1)
@@ -95,26 +101,24 @@ def _tried(
         if gains is None:
             torque = recording.measured["torque"]
             free = np.isfinite(torque) & (np.abs(torque) < CLIPPED * bounds.limit)
-            drives.append((np.stack([error, against, np.ones_like(error)], axis=1)[free], torque[free]))
+            drives[mine].append((np.stack([error, against, np.ones_like(error)], axis=1)[free], torque[free]))
             known = np.isfinite(torque)
         else:
-            torque = bounds.clip(gains[0] * error + gains[1] * against, recording.velocity)
+            kp, kd = gains[mine]
+            torque = bounds.clip(kp * error + kd * against, recording.velocity)
             known = np.isfinite(recording.measured["position"])
         sides.append((motion[fast & known], (torque - needed)[fast & known]))
-    found: dict[str, float] = {}
-    left = 1.0
-    if gains is None:
-        solved = _regress(drives)
-        if solved is None:
-            return None
-        (found["kp"], found["kd"], _), left = solved
-    else:
-        found["kp"], found["kd"] = gains
     moved = _regress(sides)
     if moved is None:
         return None
-    (found["armature"], found["viscous"], found["coulomb"]), of_motion = moved
-    return found, left if gains is None else of_motion
+    found = dict(zip(("armature", "viscous", "coulomb"), moved[0], strict=True))
+    if gains is not None:
+        return found, gains, moved[1]
+    solved = [_regress(parts) for parts in drives]
+    told = [one for one in solved if one is not None]
+    if len(told) < len(solved):
+        return None
+    return found, [(one[0][0], one[0][1]) for one in told], sum(one[1] for one in told) / len(told)
 
 
 def _regress(parts: Sequence[tuple[Array, Array]]) -> tuple[list[float], float] | None:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from actspec.sysid.motion import Bounds, Course, Figures, Moved, move
@@ -39,6 +39,7 @@ class Piecewise:
         starts: First rows of the pieces.
         rows: Length of each.
         joint_torque: Whether the torque was read behind friction.
+        own: Figures that the log does not share with all others, to the name of their value and a factor on it.
     """
 
     course: Course
@@ -46,6 +47,17 @@ class Piecewise:
     starts: NDArray[np.intp]
     rows: int
     joint_torque: bool = False
+    own: Mapping[str, tuple[str, float]] = field(default_factory=dict)
+
+    def figures(self, values: Mapping[str, Array]) -> Figures:
+        """The motion's figures from the values of a fit, one entry a set."""
+        shared = {name: (name, 1.0) for name in Figures.names()} | dict(self.own)
+        return Figures(**{name: values[key] * factor for name, (key, factor) in shared.items()})
+
+    def shows(self, value: str) -> bool:
+        """Whether the motion depends on a value of the fit."""
+        keys = {key for key, factor in self.own.values() if factor}
+        return value in keys or (value in Figures.names() and value not in self.own)
 
     def cut(self, channel: str) -> Array:
         """A channel by row and piece, shape (rows, n_piece)."""
@@ -151,6 +163,10 @@ def descend(search: Search, values: Mapping[str, float], fit: Fit | None = None)
                 arrived = True
                 break
         else:
+            if len(taken) and float(np.abs(taken / solved.spread()).max()) < DONE:
+                # What is left to go shows in no interval, and is less than the errors of the differences.
+                arrived = True
+                break
             damping = max(10.0 * damping, 1e-3)
             if damping > 1e8:
                 break
@@ -165,7 +181,7 @@ def simulated(
     """How a joint of given figures moves along the pieces of a log; one set."""
     import numpy as np
 
-    figures = Figures(**{name: np.array([values[name]]) for name in Figures.names()})
+    figures = log.figures({name: np.array([value]) for name, value in values.items()})
     q, qd = (state[:, None] for state in states)
     return move(log.course, figures, bounds, log.starts, log.rows, q, qd)
 
@@ -309,17 +325,19 @@ class _System:
 def _linearise(search: Search, values: Mapping[str, float], states: Sequence[tuple[Array, Array]]) -> _System:
     import numpy as np
 
-    p = len(search.free)
-    columns = {name: np.full(1 + 2 * p + 2, values[name]) for name in Figures.names()}
-    steps = []
-    for i, name in enumerate(search.free):
-        step = DIFFERENCE * search.scale[name]
-        lower = max(values[name] - step, search.low[name])
-        columns[name][1 + 2 * i], columns[name][2 + 2 * i] = values[name] + step, lower
-        steps.append(values[name] + step - lower)
-    figures = Figures(**columns)
     found = []
     for log, (q0, qd0) in zip(search.logs, states, strict=True):
+        active = [i for i, name in enumerate(search.free) if log.shows(name)]
+        p = len(active)
+        columns = {name: np.full(1 + 2 * p + 2, value) for name, value in values.items()}
+        steps = []
+        for k, i in enumerate(active):
+            name = search.free[i]
+            step = DIFFERENCE * search.scale[name]
+            lower = max(values[name] - step, search.low[name])
+            columns[name][1 + 2 * k], columns[name][2 + 2 * k] = values[name] + step, lower
+            steps.append(values[name] + step - lower)
+        figures = log.figures(columns)
         q, qd = np.tile(q0[:, None], (1, 3 + 2 * p)), np.tile(qd0[:, None], (1, 3 + 2 * p))
         away, faster = 1e-4, 1e-2
         q[:, -2] += away
@@ -330,13 +348,9 @@ def _linearise(search: Search, values: Mapping[str, float], states: Sequence[tup
             measured = log.cut(channel)
             # The first row of a piece is that of its state: it counts, as any other.
             r = measured - model[:, :, 0]
-            jac = (
-                np.stack(
-                    [(model[:, :, 1 + 2 * i] - model[:, :, 2 + 2 * i]) / steps[i] for i in range(p)], axis=2
-                )
-                if p
-                else np.zeros((*r.shape, 0))
-            )
+            jac = np.zeros((*r.shape, len(search.free)))
+            for k, i in enumerate(active):
+                jac[:, :, i] = (model[:, :, 1 + 2 * k] - model[:, :, 2 + 2 * k]) / steps[k]
             local = np.stack(
                 [(model[:, :, -2] - model[:, :, 0]) / away, (model[:, :, -1] - model[:, :, 0]) / faster],
                 axis=2,
@@ -345,7 +359,7 @@ def _linearise(search: Search, values: Mapping[str, float], states: Sequence[tup
             jac[bad], local[bad] = 0.0, 0.0
             channels[channel] = (r, jac, local)
         found.append(channels)
-    return _System(found, p)
+    return _System(found, len(search.free))
 
 
 def _seen(moved: Moved, figures: Figures, log: Piecewise) -> dict[str, Array]:

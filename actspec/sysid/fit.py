@@ -13,20 +13,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed, nearest
-from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.ir import ActuatorSet, Command
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.doubts import doubted
+from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
-from actspec.sysid.motion import Bounds, Course, Figures, figures_of
-from actspec.sysid.recording import Recording, record
-from actspec.sysid.work import FitOptions, HeldGains, JointInWork, piecewise
-from actspec.units import format_number
+from actspec.sysid.motion import Bounds, Course, figures_of
+from actspec.sysid.recording import record
+from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
 if TYPE_CHECKING:
     import numpy as np
@@ -140,52 +140,12 @@ def _prepared(
         if not torque and any("torque" in recording.measured for recording in recordings):
             message = "some logs have a torque and others do not: it is left out"
             out.info("SYS013", message, where=name)
-        held = _held_gains(actuator, recordings, torque, options, out)
-        joints[name] = JointInWork(actuator, known[name], recordings, [], held, torque)
+        made = [recording.log for recording in recordings]
+        gains = gains_of(actuator, made, torque=torque, free=options.free, hold=options.hold, out=out)
+        joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
         _couple(joints, _links(robot, logs, joints), predicted=False)
     return joints
-
-
-def _held_gains(
-    actuator: JointActuator,
-    recordings: Sequence[Recording],
-    torque: bool,
-    options: FitOptions,
-    out: Collector,
-) -> HeldGains | None:
-    """Gains that are not fitted, and who states them."""
-    name = actuator.joint
-    wanted = {"kp", "kd"} & options.free
-    if (torque and not {"kp", "kd"} & options.hold) or len(wanted) == 2:
-        return None
-    stated = []
-    for recording in recordings:
-        gains = recording.log.sidecar.gains_of(name)
-        if gains is not None:
-            assert gains.kp.value is not None and gains.kd.value is not None
-            stated.append((gains.kp.value, gains.kd.value, recording.log.path))
-    if stated and len({(kp, kd) for kp, kd, _ in stated}) == 1:
-        sent = stated[0]
-        return HeldGains(sent[0], sent[1], f"as sent to the drive, by the sidecar of {sent[2]}")
-    if stated:
-        shown = [f"kp {kp:g}, kd {kd:g} in {path}" for kp, kd, path in stated]
-        message = f"the logs were made with different gains: {listed(shown)}"
-        out.error("SYS023", message, where=name, help="fit logs of one pair of gains at a time")
-        return None
-    kp, kd = actuator.kp, actuator.kd
-    if kp is None or kd is None or kp.value is None or kd.value is None:
-        message = "no torque was logged, and neither the sidecar nor the spec states kp and kd"
-        help = f"write `gains: {{{name}: {{kp: ..., kd: ...}}}}` beside the log, or give --free kp,kd"
-        out.error("SYS023", message, where=name, help=help)
-        return None
-    out.info(
-        "SYS024",
-        f"kp and kd are held at the spec's {format_number(kp.value)} {kp.unit} and "
-        f"{format_number(kd.value)} {kd.unit}: the log has no torque, and its sidecar states no gains",
-        where=name,
-    )
-    return HeldGains(kp.value, kd.value, "held at the spec's")
 
 
 def _links(
@@ -286,23 +246,20 @@ def _predicted(joint: JointInWork, index: int) -> Array:
 
 
 def _free(joint: JointInWork, options: FitOptions) -> tuple[str, ...]:
-    """Figures that are free."""
+    """Values that are free."""
     import numpy as np
 
-    free = [name for name in DEFAULT if FIELDS[name][0] not in options.hold]
-    if joint.held is not None:
-        free = [name for name in free if name not in ("kp", "kd") or name in options.free]
-    free += [FIGURE[field] for field in sorted(options.free) if FIGURE[field] not in free]
+    wanted = [*DEFAULT, *(FIGURE[field] for field in sorted(options.free) if FIGURE[field] not in DEFAULT)]
+    free = [name for name in wanted if FIELDS[name][0] not in options.hold and name not in joint.gains.held]
     slope = max(float(np.abs(course.slope).max()) for course in joint.courses)
     if "bias" in free and slope * STIFF < 1.0:
         free.remove("bias")
-    if not joint.torque and joint.held is None and "kd" in free and "viscous" in free:
-        # Only their sum shows: it is found as viscous friction beside the kd that is held.
-        free.remove("kd")
-        if not _scaled(joint):
-            free.remove("armature")
-            free.remove("bias") if "bias" in free else None
-    return tuple(free)
+    if not joint.parted and {"kd", "viscous"} <= set(free):
+        # Only their sum shows: it is found as the drive's, which the limit clips.
+        free.remove("viscous")
+    if "armature" in free and not joint.told and not _scaled(joint):
+        free = [name for name in free if name not in ("armature", "bias")]
+    return tuple(key for name in free for key in (joint.gains.keys(name) if name in GAINS else (name,)))
 
 
 def _scaled(joint: JointInWork) -> bool:
@@ -320,36 +277,54 @@ def _descend(joint: JointInWork, options: FitOptions, out: Collector) -> None:
     """Fit a joint, from its last fit or from a regression on."""
     pieces = piecewise(joint)
     free = _free(joint, options)
-    spec = figures_of(joint.actuator)
     if joint.fit is not None:
         values = dict(joint.fit.values)
         assert joint.scale is not None
         scale = joint.scale
     else:
-        gains = (joint.held.kp, joint.held.kd) if joint.held is not None else None
-        if gains is None and not joint.torque:
-            gains = (spec["kp"] or 1.0, spec["kd"] or 0.1)
-        first = begin(joint.recordings, joint.courses, joint.bounds, gains)
-        if gains is None and first.against:
-            out.error(
-                "SYS014",
-                "the torque pulls away from the command",
-                where=joint.actuator.joint,
-                span=Span(joint.recordings[0].log.path),
-                help="turn the sign of the torque's column",
-            )
-            raise LogError(out.sorted())
-        values = {**spec, **{k: v for k, v in first.values.items() if k in free or k in ("kp", "kd")}}
-        values["bias"] = spec["bias"]
-        if joint.held is not None:
-            values |= {"kp": joint.held.kp, "kd": joint.held.kd}
+        values = _begun(joint, free, out)
         scale = joint.scale = _scales(joint, values)
-    low = {name: (-math.inf if name == "bias" else 0.0) for name in Figures.names()}
-    joint.fit = _searched(joint, pieces, free, scale, low, values)
+    # Where only ratios show, a gain that is held says nothing of friction, which may then be anything.
+    unscaled = not joint.told and "armature" not in free
+    joint.low = {
+        name: -math.inf if name == "bias" or (unscaled and name == "viscous") else 0.0 for name in values
+    }
+    joint.fit = _searched(joint, pieces, free, scale, joint.low, values)
     if not joint.fit.arrived:
         out.warning(
             "SYS030", "the fit did not come to rest: its figures are uncertain", where=joint.actuator.joint
         )
+
+
+def _begun(joint: JointInWork, free: tuple[str, ...], out: Collector) -> dict[str, float]:
+    """Every value, where a descent begins."""
+    spec = figures_of(joint.actuator)
+    sets, held = joint.gains.sets, joint.gains.held
+    sent = [
+        (one.kp or spec["kp"] or 1.0, one.kd if one.kd is not None else spec["kd"] or 0.1) for one in sets
+    ]
+    first = begin(
+        joint.recordings, joint.courses, joint.bounds, joint.gains.used, None if joint.torque else sent
+    )
+    if joint.torque and first.against:
+        out.error(
+            "SYS014",
+            "the torque pulls away from the command",
+            where=joint.actuator.joint,
+            span=Span(joint.recordings[0].log.path),
+            help="turn the sign of the torque's column",
+        )
+        raise LogError(out.sorted())
+    values = {**spec, **{name: value for name, value in first.values.items() if name in free}}
+    for index, (mine, given) in enumerate(zip(first.gains, sent, strict=True)):
+        for name, regressed, stated in zip(GAINS, mine, given, strict=True):
+            key, factor = joint.gains.key(name, index)
+            if factor == 1.0:
+                values[key] = stated if name in held else regressed
+    if "kd" in free and "viscous" not in free and not joint.parted:
+        values["kd"] += first.values["viscous"]
+        values["viscous"] = 0.0
+    return values
 
 
 def _searched(
@@ -397,9 +372,10 @@ def _scales(joint: JointInWork, values: Mapping[str, float]) -> dict[str, float]
     )
     speed = max(float(np.abs(recording.velocity).max()) for recording in joint.recordings)
     damping = max(values["kd"] + values["viscous"], 0.02 * math.sqrt(values["kp"] * inertia))
+    gains = {key: max(values[key], 1e-3) for key in joint.gains.keys("kp")}
+    gains |= {key: max(values[key], damping) for key in joint.gains.keys("kd")}
     return {
-        "kp": max(values["kp"], 1e-3),
-        "kd": damping,
+        **gains,
         "armature": inertia,
         "coulomb": max(0.1 * torque, 1e-4),
         "viscous": damping,

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
 from actspec.sysid.descent import Fit, Search, descend
-from actspec.sysid.identified import FIELDS, Combination, JointFit, Parameter, State
-from actspec.sysid.motion import Figures
+from actspec.sysid.gains import GAINS
+from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
 
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 VAGUE = 0.3
 """Standard deviation over the size of a figure from which on it is not identified. Chosen: the interval then is wider
 than what one would guess."""
+SUM = ("kd", "friction.viscous")
+"""What shows in a sum alone where nothing tells the drive's torque."""
 WIDE = 1.96
 """Half the 95 % interval in standard deviations."""
 LATE = 5e-3
@@ -38,16 +40,18 @@ def judged(joint: JointInWork, options: FitOptions) -> JointFit:
     fit, scale, actuator = joint.fit, joint.scale, joint.actuator
     assert fit is not None and scale is not None
     linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
-    unscaled = not joint.torque and joint.held is None and "armature" not in fit.free
+    unscaled = not joint.told and not {"armature"} & (set(fit.free) | options.hold)
+    summed = (
+        not joint.parted and "kd" in fit.free and "viscous" not in fit.free and SUM[1] not in options.hold
+    )
     parameters, combinations = [], []
-    for name, (field, kind) in FIELDS.items():
+    for name, (_, kind) in FIELDS.items():
         unit = kind.linear_unit if linear else kind.rotary_unit
-        parameter = _parameter(joint, fit, scale, name, field, unit, options, unscaled=unscaled)
+        parameter = _parameter(joint, name, unit, options, unscaled=unscaled, summed=summed)
         if parameter is not None:
             parameters.append(parameter)
-    summed = not joint.torque and joint.held is None and "viscous" in fit.free and "kd" not in fit.free
-    if summed:
-        combinations = _combinations(joint, fit, unscaled=unscaled)
+    if summed or unscaled:
+        combinations = _combinations(joint, fit, unscaled=unscaled, linear=linear)
     correlation = _correlation(fit)
     position = fit.noise["position"]
     return JointFit(
@@ -60,7 +64,23 @@ def judged(joint: JointInWork, options: FitOptions) -> JointFit:
         _held_out(joint),
         position / _reading_noise(joint),
         float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
+        () if unscaled or summed else tuple(_own_gains(joint, linear=linear)),
     )
+
+
+def _own_gains(joint: JointInWork, *, linear: bool | None) -> Iterator[Indicator]:
+    """kp and kd of every set of logs, where they are not the same."""
+    fit, gains = joint.fit, joint.gains
+    assert fit is not None
+    for name in GAINS:
+        if not gains.differ(name):
+            continue
+        kind = FIELDS[name][1]
+        for index, one in enumerate(gains.sets):
+            key, factor = gains.key(name, index)
+            std = factor * fit.std(key) if key in fit.free else None
+            unit = kind.linear_unit if linear else kind.rotary_unit
+            yield Indicator(f"{name} of {listed(one.logs, 3)}", factor * fit.values[key], std, unit)
 
 
 def _scaled_normal(fit: Fit) -> Array:
@@ -72,41 +92,34 @@ def _scaled_normal(fit: Fit) -> Array:
 
 
 def _parameter(
-    joint: JointInWork,
-    fit: Fit,
-    scale: Mapping[str, float],
-    name: str,
-    field: str,
-    unit: str,
-    options: FitOptions,
-    *,
-    unscaled: bool,
+    joint: JointInWork, name: str, unit: str, options: FitOptions, *, unscaled: bool, summed: bool
 ) -> Parameter | None:
+    """What is said of one figure; None: nothing, as nobody asked for it."""
+    fit, scale, (field, _) = joint.fit, joint.scale, FIELDS[name]
+    assert fit is not None and scale is not None
+
     def untold(state: State, why: str) -> Parameter:
         return Parameter(field, state, None, None, None, None, unit, why)
 
     value = fit.values[name]
+    if name in GAINS and (why := joint.gains.nameless(name)) is not None:
+        return untold(State.UNIDENTIFIABLE, why)
     if name not in fit.free:
         if name in ("static", "stribeck_velocity", "lag"):
             return None
-        if name in ("kp", "kd") and joint.held is not None:
-            return Parameter(field, State.HELD, value, None, None, None, unit, joint.held.where)
+        if name in joint.gains.held:
+            where = joint.gains.where(name, options.hold)
+            return Parameter(field, State.HELD, value, None, None, None, unit, where)
         if field in options.hold:
             return Parameter(field, State.HELD, value, None, None, None, unit, "held at the spec's, --hold")
-        if name == "kd":
-            return untold(State.UNIDENTIFIABLE, "without torque only kd + friction.viscous shows")
-        if name == "armature":
-            return untold(
-                State.UNIDENTIFIABLE,
-                "without torque, gravity and other joints only ratios to the inertia show",
-            )
-        return untold(State.UNIDENTIFIABLE, "without gravity on the joint it shows in nothing")
-    if unscaled and name in ("kp", "coulomb", "viscous"):
+        if name == "bias":
+            return untold(State.UNIDENTIFIABLE, "without gravity on the joint it shows in nothing")
+    if unscaled and name in ("kp", "kd", "armature", "coulomb", "viscous", "static"):
         return untold(
             State.UNIDENTIFIABLE, "without torque, gravity and other joints only ratios to the inertia show"
         )
-    if name == "viscous" and not joint.torque and joint.held is None:
-        return untold(State.UNIDENTIFIABLE, "without torque only kd + friction.viscous shows")
+    if summed and name in ("kd", "viscous"):
+        return untold(State.UNIDENTIFIABLE, f"without torque only {' + '.join(SUM)} shows")
     std = fit.std(name)
     vague = {"delay": LATE, "bias": ASKEW}.get(name, VAGUE * scale[name])
     if name == "kp":
@@ -145,7 +158,8 @@ def _partner(fit: Fit, name: str) -> str | None:
     i = fit.free.index(name)
     root = np.sqrt(np.maximum(np.diag(fit.covariance), 1e-300))
     row = np.abs(fit.covariance[i] / (root * root[i]))
-    row[i] = 0.0
+    # Of a gain in another set of logs nobody has heard.
+    row[[key not in FIELDS or key == name for key in fit.free]] = 0.0
     best = int(np.argmax(row))
     return fit.free[best] if len(row) > 1 and row[best] > 0.9 else None
 
@@ -159,27 +173,25 @@ def _correlation(fit: Fit) -> tuple[tuple[str, str, float], ...]:
         (FIELDS[a][0], FIELDS[b][0], float(np.clip(matrix[i, j], -1.0, 1.0)))
         for i, a in enumerate(fit.free)
         for j, b in enumerate(fit.free)
-        if i < j and abs(matrix[i, j]) > 0.5
+        if i < j and abs(matrix[i, j]) > 0.5 and {a, b} <= set(FIELDS)
     )
 
 
-def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool) -> list[Combination]:
-    """Sums and ratios that show where single figures do not."""
+def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool, linear: bool | None) -> list[Combination]:
+    """Sums and ratios that show where single figures do not; of the logs with the first gains."""
     import numpy as np
 
-    linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
     damping = fit.values["viscous"] + fit.values["kd"]
+    shown = [fit.free.index(name) for name in ("kd", "viscous") if name in fit.free]
+    std = math.sqrt(max(float(fit.covariance[np.ix_(shown, shown)].sum()), 0.0))
     if not unscaled:
-        unit = "N*s/m" if linear else "N*m*s/rad"
-        return [Combination("kd+friction.viscous", damping, fit.std("viscous"), unit)]
+        return [Combination("+".join(SUM), damping, std, "N*s/m" if linear else "N*m*s/rad")]
     inertia = float(np.mean([course.inertia.mean() for course in joint.courses])) + fit.values["armature"]
     acceleration = "m/s^2" if linear else "rad/s^2"
     found = []
     if "kp" in fit.free:
         found.append(Combination("kp/inertia", fit.values["kp"] / inertia, fit.std("kp") / inertia, "1/s^2"))
-    found.append(
-        Combination("(kd+friction.viscous)/inertia", damping / inertia, fit.std("viscous") / inertia, "1/s")
-    )
+    found.append(Combination(f"({'+'.join(SUM)})/inertia", damping / inertia, std / inertia, "1/s"))
     if "coulomb" in fit.free:
         found.append(
             Combination(
@@ -221,7 +233,7 @@ def _held_out(joint: JointInWork) -> float | None:
         unseen.append(replace(part, starts=part.starts[out]))
         states.append((q[~out], qd[~out]))
         others.append((q[out], qd[out]))
-    low = {name: (-math.inf if name == "bias" else 0.0) for name in Figures.names()}
+    low = joint.low
     reading = fit.values["delay"] if joint.torque else None
     seen = [part for part in seen if len(part.starts)]
     search = Search(seen, joint.bounds, fit.free, scale, low, reading)

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from actspec.ir import JointActuator
 from actspec.sysid.descent import Fit, Piecewise
+from actspec.sysid.gains import GainSets
 from actspec.sysid.motion import Bounds, Course
 from actspec.sysid.recording import Recording
 
@@ -24,36 +25,54 @@ class FitOptions:
     hold: frozenset[str] = frozenset()
 
 
-@dataclass(frozen=True, slots=True)
-class HeldGains:
-    """kp and kd, and who states them; None: they are free."""
-
-    kp: float
-    kd: float
-    where: str
-
-
 @dataclass(slots=True)
 class JointInWork:
-    """A joint in work."""
+    """A joint in work.
+
+    Attributes:
+        actuator: As the spec has it.
+        bounds: Of its drive.
+        recordings: Its part of every log.
+        courses: The links along each, likewise.
+        gains: Of each.
+        torque: Whether a torque is fitted.
+        fit: The last one.
+        scale: Sizes of the values.
+        low: Least ones.
+    """
 
     actuator: JointActuator
     bounds: Bounds
     recordings: list[Recording]
     courses: list[Course]
-    held: HeldGains | None
+    gains: GainSets
     torque: bool
     fit: Fit | None = None
     scale: Mapping[str, float] | None = None
+    low: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def told(self) -> bool:
+        """Whether the scale of all torques is known: a torque was logged, or a kp is what was sent."""
+        return self.torque or "kp" in self.gains.held
+
+    @property
+    def parted(self) -> bool:
+        """Whether kd shows apart from viscous friction."""
+        import numpy as np
+
+        fed = any(bool(np.any(recording.speed_command)) for recording in self.recordings)
+        return self.torque or fed or "kd" in self.gains.held or self.gains.ratio_tells_kd
 
 
 def piecewise(joint: JointInWork) -> list[Piecewise]:
     """The logs of a joint in pieces, with the course of each."""
     found = []
-    for recording, course in zip(joint.recordings, joint.courses, strict=True):
+    for index, (recording, course) in enumerate(zip(joint.recordings, joint.courses, strict=True)):
         measured = {
             name: signal for name, signal in recording.measured.items() if name != "torque" or joint.torque
         }
         behind = recording.log.sidecar.torque == "joint"
-        found.append(Piecewise(course, measured, recording.starts, recording.rows, behind))
+        own = joint.gains.own(index)
+        found.append(Piecewise(course, measured, recording.starts, recording.rows, behind, own))
     return found
