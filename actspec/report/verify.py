@@ -273,6 +273,13 @@ def _verdict(compilation: Compilation, agreement: Agreement) -> str:
         torques = [row for row in marked if row.quantity in _HISTORIES and row.max_error is not None]
         worst = max(torques, key=lambda row: row.max_error or 0.0, default=None)
         seen = worst is not None and (worst.max_error or 0.0) > _ROUNDING
-        size = f" (largest {_amount(worst.max_error, worst.unit)})" if worst is not None and seen else ""
+        size = ""
+        if worst is not None and seen:
+            usual = max((row.usual_error for row in torques if row.usual_error is not None), default=None)
+            size = f" (largest {_amount(worst.max_error, worst.unit)}"
+            if usual is not None:
+                amount = _amount(usual, worst.unit) if usual > _ROUNDING else "none"
+                size += f", {amount} inside the ranges of command and speed"
+            size += ")"
         parts.append(f"{count} within {word} approximations{size}")
     return ", ".join(parts)

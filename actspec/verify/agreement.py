@@ -128,6 +128,8 @@ class Row:
         code: What is wrong, as in docs/verify.md; None where it agrees.
         message: The same in words; "" where it agrees.
         place: Where a field that is wrong is written; None elsewhere.
+        usual_error: Of a torque: the largest difference of all these joints where command and speed are inside their
+            ranges (`usual` in `torque`); None: no sample is, or it is no torque.
     """
 
     target: str
@@ -147,6 +149,7 @@ class Row:
     code: str | None = None
     message: str = ""
     place: Span | None = None
+    usual_error: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,6 +209,7 @@ def row_record(row: Row) -> dict[str, Any]:
         "quantity": row.quantity,
         "unit": row.unit,
         "max_error": _number(row.max_error),
+        "usual_error": _number(row.usual_error),
         "at": None if at is None else asdict(at),
         "tolerance": _number(row.tolerance),
         "ok": row.ok,
@@ -247,7 +251,9 @@ def worst_of(rows: Iterable[tuple[float, Row]], by: Callable[[Row], object]) -> 
     for share, row in rows:
         merged.setdefault(by(row), []).append((share, row))
     for found in merged.values():
-        yield replace(max(found, key=lambda pair: pair[0])[1], joints=len(found))
+        usual = [row.usual_error for _, row in found if row.usual_error is not None]
+        worst = max(found, key=lambda pair: pair[0])[1]
+        yield replace(worst, joints=len(found), usual_error=max(usual, default=None))
 
 
 def alike(actuators: ActuatorSet) -> tuple[tuple[JointActuator, ...], ...]:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import shortened
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
-from actspec.simulate.excitation import HeldMotion, HeldMotions, torque_scale
+from actspec.simulate.excitation import HeldMotion, HeldMotions, own_speed, torque_scale
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab import dialect_for
@@ -18,6 +18,9 @@ from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys, wo
 from actspec.verify.engines.asking import EngineAnswer
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from actspec.laws.arrays import Floats as Array
 
 DOUBLE = 1e-9
@@ -148,8 +151,37 @@ def _judge(
         engine=answer.engine,
         code=None if ok else "VFY100",
         message="" if ok else f"the torque differs from the law by {worst:.4g} {unit}",
+        usual_error=float(error[inside].max())
+        if (inside := usual(law, actuator, motion, column)).any()
+        else None,
     )
     return worst / tolerance if tolerance > 0.0 else math.inf, row
+
+
+def usual(law: TorqueLaw, actuator: JointActuator, motion: HeldMotion, column: int) -> NDArray[np.bool_]:
+    """Which samples have a command inside its range and a speed that the drive reaches, shape (n_step, n_env).
+
+    The range of a position is that of the command, else the joint's; of a torque the effort limit; of a speed, and for
+    the joint's own, the law's (`own_speed`).
+
+    Args:
+        law: Of the joint.
+        actuator: Likewise.
+        motion: What is asked.
+        column: The joint's in it.
+    """
+    import numpy as np
+
+    command, _, qd = (part[:, :, column] for part in motion.arrays)
+    speed = own_speed(law) or math.inf
+    ends = law.command_range
+    if ends is None and law.command is Command.POSITION:
+        ends = actuator.position_range
+    if ends is None:
+        most = {Command.EFFORT: law.effort_limit, Command.VELOCITY: speed}.get(law.command, math.inf)
+        ends = -most, most
+    found: NDArray[np.bool_] = (ends[0] <= command) & (command <= ends[1]) & (np.abs(qd) <= speed)
+    return found
 
 
 def _error(

@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 
 from actspec.ir import ActuatorSet
-from actspec.simulate.excitation import HeldMotion, held_motions
+from actspec.simulate.excitation import HeldMotion, held_motions, own_speed
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.engines.asking import EngineAnswer
-from actspec.verify.torque import laws_of, torque_rows
+from actspec.verify.torque import laws_of, torque_rows, usual
 from tests.verify.making import SPEC, Built, build, replaced
 
 
@@ -98,6 +98,23 @@ def test_tolerance_is_of_the_limit(bench: Bench) -> None:
     assert bench.rows(spoiled, bench.target())["right_hip", "torque"].ok
 
 
+def test_what_is_usual_counts_by_itself(bench: Bench) -> None:
+    """An error beyond w0 and one at a slow command inside the joint's range are told apart, over both hips."""
+    motion, law = bench.moves["torque"], bench.laws.laws["left_hip"]
+    where = usual(law, bench.actuators.joints[0], motion, 0)
+    command, _, qd = (part[:, :, 0] for part in motion.arrays)
+    low, high = bench.actuators.joints[0].position_range or (-math.inf, math.inf)
+    assert where.any() and not where.all()
+    assert command[where].min() >= low and command[where].max() <= high
+    assert abs(qd[where]).max() <= (own_speed(law) or math.inf) < abs(qd).max()
+    spoiled = bench.answer()
+    inside, outside = (int(np.flatnonzero(mask[0])[0]) for mask in (where, ~where))
+    spoiled["torque"][0, outside, 0] += 40.0
+    spoiled["torque"][0, inside, 0] += 0.3
+    row = bench.rows(spoiled, bench.target(loss("kp", 45.0)))["left_hip", "torque"]
+    assert row.ok and (row.max_error, row.usual_error) == (pytest.approx(40.0), pytest.approx(0.3))
+
+
 def test_row_says_where(bench: Bench) -> None:
     """The place of the largest error is that sample's error, speed, command and step."""
     spoiled = bench.answer()
@@ -118,6 +135,8 @@ def test_approximation_widens_only_where_it_shows(bench: Bench) -> None:
     row = rows["left_hip", "torque"]
     assert row.ok and row.tolerance == pytest.approx(4.2)
     assert row.approximations == ("mujoco.torque_speed_curve",)
+    # Up to w0 and inside the joint's range the line takes less: see `usual`.
+    assert row.usual_error is not None and row.usual_error < 45.0
     assert rows["left_hip", "torque.step"].tolerance < 1e-6
     assert not bench.rows(spoiled, bench.target(loss("torque_speed_curve", 3.5)))["left_hip", "torque"].ok
     unsized = bench.rows(spoiled, bench.target(loss("torque_speed_curve", None)))["left_hip", "torque"]
