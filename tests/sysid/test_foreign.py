@@ -187,6 +187,8 @@ def test_other_parameters_of_bam_are_listed() -> None:
         pytest.param({"friction_base": None}, "no `friction_base`", id="missing"),
         pytest.param({"friction_viscous": -0.01}, "SYS072", id="negative"),
         pytest.param({"armature": "0.1"}, "must be a number", id="text"),
+        pytest.param({"kt": 0.0}, "must be above 0", id="no constant"),
+        pytest.param({"model": "m2"}, "no `friction_stribeck`", id="m2 without its curve"),
         pytest.param({"kt": float("nan")}, "SYS07", id="nan"),
     ],
 )
@@ -251,6 +253,7 @@ def test_pace_in_another_layout() -> None:
         pytest.param([*PACE[:5], "--commit", "f8ec8b8"], "--step", id="step"),
         pytest.param(PACE, "--commit", id="commit"),
         pytest.param([*PACE, "--commit", "0123456"], "is not known here", id="unknown commit"),
+        pytest.param(["--joint", "", *PACE[2:], "--commit", "f8ec8b8"], "no name", id="empty name"),
         pytest.param(
             ["--joint", "hip", *PACE[3:], "--commit", "f8ec8b8"], "1 + 1 + 1 + 1 + 1 = 5", id="too few joints"
         ),
@@ -379,6 +382,31 @@ def test_lines_refused(text: str, said: str, capsys: pytest.CaptureFixture[str])
     """A number without a unit is none."""
     Path("line.yaml").write_text(text, encoding="utf-8")
     assert said in refused(capsys, "line", "line.yaml", "--joint", "hip")
+
+
+def test_friction_at_the_lower_bound_has_no_value() -> None:
+    """Both tools search from 0 on: a friction of 1e-10 is the bound, not a measurement."""
+    found = taken("bam", bam(friction_base=2e-10), "--joint", "hip", exit=1).joints["hip"]
+    assert found.friction.coulomb is None and found.bounds_hit == ("friction.coulomb",)
+    numbers = [0.01, 0.0, 0.3]
+    more = [
+        "--joint",
+        "hip",
+        "--layout",
+        "armature,viscous,friction",
+        "--step",
+        "1 ms",
+        "--commit",
+        "f8ec8b8",
+    ]
+    found = taken("pace", vector(numbers), *more, exit=1).joints["hip"]
+    assert found.friction.viscous is None and found.bounds_hit == ("friction.viscous",)
+
+
+def test_json_may_be_indented_by_tabs() -> None:
+    """YAML forbids it, JSON does not."""
+    Path("m.json").write_text(json.dumps(M1, indent="\t"), encoding="utf-8")
+    assert figures(taken("bam", "m.json", "--joint", "hip"))["kd"] == 0.75
 
 
 def test_what_is_there_stays(capsys: pytest.CaptureFixture[str]) -> None:

@@ -48,6 +48,8 @@ def read_foreign(tool: str, path: str, options: Options, collector: Collector) -
         if getattr(options, key) and key not in module.OPTIONS:
             option = "--map" if key == "names" else f"--{key}"
             raise LogError.of("SYS071", f"`{option}` says nothing about a file of {tool}", where=option)
+    if not all(name.strip() for name in options.joints):
+        raise LogError.of("SYS071", "a joint has no name", where="--joint")
     twice = {joint for joint in options.joints if options.joints.count(joint) > 1}
     if twice:
         raise LogError.of("SYS071", f"a joint is named twice: {listed(sorted(twice))}", where="--joint")

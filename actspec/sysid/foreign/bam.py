@@ -20,7 +20,17 @@ from collections.abc import Mapping
 from actspec.diagnostics import Collector, listed, shortened
 from actspec.ir import tidy
 from actspec.spec.document import Document
-from actspec.sysid.foreign.figures import Figure, Found, Given, JointFound, Options, document, number, unit_of
+from actspec.sysid.foreign.figures import (
+    Figure,
+    Found,
+    Given,
+    JointFound,
+    Options,
+    document,
+    number,
+    take,
+    unit_of,
+)
 from actspec.units import format_number
 
 OPTIONS = ("joints", "commit")
@@ -47,6 +57,7 @@ LOADED = (
 STRIBECK = ("friction_stribeck", "dtheta_stribeck", "alpha")
 NEEDED = ("armature", "friction_base", "friction_viscous")
 SIGNED = ("q_offset",)
+ABOVE = ("kt", "R", "armature", "dtheta_stribeck")
 ELSEWHERE: Mapping[str, str] = {
     "q_offset": "{} rad: zero of BAM's test bench, not of a robot's encoder",
     "max_velocity": "{} rad/s: how fast the firmware moves its own target; a spec has no such limit of the command",
@@ -82,19 +93,22 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
             checked = number(read, (name,), value, collector, at_least=None if name in SIGNED else 0.0)
             if checked is not None:
                 values[name] = checked
-    for name in NEEDED:
+            if checked == 0.0 and name in ABOVE:
+                span = read.spans.value((name,))
+                collector.error("SYS072", f"must be above 0, got {value}", where=name, span=span)
+    for name in (*NEEDED, *(STRIBECK if model == "m2" else ())):
         if name not in read.data:
             collector.error(
                 "SYS070",
-                f"has no `{name}`, which every model of BAM has",
+                f"has no `{name}`, which {model} has",
                 span=read.spans.value(()),
                 help=EXPORT,
             )
     if collector.failed:
         return Found(given, "bam", options.commit, {})
     joint = _joint(model, actuator, values, read, collector)
-    copies = {name: JointFound(dict(joint.figures), [], dict(joint.left_out)) for name in options.joints}
-    return Found(given, f"bam {model} of {shortened(actuator)}", options.commit, copies)
+    same = dict.fromkeys(options.joints, joint)
+    return Found(given, f"bam {model} of {shortened(actuator)}", options.commit, same)
 
 
 def _joint(
@@ -106,9 +120,9 @@ def _joint(
     friction = ("friction_base", *STRIBECK, *LOADED)
     loads = [name for name in LOADED if name in values]
     alpha = values.get("alpha", 2.0)
-    if model == "m1" or (model == "m2" and abs(alpha - 2.0) <= GAUSS and set(STRIBECK) <= set(values)):
+    if model == "m1" or (model == "m2" and abs(alpha - 2.0) <= GAUSS):
         base = values["friction_base"]
-        joint.figures["friction.coulomb"] = Figure(base, unit_of("friction.coulomb"))
+        take(joint, "friction.coulomb", base, read.spans.value(("friction_base",)), collector)
         if model == "m2":
             static = tidy(base + values["friction_stribeck"])
             joint.figures["friction.static"] = Figure(static, unit_of("friction.static"))
@@ -130,8 +144,13 @@ def _joint(
             span=read.spans.value(("friction_base",)),
             help="import the m1 of the same servo, which has the Coulomb friction that fits best without load",
         )
-    joint.figures["friction.viscous"] = Figure(
-        values["friction_viscous"], unit_of("friction.viscous"), note="without kt^2/R, which is the drive's"
+    take(
+        joint,
+        "friction.viscous",
+        values["friction_viscous"],
+        read.spans.value(("friction_viscous",)),
+        collector,
+        "without kt^2/R, which is the drive's",
     )
     known = {"kt", "R", *NEEDED, *friction}
     for name, value in values.items():
@@ -149,7 +168,7 @@ def _drive(joint: JointFound, actuator: str, values: Mapping[str, float]) -> Non
     joint.left_out["kp"] = "follows from the firmware's gain and the supply, which the file does not have"
     if kt is not None:
         joint.left_out["kt"] = f"{kt} N*m/A: belongs in the motor, as torque_constant with side: joint"
-    if kt is None or not resistance:
+    if kt is None or resistance is None:
         why = (
             "the file has no kt and R"
             if actuator not in TORQUE

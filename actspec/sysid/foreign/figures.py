@@ -102,6 +102,23 @@ class Found:
     note: str = ""
 
 
+AT_ZERO = 1e-6
+"""Friction up to this is 0, the lower bound of BAM's and PACE's fits [SI]. Chosen: below what any joint has."""
+
+
+def take(
+    joint: JointFound, field: str, value: float, span: Span, collector: Collector, note: str | None = None
+) -> None:
+    """Friction of a fit that is bounded by 0; one at the bound has no value."""
+    if value > AT_ZERO:
+        joint.figures[field] = Figure(value, unit_of(field), note=note)
+        return
+    joint.bounds_hit.append(field)
+    collector.warning(
+        "SYS073", f"{field} is left out: {value} is at the lower bound of the fit, 0", span=span
+    )
+
+
 def unit_of(name: str, linear: bool = False) -> str:
     """SI unit of a field of results at a hinge, or at a slide."""
     return unit_of_kind(FIELDS[FIGURE[name]][1], JointKind.SLIDE if linear else JointKind.HINGE)
@@ -113,12 +130,17 @@ def document(given: Given, export: str) -> Document:
     Raises:
         LogError: it is neither.
     """
+    # Tabs may indent JSON, and cannot stand in its texts.
+    data = given.data.replace(b"\t", b" ") if given.path.lower().endswith(".json") else given.data
     try:
-        return document_from_text(given.data, given.path)
+        return document_from_text(data, given.path)
     except SpecError as err:
         first = err.diagnostics[0]
         raise LogError.of(
-            "SYS070", f"is no such file: {first.message}", first.span or Span(given.path), help=export
+            "SYS070",
+            f"is neither JSON nor YAML that is read: {first.message}",
+            first.span or Span(given.path),
+            help=export,
         ) from err
 
 

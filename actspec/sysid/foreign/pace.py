@@ -21,7 +21,7 @@ from dataclasses import dataclass
 from actspec.diagnostics import Collector, Span, listed, nearest
 from actspec.ir import tidy
 from actspec.logs import LogError
-from actspec.sysid.foreign.figures import Figure, Found, Given, JointFound, Options, unit_of
+from actspec.sysid.foreign.figures import Figure, Found, Given, JointFound, Options, take, unit_of
 from actspec.units import format_quantity
 
 OPTIONS = ("joints", "layout", "step", "commit")
@@ -88,7 +88,7 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
         parts = " + ".join("1" if block == "delay" else str(n) for block in options.layout)
         raise LogError.of(
             "SYS072",
-            f"has {len(numbers)} numbers, and {n} joints in the layout {','.join(options.layout)} make "
+            f"has {len(numbers)} numbers; the layout {','.join(options.layout)} of {listed(options.joints)} makes "
             f"{parts} = {expected}",
             Span(given.path),
             help="name every joint of `joint_order`, and the blocks that were fitted",
@@ -97,8 +97,12 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
     at = 0
     for block in options.layout:
         if block == "delay":
-            _delay(joints, int(numbers[at][1]), numbers[at][1], step, era)
+            line, mean = numbers[at]
             at += 1
+            if mean < 0.0:
+                collector.error("SYS072", f"the delay is {mean}, below 0", span=Span(given.path, line))
+            else:
+                _delay(joints, int(mean), mean, step, era)
             continue
         for name in options.joints:
             line, value = numbers[at]
@@ -108,7 +112,7 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
                 help = "is the layout another one, or the file?"
                 collector.error("SYS072", message, span=Span(given.path, line), help=help)
             elif block == "friction":
-                _friction(joints[name], value, era, options.commit)
+                _friction(joints[name], value, era, options.commit, Span(given.path, line), collector)
             elif block == "bias" and era.bias:
                 note = f"PACE's {value} has the other sign: q = q_measured + b"
                 joints[name].figures["encoder_bias"] = Figure(
@@ -118,9 +122,10 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
                 joints[name].left_out["encoder_bias"] = (
                     f"{value} rad at {options.commit[:7]}: the drive adds it, the comparison subtracts it"
                 )
+            elif block == "viscous":
+                take(joints[name], "friction.viscous", value, Span(given.path, line), collector)
             else:
-                field = "friction.viscous" if block == "viscous" else block
-                joints[name].figures[field] = Figure(value, unit_of(field))
+                joints[name].figures[block] = Figure(value, unit_of(block))
     _tell(joints, given, step, collector)
     return Found(given, "pace", options.commit, joints)
 
@@ -187,11 +192,12 @@ def _numbers(given: Given) -> list[tuple[int, float]]:
     return found
 
 
-def _friction(joint: JointFound, value: float, era: Era, commit: str) -> None:
+def _friction(
+    joint: JointFound, value: float, era: Era, commit: str, span: Span, collector: Collector
+) -> None:
+    take(joint, "friction.coulomb" if era.sliding else "friction.static", value, span, collector)
     if era.sliding:
-        joint.figures["friction.coulomb"] = Figure(value, unit_of("friction.coulomb"))
         return
-    joint.figures["friction.static"] = Figure(value, unit_of("friction.static"))
     joint.left_out["friction.coulomb"] = (
         f"PACE at {commit[:7]} fits static friction alone; the sliding one stayed at the robot's configuration"
     )
