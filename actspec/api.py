@@ -103,7 +103,7 @@ def compile(
     for item in check_actuators(actuators, explicit):
         collector.add(item)
     collector.raise_if_failed(EmitError)
-    check_accepted(loaded, actuators.approximations, chosen, emissions, collector)
+    check_accepted(loaded, actuators, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 
 

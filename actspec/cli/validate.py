@@ -68,12 +68,14 @@ def run(arguments: argparse.Namespace) -> int:
             path = named(path, arguments.variant)
             spec = load_spec(path)
             diagnostics = (*spec.diagnostics, *validate_variants(spec))
+            unchecked, found = _joints_checked(spec)
             model = spec.model
             groups = len(model.actuators)
             summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
             if model.variants and arguments.variant is None:
                 summary += f", variants {listed(sorted({*model.variants, *filter(None, [model.variant])}))}"
-            summary += _joints_checked(spec)
+            summary += unchecked
+            diagnostics = (*diagnostics, *found)
         except ActspecError as err:
             failed, summary = True, ""
             diagnostics += err.diagnostics
@@ -111,17 +113,20 @@ def _is_other(path: str) -> bool:
         return False
 
 
-def _joints_checked(spec: Spec) -> str:
-    """Hold the spec's patterns to the joints that the text of its model names.
+def _joints_checked(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
+    """Hold the spec's patterns and default pose to the joints that the text of its model names.
 
-    Returns: What could not be checked, for behind the summary; "" where the patterns select the joints.
+    Returns: What could not be checked, for behind the summary, "" where the patterns select the joints; and positions
+        that can hardly be right.
 
     Raises:
-        ResolveError: a pattern matches nothing, or a joint is in two groups or in none.
+        ResolveError: a pattern matches nothing, a joint is in two groups or in none, a position is far outside.
     """
     from actspec.resolution.stated import bind
     from actspec.robot.load import find_model, joints_of_text, listed_robot
     from actspec.spec.document import Breaches
+    from actspec.spec.plausible import BY_CODE
+    from actspec.spec.plausible.joints import check_poses
 
     model = spec.model.robot.model
     try:
@@ -131,8 +136,14 @@ def _joints_checked(spec: Spec) -> str:
             robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
     except RobotError as err:
         reason = one_line(err.diagnostics[0].message)
-        return f" (patterns are not checked against the joints of {one_line(model)}: {reason})"
+        return f" (patterns are not checked against the joints of {one_line(model)}: {reason})", ()
     out = Collector()
-    bind(spec, robot, Breaches(spec.document.spans, out))
+    pose = bind(spec, robot, Breaches(spec.document.spans, out)).default_pose
+    ranged = (
+        (joint.name, joint.kind, joint.range, pose[joint.name])
+        for joint in robot.joints
+        if joint.name in pose and joint.range is not None and "range" not in joint.unknown
+    )
+    check_poses(ranged, spec.model, spec.document, out)
     out.raise_if_failed(ResolveError)
-    return ""
+    return "", tuple(item for item in out if item.code in BY_CODE)

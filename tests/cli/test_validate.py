@@ -138,3 +138,24 @@ def test_no_simulator_is_imported() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert done.stdout == "robots/a1.yaml: valid: unitree_a1, 1 group\n[]\n"
+
+
+@pytest.mark.parametrize(
+    ("pose", "more", "expected"),
+    [
+        ("1.04 rad", "", (0, "")),
+        ("1.2 rad", "", (0, "SPEC190 [warning]")),
+        ("1.2 rad", "accept: {spec.SPEC190: stretched on purpose}\n", (0, "")),
+        ("20 rad", "", (2, "SPEC190")),
+    ],
+)
+def test_pose_against_the_text(
+    folder: Path, pose: str, more: str, expected: tuple[int, str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The hip turns from 0 to 1 rad; 0.05 rad beyond are let through, 1.2 rad is 0.2 outside, 20 rad are degrees."""
+    text = spec("leg.urdf", "hip|knee", more=f", default_pose: {{hip: {pose}, knee: 9 rad}}")
+    Path("leg.yaml").write_text(text + more, encoding="utf-8")
+    code = main(["validate", "leg.yaml"])
+    said = capsys.readouterr().err
+    assert code == expected[0]
+    assert expected[1] in said and said.count("SPEC190") == bool(expected[1])

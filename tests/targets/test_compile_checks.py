@@ -103,6 +103,20 @@ def test_accept_that_takes_nothing(
             assert item.span == Span(str(tmp_path / "leg.yaml"), 11, 10)
 
 
+@pytest.mark.parametrize(
+    ("code", "kp", "expected"),
+    [("SPEC192", "40", ["remove it"]), ("SPEC192", "5", []), ("SPEC190", "5", ["remove it"])],
+)
+def test_accept_of_a_check_that_finds_nothing(
+    code: str, kp: str, expected: list[str], tmp_path: Path
+) -> None:
+    """kd 13 beside kp 5 takes 2.6 s to come back, which SPEC192 finds; beside 40 it is 0.3 s."""
+    said = compiled(
+        tmp_path, f"{LOSSY.replace('kp: 40', f'kp: {kp}')}accept: {{spec.{code}: because}}\n", "mujoco"
+    )
+    assert stale(said) == [(f"spec.{code}", text) for text in expected]
+
+
 NAMELESS = """actspec: 1
 robot:
   name: leg

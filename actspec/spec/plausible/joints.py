@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
+from actspec.spec.plausible import check_numbers
 from actspec.spec.plausible.groups import friction_words, return_words
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
 from actspec.units import format_quantity
@@ -80,6 +81,53 @@ def check_joints(
         document: Where it says what it says.
         collector: Takes warnings, and errors where nothing could be right.
     """
+    tell(_joint_doubts_of(joints, collector), document, model.accept, collector)
+
+
+def codes_found(joints: Sequence[JointActuator], model: SpecModel, document: Document) -> frozenset[str]:
+    """The codes of all that the checks find in a spec, with those that its `accept` keeps.
+
+    Args:
+        joints: The resolved spec.
+        model: The spec.
+        document: Where it says what it says.
+    """
+    every = Collector()
+    bare = model.model_copy(update={"accept": {}})
+    check_numbers(bare, document, every)
+    check_joints(joints, bare, document, every)
+    return frozenset(item.code for item in every)
+
+
+def check_poses(
+    joints: Iterable[tuple[str, JointKind, tuple[float, float], str]],
+    model: SpecModel,
+    document: Document,
+    collector: Collector,
+) -> None:
+    """Report default positions that are outside of their joints' ranges, each once, at its worst joint.
+
+    Args:
+        joints: Name, kind, range [rad or m] and pattern of `default_pose`, of joints that have all of them.
+        model: The spec.
+        document: Where it says what it says.
+        collector: Takes warnings, and errors where nothing could be right.
+    """
+    groups: dict[Span | None, list[_Found]] = {}
+    for joint, kind, limits, pattern in joints:
+        pose = model.robot.default_pose[pattern]
+        unit = "rad" if kind is JointKind.HINGE else "m"
+        if pose.value is None or pose.unit != unit:
+            continue
+        span = document.spans.value(("robot", "default_pose", pattern))
+        found = _outside(joint, kind, limits, pose.value, span)
+        if found is not None:
+            groups.setdefault(span, []).append(found)
+    tell((_worst(members) for members in groups.values()), document, model.accept, collector)
+
+
+def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> Iterator[Doubt]:
+    """What is found at the joints, but for what follows from numbers that are reported already."""
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
     places = {item.span for item in told}
@@ -91,7 +139,7 @@ def check_joints(
                 # It follows from a number that is reported itself.
                 continue
             groups.setdefault((doubt.code, doubt.span, doubt.where), []).append(found)
-    tell((_worst(members) for members in groups.values()), document, model.accept, collector)
+    yield from (_worst(members) for members in groups.values())
 
 
 def _worst(members: list[_Found]) -> Doubt:
@@ -154,27 +202,32 @@ def _pose(joint: JointActuator) -> Iterator[_Found]:
     pose = joint.default_position
     if pose.value is None or pose.origin is not Origin.AUTHORED or joint.position_range is None:
         return
-    low, high = joint.position_range
-    beyond = max(low - pose.value, pose.value - high)
-    if beyond <= POSE_TOLERANCE[joint.kind]:
-        return
+    found = _outside(joint.joint, joint.kind, joint.position_range, pose.value, pose.span)
+    if found is not None:
+        yield found
+
+
+def _outside(
+    joint: str, kind: JointKind, limits: tuple[float, float], pose: float, span: Span | None
+) -> _Found | None:
+    """A position beyond the range."""
+    low, high = limits
+    beyond = max(low - pose, pose - high)
+    if beyond <= POSE_TOLERANCE[kind]:
+        return None
     help = None
-    unit = pose.unit
-    if joint.kind is JointKind.HINGE and low <= pose.value * DEGREE <= high:
-        help = f"is it in degrees? Then write {pose.value:g} deg, {format_quantity(pose.value * DEGREE, unit, 4)}"
-    elif low <= -pose.value <= high:
-        help = f"is the sign wrong? {format_quantity(-pose.value, unit)} is inside"
-    yield _found(
-        joint,
-        "SPEC190",
-        "robot.default_pose",
-        beyond,
-        f"the default position {_shown(pose)} is outside of the joint's range, {format_quantity(low, unit, 4)} to "
-        f"{format_quantity(high, unit, 4)}",
-        help,
-        pose,
-        error=beyond > (max(high - low, math.pi) if joint.kind is JointKind.HINGE else high - low),
+    unit = "rad" if kind is JointKind.HINGE else "m"
+    if kind is JointKind.HINGE and low <= pose * DEGREE <= high:
+        help = f"is it in degrees? Then write {pose:g} deg, {format_quantity(pose * DEGREE, unit, 4)}"
+    elif low <= -pose <= high:
+        help = f"is the sign wrong? {format_quantity(-pose, unit)} is inside"
+    message = (
+        f"the default position {format_quantity(pose, unit, 4)} is outside of the joint's range, "
+        f"{format_quantity(low, unit, 4)} to {format_quantity(high, unit, 4)}"
     )
+    error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
+    doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
+    return _Found(doubt, joint, beyond, False)
 
 
 def _friction(joint: JointActuator) -> Iterator[_Found]:
