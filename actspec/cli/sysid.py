@@ -112,6 +112,13 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("-o", "--output", metavar="RESULTS", help="results file to write (YAML)")
     command.add_argument("--free", default="", metavar="F,...", help="fields to fit beside the usual ones")
+    command.add_argument(
+        "--validate",
+        action="append",
+        default=[],
+        metavar="LOG",
+        help="log that the fit does not see: its position error is the held-out one; may be given again",
+    )
     command.add_argument("--hold", default="", metavar="F,...", help="fields to hold at the spec's")
     command.add_argument("--force", action="store_true", help="replace a file that is there")
     add_format(command)
@@ -218,10 +225,11 @@ def _fit(arguments: argparse.Namespace) -> int:
     if output is not None and os.path.exists(output) and not arguments.force:
         raise LogError.of("OUT001", "the file is there already", Span(output), help="--force replaces it")
     logs = [load_log(path) for path in arguments.log]
+    validation = [load_log(path) for path in arguments.validate]
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
-    found = fit_logs(api.resolve(spec, robot), robot, logs, options)
+    found = fit_logs(api.resolve(spec, robot), robot, logs, options, validation)
     if output is not None:
         replace_file(output, results_text(found, logs, spec.document).encode())
     if arguments.output_format == "json":

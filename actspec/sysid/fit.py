@@ -20,12 +20,13 @@ from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.doubts import doubted
-from actspec.sysid.gains import GAINS, gains_of
+from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, figures_of
-from actspec.sysid.recording import record
+from actspec.sysid.recording import Recording, record
+from actspec.sysid.unseen import held_out, judge_validation, tested
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
 if TYPE_CHECKING:
@@ -43,7 +44,11 @@ STIFF = 1e6
 
 
 def fit_logs(
-    actuators: ActuatorSet, robot: RobotView, logs: Sequence[Log], options: FitOptions
+    actuators: ActuatorSet,
+    robot: RobotView,
+    logs: Sequence[Log],
+    options: FitOptions,
+    validation: Sequence[Log] = (),
 ) -> Identification:
     """Identify every joint that is in the logs.
 
@@ -52,6 +57,7 @@ def fit_logs(
         robot: Its model.
         logs: At least one.
         options: What the user asks.
+        validation: Logs that the fit does not see: the position error on them is the held-out one.
 
     Raises:
         LogError: nothing can be fitted, with every reason.
@@ -61,8 +67,11 @@ def fit_logs(
     out = Collector()
     _check_fields(options, out)
     names = _joints(actuators, logs, out)
+    _check_validation(logs, validation, out)
+    tests = _joints(actuators, validation, out)
     out.raise_if_failed(LogError)
     joints = _prepared(actuators, robot, logs, names, options, out)
+    unseen = _recorded(actuators, validation, [name for name in tests if name in joints], out)
     out.raise_if_failed(LogError)
     for joint in joints.values():
         _descend(joint, options, out)
@@ -72,7 +81,17 @@ def fit_logs(
         _couple(joints, links, predicted=True)
         for joint in joints.values():
             _descend(joint, options, out)
-    found = tuple(doubted(joint, judged(joint, options), out) for joint in joints.values())
+    errors: Mapping[str, float | None]
+    if validation:
+        errors = _validated(robot, validation, joints, unseen, out)
+    else:
+        errors = {name: held_out(joint) for name, joint in joints.items()}
+    found = tuple(
+        doubted(joint, judged(joint, options, errors.get(name)), out) for name, joint in joints.items()
+    )
+    if validation:
+        made = {name: tuple(one.log.path for one in recordings) for name, recordings in unseen.items()}
+        judge_validation({joint.joint: joint for joint in found}, made, out)
     out.raise_if_failed(LogError)
     judge_fit(found, out)
     return Identification(actuators.robot, "rollout", found, out.sorted(), clock.perf_counter() - begun)
@@ -116,16 +135,8 @@ def _prepared(
 ) -> dict[str, JointInWork]:
     """Recordings of every joint, with the links along them."""
     joints: dict[str, JointInWork] = {}
-    recorded = {
-        name: [
-            found
-            for log in logs
-            if name in log.joints and (found := record(log, log.joints[name], out)) is not None
-        ]
-        for name in names
-    }
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
-    checked = check(recorded, known, out)
+    checked = _recorded(actuators, logs, names, out)
     for name in names:
         actuator = actuators.joint(name)
         assert actuator is not None
@@ -146,6 +157,61 @@ def _prepared(
     if not out.failed:
         _couple(joints, _links(robot, logs, joints), predicted=False)
     return joints
+
+
+def _recorded(
+    actuators: ActuatorSet, logs: Sequence[Log], names: Sequence[str], out: Collector
+) -> dict[str, list[Recording]]:
+    """The joints' parts of every log, without what is spoilt."""
+    recorded = {
+        name: [
+            found
+            for log in logs
+            if name in log.joints and (found := record(log, log.joints[name], out)) is not None
+        ]
+        for name in names
+    }
+    return check(recorded, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, out)
+
+
+def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:
+    seen = {log.sha256: log.path for log in logs}
+    fitted = {name for log in logs for name in log.joints}
+    for log in validation:
+        if log.sha256 in seen:
+            message = f"the same as {seen[log.sha256]}, which is fitted: a log cannot be both"
+            out.error("SYS027", message, where="--validate", span=Span(log.path))
+    if validation and not any(fitted & set(log.joints) for log in validation):
+        help = f"joints of the fit: {listed(sorted(fitted))}"
+        out.error("SYS028", "no log has a joint that is fitted", where="--validate", help=help)
+
+
+def _validated(
+    robot: RobotView,
+    logs: Sequence[Log],
+    joints: Mapping[str, JointInWork],
+    recorded: Mapping[str, list[Recording]],
+    out: Collector,
+) -> dict[str, float]:
+    """Joint to its position error on logs that the fit has not seen [rad or m]."""
+    blind: dict[str, JointInWork] = {}
+    for name, recordings in recorded.items():
+        joint = joints[name]
+        if not recordings:
+            continue
+        assert joint.fit is not None
+        gains = joined(joint.gains, joint.actuator, [one.log for one in recordings], out)
+        fit = replace(joint.fit, values=extended(gains, joint.fit.values))
+        blind[name] = replace(joint, recordings=list(recordings), courses=[], gains=gains, fit=fit)
+    out.raise_if_failed(LogError)
+    if not blind:
+        return {}
+    links = _links(robot, logs, blind)
+    for again in (False, True) if _coupled(blind) else (False,):
+        _couple(blind, links, predicted=again)
+        for joint in blind.values():
+            joint.fit = tested(joint)
+    return {name: joint.fit.noise["position"] for name, joint in blind.items() if joint.fit is not None}
 
 
 def _links(

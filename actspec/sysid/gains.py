@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import JointActuator, Quantity
@@ -138,6 +138,44 @@ def gains_of(
     )
     _check_held(actuator, sets, held, hold, out)
     return GainSets(sets, tuple(distinct.index(pair) for pair in pairs), held, not torque)
+
+
+def joined(gains: GainSets, actuator: JointActuator, logs: Sequence[Log], out: Collector) -> GainSets:
+    """The gains of logs that a fit has not seen: its sets, and behind them those that it does not know.
+
+    Args:
+        gains: Of the fit.
+        actuator: The joint, as the spec has it.
+        logs: That the fit has not seen.
+        out: Takes what is wrong.
+    """
+    sets, used = list(gains.sets), []
+    for log in logs:
+        mine = _stated(actuator.joint, log, out)
+        pair = (
+            (_number(actuator.kp), _number(actuator.kd)) if mine is None else (mine.kp.value, mine.kd.value)
+        )
+        at = next((i for i, one in enumerate(sets) if (one.kp, one.kd) == pair), None)
+        if at is None and mine is None:
+            # Nobody states them: those of the fit, as nothing else is known.
+            at = 0
+        if at is None:
+            at = len(sets)
+            sets.append(Gains(*pair, (log.path,), stated=True, of_spec=False))
+        used.append(at)
+    return replace(gains, sets=tuple(sets), used=tuple(used))
+
+
+def extended(gains: GainSets, values: Mapping[str, float]) -> dict[str, float]:
+    """The values of a fit, and those of sets that it has not seen: its first set's, by the ratio of what was sent."""
+    found = dict(values)
+    for name in GAINS:
+        first = gains.sets[0].sent(name)
+        for index, one in enumerate(gains.sets):
+            sent = one.sent(name)
+            ratio = sent / first if first and sent is not None else 1.0
+            found.setdefault(gains.key(name, index)[0], values[name] * ratio)
+    return found
 
 
 def _check_held(

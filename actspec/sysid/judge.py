@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
-from actspec.sysid.descent import Fit, Search, descend
+from actspec.sysid.descent import Fit
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
-from actspec.sysid.work import FitOptions, JointInWork, piecewise
+from actspec.sysid.work import FitOptions, JointInWork
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -33,8 +32,14 @@ ASKEW = 0.02
 """Likewise of an encoder's bias [rad or m]. Chosen: a degree."""
 
 
-def judged(joint: JointInWork, options: FitOptions) -> JointFit:
-    """What a fit says of a joint."""
+def judged(joint: JointInWork, options: FitOptions, unseen: float | None) -> JointFit:
+    """What a fit says of a joint.
+
+    Args:
+        joint: After its fit.
+        options: What the user asks.
+        unseen: Position error on data that the fit did not see [rad or m].
+    """
     import numpy as np
 
     fit, scale, actuator = joint.fit, joint.scale, joint.actuator
@@ -61,7 +66,7 @@ def judged(joint: JointInWork, options: FitOptions) -> JointFit:
         tuple(combinations),
         correlation,
         position,
-        _held_out(joint),
+        unseen,
         position / _reading_noise(joint),
         float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
         () if unscaled or summed else tuple(_own_gains(joint, linear=linear)),
@@ -215,35 +220,6 @@ def _reading_noise(joint: JointInWork) -> float:
         left.append(third[np.isfinite(third)])
     # 1, 3, 3, 1 of white noise: the sum of the squares is 20.
     return max(1.4826 * float(np.median(np.abs(np.concatenate(left)))) / math.sqrt(20.0), 1e-9)
-
-
-def _held_out(joint: JointInWork) -> float | None:
-    """Position error on every fifth piece, with figures from the others [rad or m]."""
-    import numpy as np
-
-    fit, scale = joint.fit, joint.scale
-    assert fit is not None and scale is not None
-    pieces = piecewise(joint)
-    if sum(len(p.starts) for p in pieces) < 5:
-        return None
-    seen, unseen, states, others = [], [], [], []
-    for part, (q, qd) in zip(pieces, fit.states, strict=True):
-        out = np.arange(len(part.starts)) % 5 == 2
-        seen.append(replace(part, starts=part.starts[~out]))
-        unseen.append(replace(part, starts=part.starts[out]))
-        states.append((q[~out], qd[~out]))
-        others.append((q[out], qd[out]))
-    low = joint.low
-    reading = fit.values["delay"] if joint.torque else None
-    seen = [part for part in seen if len(part.starts)]
-    search = Search(seen, joint.bounds, fit.free, scale, low, reading)
-    refit = descend(search, fit.values, replace(fit, states=tuple(s for s in states if len(s[0]))))
-    kept = [(part, state) for part, state in zip(unseen, others, strict=True) if len(part.starts)]
-    if not kept:
-        return None
-    blind = Search([part for part, _ in kept], joint.bounds, (), scale, low, reading)
-    tested = descend(blind, refit.values, replace(refit, states=tuple(state for _, state in kept)))
-    return tested.noise["position"]
 
 
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:

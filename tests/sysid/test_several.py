@@ -60,13 +60,15 @@ def two() -> list[Log]:
     ]
 
 
-def fitted(folder: Path, logs: Sequence[Log], spec: str = SPEC, **options: Any) -> Identification:
+def fitted(
+    folder: Path, logs: Sequence[Log], spec: str = SPEC, validation: Sequence[Log] = (), **options: Any
+) -> Identification:
     """The fit of the logs."""
     (folder / "bench.xml").write_text(MODEL.replace("AXIS", "0 1 0"))
     (folder / "spec.yaml").write_text(spec)
     loaded = api.load(folder / "spec.yaml")
     robot = api.load_robot(loaded)
-    return fit_logs(api.resolve(loaded, robot), robot, logs, FitOptions(**options))
+    return fit_logs(api.resolve(loaded, robot), robot, logs, FitOptions(**options), validation)
 
 
 def bare(logs: Sequence[Log]) -> list[Log]:
@@ -163,6 +165,31 @@ def test_one_gain_held(tmp_path: Path, two: list[Log]) -> None:
     (joint,) = fitted(tmp_path, two[:1], hold=frozenset({"kp"})).joints
     assert (joint.parameter("kp").state, joint.parameter("kp").value) == (State.HELD, 32.0)
     near(joint, "kd", 0.01)
+
+
+@pytest.mark.slow
+def test_validation_on_another_log(tmp_path: Path, two: list[Log]) -> None:
+    """Logs of other gains: the noise of 0.5 mrad is left of the same joint, more of one with twice the friction."""
+    first, second = (replace(log, sha256=digit * 64) for log, digit in zip(bare(two), "12", strict=True))
+    found = fitted(tmp_path, [first], validation=[second])
+    (joint,) = found.joints
+    assert joint.held_out_rmse == pytest.approx(5e-4, rel=0.1)
+    assert not {item.code for item in found.findings} & {"SYS028", "SYS029"}
+    stiff = made("c.csv", *PAIRS[1], 12, {"kp": PAIRS[1][0], "kd": PAIRS[1][1]}, tc=0.5)
+    found = fitted(tmp_path, [first], validation=bare([replace(stiff, sha256="3" * 64)]))
+    warning = next(item for item in found.findings if item.code == "SYS029")
+    assert "do not carry over" in warning.message and "c.csv" in warning.message
+    assert found.joints[0].held_out_rmse is not None and found.joints[0].held_out_rmse > 2e-3
+    assert found.joints[0].position_rmse == pytest.approx(5e-4, rel=0.1)
+
+
+def test_a_log_is_fitted_or_validated(tmp_path: Path, two: list[Log]) -> None:
+    """Not both; and one that has no joint of the fit says nothing."""
+    with pytest.raises(LogError, match=r"the same as a\.csv"):
+        fitted(tmp_path, two[:1], validation=[replace(two[1], sha256=two[0].sha256)])
+    other = replace(two[1], sha256="2" * 64, joints={"base": replace(two[1].joints["hip"], name="base")})
+    with pytest.raises(LogError, match="no log has a joint that is fitted"):
+        fitted(tmp_path, two[:1], validation=[other])
 
 
 def _gains(logs: Sequence[Log], tmp_path: Path, **options: Any) -> tuple[Any, Collector]:
