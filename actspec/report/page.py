@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
 from actspec.diagnostics import one_line
@@ -38,3 +38,35 @@ def fold(title: str, lines: Iterable[str], *, shown: bool) -> Iterator[str]:
     yield f"<details{' open' * shown}><summary>{plain(title)}</summary>"
     yield from lines
     yield "</details>"
+
+
+def figure(picture: str, title: str, words: str = "", table: Iterable[str] = ()) -> Iterator[str]:
+    """A picture with its caption.
+
+    Args:
+        picture: Of `plot`.
+        title: What it shows.
+        words: What it says, for those who cannot see it too.
+        table: Its numbers, as HTML.
+    """
+    below = f"<p>{plain(words)}</p>" if words else ""
+    yield f"<figure><figcaption>{plain(title)}</figcaption>{picture}{below}"
+    yield from table
+    yield "</figure>"
+
+
+def plain_table(
+    heads: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
+) -> Iterator[str]:
+    """A table of plain text.
+
+    Args:
+        heads: Over the columns.
+        rows: Cells.
+        right: Columns that stand right.
+    """
+    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+    for row in rows:
+        cells = (f"<td{' class=n' * (i in right)}>{plain(cell)}</td>" for i, cell in enumerate(row))
+        yield f"<tr>{''.join(cells)}</tr>"
+    yield "</table></div>"

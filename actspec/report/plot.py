@@ -21,10 +21,12 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+READ, FIT, COMMAND, NOISE = 0, 1, 2, 3
+"""Colours of what was measured, of a model, of what was asked for, and of what chance gives."""
 FINE = 10
 """Parts of a pixel in which places are written."""
-LETTER = 6.1
-"""Width of a letter of the axes [px]. Measured: the mean of common fonts at 11 px."""
+LETTER = 6.6
+"""Width of a letter of the axes [px]. Measured: the mean of a wide common font at 11 px."""
 CELL = 2.0
 """Points that fall into one square of such sides are one [px]."""
 _BIG = 10 * FINE
@@ -64,6 +66,7 @@ class Line:
         colour: Number of its class, 0 to 4.
         dash: "", `dashed` or `dotted`.
         stairs: Whether each value holds until the next.
+        broad: Whether it is so wide that another line over it leaves it to be seen.
     """
 
     x: Array
@@ -72,6 +75,7 @@ class Line:
     colour: int = 0
     dash: str = ""
     stairs: bool = False
+    broad: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -470,8 +474,7 @@ def _legend(legend: Sequence[tuple[str, Mark]], rows: Sequence[int], left: float
         elif isinstance(mark, Points):
             yield f'<path class="c{mark.colour} dots" d="M{at + 5:.1f} {y:.1f}h0m8 0h0"/>'
         else:
-            dash = mark.dash if isinstance(mark, Line) else "dashed"
-            yield f'<path class="c{mark.colour} {dash}" d="M{at:.1f} {y:.1f}h18"/>'
+            yield f'<path class="{_classes(mark)}" d="M{at:.1f} {y:.1f}h18"/>'
         yield f'<text x="{at + 22:.1f}" y="{y + 4:.1f}">{_text(label)}</text>'
         at += 36.0 + LETTER * len(label)
 
@@ -497,7 +500,7 @@ def _drawn(mark: Mark, x: _Placed, y: _Placed, wide: float, high: float) -> str:
             path = f"M{w * x.share(mark.at):.0f} 0V{h:.0f}"
         else:
             path = f"M0 {h * (1 - y.share(mark.at)):.0f}H{w:.0f}"
-        return f'<path class="c{mark.colour} dashed" d="{path}"/>'
+        return f'<path class="{_classes(mark)}" d="{path}"/>'
     if isinstance(mark, Bars):
         edges, tops, floor = (
             np.round(w * x.shares(mark.edges)),
@@ -535,7 +538,12 @@ def _drawn(mark: Mark, x: _Placed, y: _Placed, wide: float, high: float) -> str:
         if mark.stairs:
             u, v = np.repeat(u, 2)[1:], np.repeat(v, 2)[:-1]
         path += _path(*thinned(u, v, round(wide)))
-    return f'<path class="c{mark.colour} {mark.dash}" d="{path}"/>'
+    return f'<path class="{_classes(mark)}" d="{path}"/>'
+
+
+def _classes(mark: Line | Rule) -> str:
+    more = (mark.dash, "broad" * mark.broad) if isinstance(mark, Line) else ("dashed",)
+    return " ".join(("c" + str(mark.colour), *filter(None, more)))
 
 
 def _cut(values: Array, high: float) -> Array:

@@ -12,9 +12,9 @@ from actspec.diagnostics import SEVERITIES, Diagnostic, listed
 from actspec.fields import BY_SPEC
 from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
 from actspec.logs import Log
-from actspec.report.page import fold, plain, whole
+from actspec.report.page import figure, fold, plain, plain_table, whole
 from actspec.report.plot import Axis, Interval, intervals, plot_style
-from actspec.report.sysid_pictures import figure, pictures
+from actspec.report.sysid_pictures import pictures
 from actspec.report.tables import many
 from actspec.resources import data_path
 from actspec.spec.remedy import remedy
@@ -224,15 +224,6 @@ def _number(value: float | None, std: float | None = None) -> str:
     return f"{rounded:.{places}f}" if 0 < places < 7 else format_number(rounded)
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]], right: Sequence[int] = ()) -> Iterator[str]:
-    """A table of plain text; the columns `right` stand right."""
-    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
-    for row in rows:
-        cells = (f"<td{' class=n' * (i in right)}>{plain(cell)}</td>" for i, cell in enumerate(row))
-        yield f"<tr>{''.join(cells)}</tr>"
-    yield "</table></div>"
-
-
 def _overview(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
     """Joint by field, where there are several."""
     if len(rows) < 2:
@@ -245,7 +236,7 @@ def _overview(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
         lines.append([name, *(_short(by.get(field)) for field in fields)])
     yield "<h2>Figures</h2>"
     heads = ["joint", *(f"{field} [{units[field]}]" for field in fields)]
-    yield from _table(heads, lines, range(1, len(heads)))
+    yield from plain_table(heads, lines, range(1, len(heads)))
     yield '<p class="faint">Value and half of the 95 % interval; in brackets: held; "-": not told.</p>'
 
 
@@ -347,7 +338,7 @@ def _joint(
                 row.state,
             ]
         )
-    yield from _table(heads, lines, (1, 2, 3, 5, 6))
+    yield from plain_table(heads, lines, (1, 2, 3, 5, 6))
     yield from _beside(result)
     if name in shown.replays:
         for one in shown.replays[name]:
@@ -361,7 +352,7 @@ def _beside(result: JointResult) -> Iterator[str]:
     """Combinations and diagnostics."""
     if result.combinations:
         yield "<p>What the logs tell of several figures together:</p>"
-        yield from _table(
+        yield from plain_table(
             ["combination", "value", "std", "unit"],
             [
                 [name, _number(one.value, one.std), _number(one.std, one.std), one.unit]
@@ -385,7 +376,7 @@ def _beside(result: JointResult) -> Iterator[str]:
                 ]
             )
         yield "<p>Of the experiment and the closed loop, no figures of the spec:</p>"
-        yield from _table(["diagnostic", "value", "std", "unit"], lines, (1, 2))
+        yield from plain_table(["diagnostic", "value", "std", "unit"], lines, (1, 2))
 
 
 def _correlation(result: JointResult) -> Iterator[str]:
@@ -430,7 +421,7 @@ def _files(shown: Identified) -> Iterator[str]:
     for entry in shown.results.data:
         path = here.get(entry.sha256)
         lines.append(["log", path or entry.path, entry.sha256, "" if path else "not here"])
-    yield from _table(["", "file", "sha256", ""], lines)
+    yield from plain_table(["", "file", "sha256", ""], lines)
 
 
 def _commands(shown: Identified) -> Iterator[str]:

@@ -6,8 +6,12 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from actspec.report.page import plain
-from actspec.report.plot import Axis, Band, Bars, Chart, Line, Mark, Rule, svg
+from actspec.fields import units_of
+from actspec.joints import JointKind
+from actspec.report.page import figure, plain
+from actspec.report.plot import COMMAND, FIT, NOISE, READ, Axis, Band, Bars, Chart, Line, Mark, Rule, svg
+from actspec.report.sysid_answers import bode, friction_cloud, step_answers
+from actspec.sysid.recording import scatter
 from actspec.sysid.replay import Replay
 
 if TYPE_CHECKING:
@@ -16,24 +20,10 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-READ, FIT, COMMAND, NOISE = 0, 1, 2, 3
-"""Colours."""
 LAGS = 100
 """Most rows between two residuals that are compared."""
 BINS = 41
 """Bars of a histogram."""
-
-
-def figure(picture: str, title: str, words: str = "") -> Iterator[str]:
-    """A picture with its caption.
-
-    Args:
-        picture: Of `plot`.
-        title: What it shows.
-        words: What it says, for those who cannot see it too.
-    """
-    below = f"<p>{plain(words)}</p>" if words else ""
-    yield f"<figure><figcaption>{plain(title)}</figcaption>{picture}{below}</figure>"
 
 
 def pictures(one: Replay, *, named: bool) -> Iterator[str]:
@@ -47,17 +37,16 @@ def pictures(one: Replay, *, named: bool) -> Iterator[str]:
         yield f"<h3>{plain(one.recording.log.path)}</h3>"
     yield '<div class="grid">'
     yield from _seconds(one)
+    yield from bode(one)
+    yield from step_answers(one)
+    yield from friction_cloud(one)
     yield from _residuals(one)
     yield "</div>"
 
 
 def _unit(one: Replay, signal: str) -> str:
-    linear = one.recording.log.joints[one.joint].linear
-    return {
-        "position": ("rad", "m"),
-        "velocity": ("rad/s", "m/s"),
-        "torque": ("N*m", "N"),
-    }[signal][bool(linear)]
+    found: str = getattr(units_of(JointKind.SLIDE if one.linear else JointKind.HINGE), signal)
+    return found
 
 
 def _seconds(one: Replay) -> Iterator[str]:
@@ -79,7 +68,7 @@ def _overlay(one: Replay, words: str, signal: str, start: int) -> Iterator[str]:
     marks: list[Mark] = []
     if signal == "position":
         marks.append(Line(time, one.recording.command[rows], "command", COMMAND, "dotted", stairs=True))
-    marks.append(Line(time, one.recording.measured[signal][rows], "log", READ))
+    marks.append(Line(time, one.recording.measured[signal][rows], "log", READ, broad=True))
     marks.append(Line(time, one.model[signal][rows], "fit", FIT, "dashed"))
     unit = _unit(one, signal)
     size = _rms(one.residual(signal)[rows])
@@ -95,7 +84,9 @@ def _residuals(one: Replay) -> Iterator[str]:
     good = left[np.isfinite(left)]
     size, most, unit = _rms(left), float(np.abs(good).max()), _unit(one, "position")
     title = "Position: log less fit"
-    said = f"Root mean square {size:.3g} {unit}, largest {most:.3g} {unit}."
+    noise = scatter(one.recording.measured["position"])
+    times = f", {size / noise:.3g} times the noise of the readings" if noise > 0 else ""
+    said = f"Root mean square {size:.3g} {unit}{times}; largest {most:.3g} {unit}."
     marks: list[Mark] = [Line(one.recording.time, left, "", READ), Rule(0.0)]
     yield from figure(svg(Chart(title, Axis("time", "s"), Axis("log less fit", unit), marks)), title, said)
     yield from _histogram(good, size, unit)

@@ -7,7 +7,7 @@ does not tell are those that do best here; with them the joint moves as in the f
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
@@ -43,8 +43,8 @@ class Replay:
         bounds: Of the drive.
         figures: By the names of `Figures`; what the results do not tell is what does best here.
         told: Names of those that are the results'.
-        model: Channel to what the sensors would read of the fitted joint; NaN outside of the pieces, shape (n,).
-        moved: Likewise `velocity` and `friction`, of the joint itself.
+        spread: What the sensors would read of the fitted joint, `position`, `velocity` and `torque`, and its
+            `friction`; NaN outside of the pieces, shape (n,).
         starts: First rows of the pieces.
         rows: Length of each.
     """
@@ -55,15 +55,37 @@ class Replay:
     bounds: Bounds
     figures: Mapping[str, float]
     told: frozenset[str]
-    model: Mapping[str, Array]
-    moved: Mapping[str, Array]
+    spread: Mapping[str, Array]
     starts: NDArray[np.intp]
     rows: int
+
+    @property
+    def model(self) -> Mapping[str, Array]:
+        """Channels that were read, of the fitted joint; NaN outside of the pieces, shape (n,)."""
+        return {name: self.spread[name] for name in self.recording.measured}
 
     def residual(self, channel: str) -> Array:
         """Read less simulated; NaN where one of them is not there, shape (n,)."""
         found: Array = self.recording.measured[channel] - self.model[channel]
         return found
+
+    @property
+    def linear(self) -> bool:
+        """Whether the joint is a slide, by its units."""
+        return bool(self.recording.log.joints[self.joint].linear)
+
+    @property
+    def simulated(self) -> Recording:
+        """The log that the fitted joint would have given, without noise."""
+        import numpy as np
+
+        def whole(name: str, otherwise: Array) -> Array:
+            found: Array = np.where(np.isfinite(self.spread[name]), self.spread[name], otherwise)
+            return found
+
+        position = whole("position", self.recording.position)
+        velocity = whole("velocity", self.recording.velocity)
+        return replace(self.recording, measured=dict(self.model), position=position, velocity=velocity)
 
     def ranked(self, channel: str = "position") -> list[int]:
         """The pieces by their root-mean-square residual, least first."""
@@ -136,6 +158,10 @@ def _replayed(
     logs: dict[str, Piecewise] = {}
     # Joints of one log move each other: the second time with accelerations of the fit in place of a filter's.
     for again in (False, True) if len(names) > 1 else (False,):
+        if again:
+            accelerations = {
+                name: _acceleration(recordings[name], logs[name], fits[name], known[name]) for name in names
+            }
         for j, name in enumerate(names):
             course = _course(recordings[name], links, names, j, accelerations, values[name]["bias"])
             logs[name] = _pieces(recordings[name], course)
@@ -143,9 +169,6 @@ def _replayed(
             search = Search([logs[name]], known[name], free, _scales(values[name], course), _lowest())
             before = fits.get(name)
             fits[name] = descend(search, before.values if before else values[name], before)
-        accelerations = {
-            name: _acceleration(recordings[name], logs[name], fits[name], known[name]) for name in names
-        }
     return [_replay(recordings[name], logs[name], fits[name], known[name], results) for name in names]
 
 
@@ -278,7 +301,6 @@ def _replay(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds, resu
         for piece, start in enumerate(log.starts):
             whole[start : start + log.rows] = pieces[:, piece, 0]
         spread[name] = whole
-    model = {name: spread[name] for name in recording.measured}
     told = {
         name
         for name, (field, _) in FIELDS.items()
@@ -291,8 +313,7 @@ def _replay(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds, resu
         bounds,
         fit.values,
         frozenset(told),
-        model,
-        {name: spread[name] for name in ("velocity", "friction")},
+        spread,
         log.starts,
         log.rows,
     )
