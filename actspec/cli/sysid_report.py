@@ -23,6 +23,7 @@ from actspec.diagnostics import (
 from actspec.logs import Log, LogError, load_log
 from actspec.report.terminal import Progress, print_diagnostics
 from actspec.spec.results import FitFile, Results
+from actspec.sysid.replay import METHODS
 
 if TYPE_CHECKING:
     from actspec.spec.document import Document
@@ -143,6 +144,8 @@ def _found(named: str, results: str) -> _Found:
 def _logs(results: Results, document: Document, given: Sequence[str], out: Collector) -> list[Log]:
     """The logs of the results that are there, in their order; a warning for each that is not."""
     loaded = [load_log(path) for path in given]
+    if results.method not in METHODS:
+        return loaded  # another tool's figures may be held against any log
     found: list[Log] = []
     unused = list(loaded)
     missing: list[tuple[int, FitFile]] = []
@@ -215,7 +218,8 @@ def _spec(results: Results, document: Document, given: str | None, out: Collecto
             out.warning("SYS062", message, span=place, help="give it by --spec")
     elif path is None:
         message = "the file names no spec: no joint is simulated"
-        out.warning("SYS062", message, span=Span(document.path), help="give it by --spec")
+        say = out.warning if results.method in METHODS else out.info
+        say("SYS062", message, span=Span(document.path), help="give it by --spec")
     if path is None:
         return None
     spec = api.load(path)

@@ -24,7 +24,7 @@ from actspec.spec.values import SpecValue
 from actspec.spec.variants import named
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.judge import WIDE
-from actspec.sysid.replay import Replay
+from actspec.sysid.replay import METHODS, Replay
 from actspec.units import format_number
 
 NAMES = tuple(field for field, _ in FIELDS.values())
@@ -115,7 +115,8 @@ def _untold(row: _Row) -> bool:
 
 def _head(shown: Identified) -> Iterator[str]:
     results = shown.results
-    parts = [f"method {results.method}", many(len(results.joints), "joint"), many(len(results.data), "log")]
+    parts = [f"method {results.method}", many(len(results.joints), "joint")]
+    parts += [many(len(results.data), "log")] if results.method in METHODS else []
     parts += [
         part for part in (results.date, results.temperature and f"{results.temperature} motors") if part
     ]
@@ -261,6 +262,16 @@ def _not_told(shown: Identified, rows: Mapping[str, Sequence[_Row]]) -> Iterator
                 why = result.reasons.get(row.field, "")
                 key = (row.field, f"{row.state}: {why}" if why else row.state, would.words, would.experiment)
                 found.setdefault(key, []).append(name)
+    left_out = [
+        [field, name, why]
+        for name, joint in shown.results.joints.items()
+        for field, why in joint.left_out.items()
+    ]
+    if left_out:
+        yield "<h2>What another tool found and these results have not</h2>"
+        yield from plain_table(["figure", "joint", "why"], left_out)
+    if shown.results.method not in METHODS and not found:
+        return
     yield "<h2>What the logs do not tell</h2>"
     if not found:
         yield "<p>Every figure of this fit has a value and an interval.</p>"
@@ -420,12 +431,22 @@ def _files(shown: Identified) -> Iterator[str]:
     here = {log.sha256: log.path for log in shown.logs}
     for entry in shown.results.data:
         path = here.get(entry.sha256)
-        lines.append(["log", path or entry.path, entry.sha256, "" if path else "not here"])
+        if shown.results.method in METHODS:
+            lines.append(["log", path or entry.path, entry.sha256, "" if path else "not here"])
+        else:
+            lines.append(["source", entry.path, entry.sha256, ""])
+    known = {entry.sha256 for entry in shown.results.data}
+    lines += [["log", log.path, log.sha256, "given"] for log in shown.logs if log.sha256 not in known]
     yield from plain_table(["", "file", "sha256", ""], lines)
 
 
 def _commands(shown: Identified) -> Iterator[str]:
     """How the results and this page come about again."""
+    report = ["actspec", "sysid", "report", shown.path, "-o", "report.html"]
+    yield "<h2>Again</h2>"
+    if shown.results.method not in METHODS:
+        yield f"<pre>{plain(shlex.join(report))}</pre>"
+        return
     logs = [entry.path for entry in shown.results.data]
     default = {"friction.static", "friction.stribeck_velocity", "bandwidth"}
     extra = [
@@ -438,7 +459,5 @@ def _commands(shown: Identified) -> Iterator[str]:
         fit += ["--method", shown.results.method]
     if extra:
         fit += ["--free", ",".join(extra)]
-    report = ["actspec", "sysid", "report", shown.path, "-o", "report.html"]
-    yield "<h2>Again</h2>"
     yield f"<pre>{plain(shlex.join(fit))}\n{plain(shlex.join(report))}</pre>"
     yield '<p class="faint">Other options of the fit do not stand in the results file.</p>'

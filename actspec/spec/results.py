@@ -90,7 +90,7 @@ class JointResult(Strict):
     left_out: dict[str, str] = Field(default_factory=dict)
     """What another tool found of the joint and these results have not, to the reason."""
     reasons: dict[str, str] = Field(default_factory=dict)
-    """Why a field of these two lists has no value."""
+    """Why a field of `bounds_hit` or `unidentifiable` has no value."""
     gains: HeldGains | None = None
     """Gains that the other figures rest on, where they were not fitted."""
     combinations: dict[str, CombinationResult] = Field(default_factory=dict)

@@ -133,7 +133,9 @@ def test_one_page_with_all_of_it(bench: Path, capsys: pytest.CaptureFixture[str]
     assert "-20 %, outside" in text and "31.37 to 32.63" in text
     assert "not told: because delay does nearly the same in this log" in text
     assert "--experiment chirp --joint hip" in text and "--experiment friction --joint hip" in text
-    for title in ("Worst stretch: position", "Typical stretch", "Worst stretch: torque", "Residuals by size"):
+    for title in ("Worst stretch: position", "Typical stretch", "Worst stretch: torque", "Residuals by size", "Bode: gain",
+        "Coherence", "Friction over speed",
+    ):  # fmt: skip
         assert title in text
     assert "-0.75" in text
     assert _hash(bench / "hip.csv") in text
@@ -217,6 +219,23 @@ def test_what_is_missing_is_reported(bench: Path, capsys: pytest.CaptureFixture[
     (bench / "bench.xml").unlink()
     assert report("--log", "moved.csv", "--spec", "s.yaml", "--force") == 1
     assert "31.37 to 32.63" in page_of(bench).text
+
+
+def test_figures_of_another_tool(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Their source is no log and is not read; any log may be held against them."""
+    given = results(bench)
+    given |= {"method": "bam", "commit": "abc"}
+    given.pop("spec")
+    given["data"] = [{"path": "params.json", "sha256": "0" * 64}]
+    given["joints"]["hip"]["left_out"] = {"q_offset": "it is no encoder bias"}  # type: ignore[index]
+    (bench / "r.yaml").write_text(yaml.safe_dump(given))
+    (bench / "params.json").write_text("{}")
+    assert report() == 0
+    text = page_of(bench).text
+    assert "it is no encoder bias" in text and "sysid fit" not in text
+    assert report("--log", "hip.csv", "--spec", "spec.yaml", "--force") == 0
+    assert "Worst stretch" in page_of(bench).text
+    capsys.readouterr()
 
 
 def test_another_log_is_an_error(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
