@@ -69,7 +69,7 @@ def command() -> np.ndarray:
     return found
 
 
-def logged(gravity: bool) -> Log:
+def logged(gravity: bool, rows: int = ROWS) -> Log:
     """What sensors read of the true joint: 0.5 mrad, 0.05 rad/s and 2 % of the torque's RMS of noise."""
     mgl = 0.8 * 9.81 * 0.15 if gravity else 0.0
     one = {
@@ -77,7 +77,7 @@ def logged(gravity: bool) -> Log:
         "b": TRUE["friction.viscous"], "delay": TRUE["delay"], "limit": 30.0, "mgl": mgl,
         "bias": TRUE["encoder_bias"] if gravity else 0.0,
     }  # fmt: skip
-    given = command()
+    given = command()[:rows]
     read = truth({name: np.array([value]) for name, value in one.items()}, given[:, None], PERIOD)
     random = np.random.default_rng(11)
     q, qd, torque = (part[:, 0] for part in read)
@@ -85,11 +85,11 @@ def logged(gravity: bool) -> Log:
         "hip",
         False,
         command=given,
-        position=q + 5e-4 * random.standard_normal(ROWS),
-        velocity=qd + 0.05 * random.standard_normal(ROWS),
-        torque=torque + 0.02 * np.sqrt(np.mean(torque**2)) * random.standard_normal(ROWS),
+        position=q + 5e-4 * random.standard_normal(rows),
+        velocity=qd + 0.05 * random.standard_normal(rows),
+        torque=torque + 0.02 * np.sqrt(np.mean(torque**2)) * random.standard_normal(rows),
     )
-    return Log("hip.csv", "0" * 64, np.arange(ROWS) * PERIOD, {"hip": joint}, Sidecar())
+    return Log("hip.csv", "0" * 64, np.arange(rows) * PERIOD, {"hip": joint}, Sidecar())
 
 
 @pytest.fixture(scope="module")
