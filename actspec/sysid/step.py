@@ -98,11 +98,11 @@ def steps(recording: Recording, bounds: Bounds, gains: tuple[float, float] | Non
         size = float(recording.command[first] - recording.command[first - 1])
         rows = slice(first, last)
         at_rest = position[before:first][-max(round(TAIL * (first - before)), 3) :]
-        begin = float(np.nanmean(at_rest))
         time = recording.time[rows] - recording.time[first]
         good = np.isfinite(position[rows])
-        if good.sum() < LEAST_ROWS:
+        if good.sum() < LEAST_ROWS or not np.isfinite(at_rest).any():
             continue
+        begin = float(np.nanmean(at_rest))
         answer = (np.interp(time, time[good], position[rows][good]) - begin) / size
         step = Step(first, size, time, answer)
         if abs(size) < LOUD * noise:

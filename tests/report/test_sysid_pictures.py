@@ -81,7 +81,9 @@ def test_steps_of_log_and_fit() -> None:
         found: np.ndarray = command + np.where(up, -left, left)
         return found
 
-    html = "".join(step_answers(replay(command, answer(0.05), answer(0.1))))
+    # Readings that stand still to the last digit would be left out.
+    noise = 1e-5 * np.random.default_rng(4).standard_normal(ROWS)
+    html = "".join(step_answers(replay(command, answer(0.05) + noise, answer(0.1))))
     rows = cells(html)
     # At 4, 8, 12 and 16 s; what comes before the first is no step.
     assert [row[0] for row in rows] == ["4", "8", "12", "16"]
@@ -89,6 +91,11 @@ def test_steps_of_log_and_fit() -> None:
         assert abs(float(row[1])) == pytest.approx(0.4)
         assert float(row[2]) == pytest.approx(0.05 * np.log(9), abs=2e-3)
         assert float(row[3]) == pytest.approx(0.1 * np.log(9), abs=2e-3)
+    lost = answer(0.05) + noise
+    lost[600:800] = np.nan
+    html = "".join(step_answers(replay(command, lost, answer(0.1))))
+    # Nothing was read in the second before the step at 4 s.
+    assert [row[0] for row in cells(html)] == ["8", "12", "16"]
 
 
 def test_friction_is_what_is_left() -> None:
