@@ -236,6 +236,21 @@ def test_pace_with_sliding_friction() -> None:
     assert figures(found)["friction.coulomb"] == 0.31 and "friction.static" not in figures(found)
 
 
+def test_pace_with_command_delay_and_two_frictions(capsys: pytest.CaptureFixture[str]) -> None:
+    """v0.2.0 delays the command, and fits sliding friction as a share of the static one: 0.5 x 0.31."""
+    layout = ["--layout", "armature,viscous,friction,ratio,bias,delay", *PACE[5:], "--commit", "7ad0f45"]
+    numbers = [*VECTOR[:6], 0.5, 0.25, *VECTOR[6:]]
+    found = taken("pace", vector(numbers), *PACE[:3], *layout)
+    got = figures(found)
+    assert (got["friction.static"], got["friction.coulomb"], got["delay"]) == (0.31, 0.155, 0.0075)
+    assert got["encoder_bias"] == -0.041 and figures(found, "knee")["friction.coulomb"] == 0.08
+    numbers[6] = 1.2
+    assert "at most the static one" in refused(capsys, "pace", vector(numbers), *PACE[:3], *layout)
+    layout[1] = layout[1].replace("ratio,", "").replace("delay", "effort_delay")
+    found = taken("pace", vector(), *PACE[:3], *layout, exit=1)
+    assert figures(found)["friction.coulomb"] == 0.31 and "delay" not in figures(found)
+
+
 def test_pace_in_another_layout() -> None:
     """Blocks are taken in the order that is stated."""
     more = ["--joint", "hip", "knee", "--layout", "viscous,armature", "--step", "1 ms", "--commit", "f8ec8b8"]
@@ -252,6 +267,11 @@ def test_pace_in_another_layout() -> None:
         pytest.param([*PACE[:3], *PACE[5:], "--commit", "f8ec8b8"], "--layout", id="layout"),
         pytest.param([*PACE[:5], "--commit", "f8ec8b8"], "--step", id="step"),
         pytest.param(PACE, "--commit", id="commit"),
+        pytest.param(
+            [*PACE[:4], "armature,viscous,ratio,bias,delay", *PACE[5:], "--commit", "v0.2.0"],
+            "not there",
+            id="ratio",
+        ),
         pytest.param([*PACE, "--commit", "0123456"], "is not known here", id="unknown commit"),
         pytest.param(["--joint", "", *PACE[2:], "--commit", "f8ec8b8"], "no name", id="empty name"),
         pytest.param(

@@ -9,8 +9,10 @@ in physics steps, of which the simulation takes the whole ones. What bias, delay
 | 5576994 to 056d106 | the torque's | the same | static alone |
 | b49895a to f8ec8b8 | the torque's | q = q_measured + b | static alone |
 | b09382f | the torque's | q = q_measured + b | static and sliding |
+| 7ad0f45 (v0.2.0) | the command's | q = q_measured + b | both; with a ratio block, sliding = ratio x static |
 
-A bias of actspec is q_measured = q + bias, so it is -b. Source: cma_es.py and pace_actuator.py at these commits.
+A bias of actspec is q_measured = q + bias, so it is -b. Source: cma_es.py and pace_actuator.py at these commits; of
+v0.2.0 its release notes, which keep the torque's delay as `delay_mode="effort"`.
 """
 
 from __future__ import annotations
@@ -29,8 +31,10 @@ EXPORT = (
     "write its numbers as text, with torch: python -c \"import torch; print(*torch.load('mean_100.pt', "
     "weights_only=True, map_location='cpu').tolist(), sep='\\n')\" > mean_100.csv"
 )
-BLOCKS = ("armature", "viscous", "friction", "bias", "delay")
-"""Words of a layout."""
+BLOCKS = ("armature", "viscous", "friction", "ratio", "bias", "delay", "effort_delay")
+"""Words of a layout; `effort_delay` is a delay of the torque by configuration."""
+DELAYS = ("delay", "effort_delay")
+"""Blocks of one number."""
 USUAL = "armature,viscous,friction,bias,delay"
 
 
@@ -65,6 +69,7 @@ ERAS = (
             "7e028a9",
             "439c80e",
             "005c8a7",
+            "v0.1.0",
             "a636e5e",
             "f8ec8b8",
         ),
@@ -73,6 +78,7 @@ ERAS = (
         False,
     ),
     Era(("b09382f",), False, True, True),
+    Era(("7ad0f45", "v0.2.0"), True, True, True),
 )
 
 
@@ -83,9 +89,9 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
     collector.raise_if_failed(LogError)
     era = _era(options.commit)
     step, n = options.step or 0.0, len(options.joints)
-    expected = sum(1 if block == "delay" else n for block in options.layout)
+    expected = sum(1 if block in DELAYS else n for block in options.layout)
     if len(numbers) != expected:
-        parts = " + ".join("1" if block == "delay" else str(n) for block in options.layout)
+        parts = " + ".join("1" if block in DELAYS else str(n) for block in options.layout)
         raise LogError.of(
             "SYS072",
             f"has {len(numbers)} numbers; the layout {','.join(options.layout)} of {listed(options.joints)} makes "
@@ -94,15 +100,17 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
             help="name every joint of `joint_order`, and the blocks that were fitted",
         )
     joints = {name: JointFound() for name in options.joints}
+    friction: dict[str, tuple[float, int]] = {}
+    ratios: dict[str, float] = {}
     at = 0
     for block in options.layout:
-        if block == "delay":
+        if block in DELAYS:
             line, mean = numbers[at]
             at += 1
             if mean < 0.0:
                 collector.error("SYS072", f"the delay is {mean}, below 0", span=Span(given.path, line))
             else:
-                _delay(joints, int(mean), mean, step, era)
+                _delay(joints, int(mean), mean, step, era.command and block == "delay")
             continue
         for name in options.joints:
             line, value = numbers[at]
@@ -111,8 +119,15 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
                 message = f"the {block} of {name} is {value}, below 0"
                 help = "is the layout another one, or the file?"
                 collector.error("SYS072", message, span=Span(given.path, line), help=help)
+            elif block == "ratio" and value > 1.0:
+                message = f"the ratio of {name} is {value}: sliding friction is at most the static one"
+                collector.error(
+                    "SYS072", message, span=Span(given.path, line), help="is the layout another one?"
+                )
             elif block == "friction":
-                _friction(joints[name], value, era, options.commit, Span(given.path, line), collector)
+                friction[name] = (value, line)
+            elif block == "ratio":
+                ratios[name] = value
             elif block == "bias" and era.bias:
                 note = f"PACE's {value} has the other sign: q = q_measured + b"
                 joints[name].figures["encoder_bias"] = Figure(
@@ -126,6 +141,9 @@ def read(given: Given, options: Options, collector: Collector) -> Found:
                 take(joints[name], "friction.viscous", value, Span(given.path, line), collector)
             else:
                 joints[name].figures[block] = Figure(value, unit_of(block))
+    for name, (value, line) in friction.items():
+        span = Span(given.path, line)
+        _friction(joints[name], value, ratios.get(name), era, options.commit, span, collector)
     _tell(joints, given, step, collector)
     return Found(given, "pace", options.commit, joints)
 
@@ -148,6 +166,10 @@ def _needed(options: Options, collector: Collector) -> None:
                 else f"blocks: {', '.join(BLOCKS)}, each once"
             )
             collector.error("SYS071", f"'{block}' is no block of a vector", where="--layout", help=help)
+    if "ratio" in options.layout and "friction" not in options.layout:
+        collector.error("SYS071", "`ratio` is of the block `friction`, which is not there", where="--layout")
+    if set(DELAYS) <= set(options.layout):
+        collector.error("SYS071", "a vector has one delay", where="--layout")
     if not options.step:
         help = "--step '2.5 ms', `sim.dt` of the fit"
         collector.error("SYS071", "the delay counts steps: of which length?", where="--step", help=help)
@@ -193,21 +215,35 @@ def _numbers(given: Given) -> list[tuple[int, float]]:
 
 
 def _friction(
-    joint: JointFound, value: float, era: Era, commit: str, span: Span, collector: Collector
+    joint: JointFound,
+    value: float,
+    ratio: float | None,
+    era: Era,
+    commit: str,
+    span: Span,
+    collector: Collector,
 ) -> None:
-    take(joint, "friction.coulomb" if era.sliding else "friction.static", value, span, collector)
-    if era.sliding:
-        return
-    joint.left_out["friction.coulomb"] = (
-        f"PACE at {commit[:7]} fits static friction alone; the sliding one stayed at the robot's configuration"
+    """Static friction, sliding friction, or both in one number."""
+    if ratio is not None:
+        take(joint, "friction.coulomb", tidy(ratio * value), span, collector, f"{ratio} x static")
+    elif not era.sliding:
+        joint.left_out["friction.coulomb"] = (
+            f"PACE at {commit[:7]} fits static friction alone; the sliding one stayed at the robot's configuration"
+        )
+    take(
+        joint,
+        "friction.coulomb" if era.sliding and ratio is None else "friction.static",
+        value,
+        span,
+        collector,
     )
 
 
-def _delay(joints: dict[str, JointFound], steps: int, mean: float, step: float, era: Era) -> None:
+def _delay(joints: dict[str, JointFound], steps: int, mean: float, step: float, command: bool) -> None:
     late = tidy(steps * step)
     words = f"{steps} steps of {format_quantity(step, 's')} (mean {mean})"
     for joint in joints.values():
-        if era.command:
+        if command:
             joint.figures["delay"] = Figure(late, unit_of("delay"), note=words)
         else:
             joint.left_out["delay"] = (
