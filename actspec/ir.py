@@ -243,6 +243,8 @@ class JointActuator:
         continuous_torque: The motor's thermal torque [N*m or N]; information.
         armature: Inertia added to the joint [kg*m^2 or kg].
         reflected_inertia: Rotor inertia seen at the joint [kg*m^2 or kg]; unknown without rotor data.
+        torque_constant: Torque at the joint per current of one motor [N*m/A or N/A]; None where the motor states none,
+            and behind a linkage.
         friction_coulomb: Kinetic dry friction [N*m or N].
         friction_static: Break-away friction [N*m or N]; None: equal to coulomb.
         friction_viscous: Passive viscous friction [N*m*s/rad or N*s/m].
@@ -279,6 +281,7 @@ class JointActuator:
     continuous_torque: Quantity
     armature: Quantity
     reflected_inertia: Quantity
+    torque_constant: Quantity | None = None
     friction_coulomb: Quantity
     friction_static: Quantity | None = None
     friction_viscous: Quantity

@@ -95,18 +95,18 @@ def _check_sidecar(
             help = did_you_mean(name, known, f"signals: {listed(SIGNALS)}")
             message = f"the log has no column '{shortened(name)}'"
             out.error("LOG015", message, where="units", span=place, help=help)
-    lacking = []
-    try:
-        lacking = [name for name in joints if sidecar.gains_of(name) is None]
-        unused = [text for text in sidecar.gains if text not in joints and not match_names(text, joints)]
-    except PatternError as err:
-        out.error("LOG015", err.message, where="gains", span=place, help=err.help)
-        unused = []
-    for text in unused if lacking else ():
-        # Where all joints have gains, the others are those of another log of the robot.
-        message = f"'{shortened(text)}' is no joint of the log; no gains are stated for {listed(lacking)}"
-        help = did_you_mean(text, lacking, f"joints: {listed(joints)}")
-        out.error("LOG015", message, where="gains", span=place, help=help)
+    for key, stated in (("gains", sidecar.gains), ("torque_constant", sidecar.torque_constant)):
+        try:
+            matched = {text: (text,) if text in joints else match_names(text, joints) for text in stated}
+        except PatternError as err:
+            out.error("LOG015", err.message, where=key, span=place, help=err.help)
+            continue
+        lacking = [name for name in joints if not any(name in names for names in matched.values())]
+        for text in (text for text, names in matched.items() if not names and lacking):
+            # Where all joints have theirs, the others are those of another log of the robot.
+            message = f"'{shortened(text)}' is no joint of the log; none is stated for {listed(lacking)}"
+            help = did_you_mean(text, lacking, f"joints: {listed(joints)}")
+            out.error("LOG015", message, where=key, span=place, help=help)
     out.raise_if_failed(LogError)
 
 

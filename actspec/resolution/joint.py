@@ -80,6 +80,7 @@ def actuator_of(
         reflected_inertia=motor.reflected_inertia
         if motor is not None
         else unknown(inputs.unit(Kind.INERTIA)),
+        torque_constant=None if motor is None else motor.torque_constant,
         friction_coulomb=friction["coulomb"] or unknown(inputs.unit(Kind.TORQUE)),
         friction_static=friction["static"],
         friction_viscous=friction["viscous"] or unknown(inputs.unit(Kind.VELOCITY_GAIN)),

@@ -42,6 +42,7 @@ class JointMotor:
     reflected_inertia: Quantity
     bandwidth: Quantity | None
     arms: tuple[str, ...]
+    torque_constant: Quantity | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,6 +186,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
         return at_joint(found, Kind.TORQUE)
 
     torque_unit = unit_of_kind(Kind.TORQUE, kind)
+    constant = figure(motor.torque_constant, Kind.TORQUE_CONSTANT, "torque_constant")
     curve = None
     if motor.curve is not None:
         parts = motor.curve
@@ -207,6 +209,7 @@ def joint_motor(motor: Motor, name: str, drivetrain: Drivetrain, spec: Spec) -> 
         or unknown(torque_unit),
         reflected_inertia=_reflected(motor, name, drivetrain, spec),
         bandwidth=figure(motor.bandwidth, Kind.FREQUENCY, "bandwidth"),
+        torque_constant=None if constant is None else scaled(constant, to_torque),
         arms=tuple(
             step.text
             for train in (drivetrain.gearbox, drivetrain.transmission)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Literal, TypeVar
 
 from pydantic import Field
 
@@ -11,6 +12,7 @@ from actspec.spec.values import Name, Number, SpecValue, Strict
 from actspec.units import Kind
 
 FORMAT = "actspec-log/1"
+T = TypeVar("T")
 
 
 class LogGains(Strict):
@@ -59,6 +61,10 @@ class Sidecar(Strict):
     """Where the torque was measured: at the drive, before friction, or at the joint, behind it."""
     gains: dict[str, LogGains] = Field(default_factory=dict)
     """Joint, or pattern of joints, to the gains that the drive had."""
+    torque_constant: dict[
+        str, Annotated[SpecValue, Number(Kind.TORQUE_CONSTANT, above=0.0, unknown=False)]
+    ] = Field(default_factory=dict)
+    """Joint, or pattern of joints, to its torque per current, at the joint: gears count [N*m/A]."""
     base: LogBase | None = None
     """How the base was held."""
     accuracy: Accuracy = Accuracy()
@@ -72,6 +78,16 @@ class Sidecar(Strict):
         Raises:
             PatternError: a pattern is refused.
         """
-        if joint in self.gains:
-            return self.gains[joint]
-        return next((gains for text, gains in self.gains.items() if match_names(text, [joint])), None)
+        return _of(self.gains, joint)
+
+    def torque_constant_of(self, joint: str) -> float | None:
+        """Torque per current that is stated of a joint, likewise [N*m/A or N/A]."""
+        found = _of(self.torque_constant, joint)
+        return None if found is None else found.value
+
+
+def _of(stated: Mapping[str, T], joint: str) -> T | None:
+    """What is stated of a joint, by its name or by the first pattern that matches it."""
+    if joint in stated:
+        return stated[joint]
+    return next((value for text, value in stated.items() if match_names(text, [joint])), None)

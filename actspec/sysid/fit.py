@@ -25,7 +25,7 @@ from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, figures_of
-from actspec.sysid.recording import Recording, record
+from actspec.sysid.recording import Recording, driven, record
 from actspec.sysid.unseen import held_out, judge_validation, tested
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
@@ -163,11 +163,13 @@ def _recorded(
     actuators: ActuatorSet, logs: Sequence[Log], names: Sequence[str], out: Collector
 ) -> dict[str, list[Recording]]:
     """The joints' parts of every log, without what is spoilt."""
+    drives = {actuator.joint: actuator for actuator in actuators.joints}
     recorded = {
         name: [
             found
             for log in logs
-            if name in log.joints and (found := record(log, log.joints[name], out)) is not None
+            if name in log.joints
+            and (found := record(log, driven(log, log.joints[name], drives[name], out), out)) is not None
         ]
         for name in names
     }

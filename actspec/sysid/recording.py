@@ -7,12 +7,14 @@ stretch. What a filter makes of the readings is used to begin with and for the l
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.ir import JointActuator
 from actspec.logs import JointLog, Log
 from actspec.sysid.spoilt import MOST, frozen, jumps, wild
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -162,6 +164,32 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     return Recording(
         log, joint.name, time, command, speed, measured, position, velocity, acceleration, starts, rows
     )
+
+
+def driven(log: Log, joint: JointLog, actuator: JointActuator, out: Collector) -> JointLog:
+    """A joint's columns with current times torque constant as the torque, where that was not logged.
+
+    Args:
+        log: The log.
+        joint: The joint's columns.
+        actuator: Its drive by the spec, whose motor may state a torque constant.
+        out: Takes what the current is used for.
+    """
+    if joint.torque is not None or joint.current is None:
+        return joint
+    place, stated = Span(log.path), log.sidecar.torque_constant_of(joint.name)
+    whose = "by the sidecar"
+    unit = "N/A" if joint.linear else "N*m/A"
+    if stated is None and actuator.torque_constant is not None and actuator.torque_constant.value is not None:
+        stated, whose = actuator.torque_constant.value, "by the spec's motor"
+    if stated is None:
+        message = "the current is not used: no torque constant is known"
+        help = f"state it, gears counted, in the sidecar: `torque_constant: {{{joint.name}: ... {unit}}}`"
+        out.info("SYS044", message, where=joint.name, span=place, help=help)
+        return joint
+    message = f"the torque is the current times {format_number(stated)} {unit}, {whose}"
+    out.info("SYS044", message, where=joint.name, span=place)
+    return replace(joint, torque=stated * joint.current)
 
 
 def _sound(

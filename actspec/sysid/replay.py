@@ -20,7 +20,7 @@ from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, Figures, figures_of
-from actspec.sysid.recording import Recording, record
+from actspec.sysid.recording import Recording, driven, record
 
 if TYPE_CHECKING:
     import numpy as np
@@ -129,7 +129,7 @@ def replay(
             if name not in results.joints or name not in log.joints or actuator is None:
                 continue
             if actuator.command is Command.POSITION:
-                recording = record(log, log.joints[name], out)
+                recording = record(log, driven(log, log.joints[name], actuator, out), out)
                 recorded[name] = [] if recording is None else [recording]
         checked = check(recorded, known, out)
         usable = {name: mine[0] for name, mine in checked.items() if mine}
