@@ -67,11 +67,19 @@ def robot_of(spec: Spec) -> RobotView:
     Raises:
         RobotError: the model is not there or cannot be read; what has no place of its own is where it is named.
     """
-    model = spec.model.robot.model
+    model, folder = spec.model.robot.model, os.path.dirname(spec.document.path)
     if model == "none":
         return listed_robot(spec)
+    packages = {
+        name: os.path.normpath(os.path.join(folder, at)) for name, at in spec.model.robot.packages.items()
+    }
+    for name, at in packages.items():
+        if "\0" in at or not os.path.isdir(at):
+            message = f"there is no folder {spec.model.robot.packages[name]!r} of the package '{name}'"
+            help = "write the package's own folder, relative to the spec's, the one with its package.xml"
+            raise RobotError.of("ROBOT101", message, spec.span("robot", "packages", name), help=help)
     try:
-        return load_robot(find_model(model, os.path.dirname(spec.document.path)))
+        return replace(load_robot(find_model(model, folder)), packages=packages)
     except RobotError as err:
         place = spec.span("robot", "model")
         placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]

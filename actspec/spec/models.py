@@ -136,6 +136,8 @@ class Robot(Strict):
     """Name of the robot; output folders and constants are named after it."""
     model: str
     """MJCF or URDF, relative to the spec's folder; or `package://DISTRIBUTION/path`; or `none`."""
+    packages: dict[str, str] = Field(default_factory=dict)
+    """ROS package to its folder, relative to the spec's: of meshes that a URDF names by `package://NAME/path`."""
     joints: tuple[OneJoint, ...] = ()
     """Joints in the robot's order, only with `model: none`."""
     unmanaged: tuple[str, ...] = ()

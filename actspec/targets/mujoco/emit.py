@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -47,18 +47,18 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
     if robot.format is ModelFormat.NONE:
         return _emit_fragment(actuators, robot, dialect, options, collector)
-    given, source = robot.path, os.path.basename(robot.path)
+    given, source, packages = robot.path, os.path.basename(robot.path), robot.packages
     if options.canonical or robot.format is ModelFormat.URDF:
         robot = canonical_files(robot, collector)
     document = parse_document(robot.files)
-    lacking = unresolved(document)
+    lacking = unresolved(document, packages)
     if lacking:
         collector.at("robot.model", Span(given)).warning(
             "MJC029",
             f"{len(lacking)} mesh file{'s' * (len(lacking) > 1)} of a package that is not around the model, and MuJoCo "
             f"cannot open: {listed(lacking, 4)}",
-            "keep the URDF inside the folder of its package, which has the package's name or its package.xml, or write "
-            "paths into it",
+            "name its folder in `robot.packages: {NAME: folder}`, or keep the URDF inside the folder of its package, "
+            "which has the package's name or its package.xml",
         )
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
@@ -102,12 +102,14 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
         )
     main_name = f"{os.path.splitext(os.path.basename(robot.path))[0]}.xml"
     comment = header(actuators, lost, dialect, source)
-    files = _write(document, plan, anchors, dialect, options.folder, main_name, comment, collector)
+    files = _write(document, plan, anchors, dialect, options.folder, main_name, packages, comment, collector)
     # Another dialect's words cannot be compiled here: the same plan in the installed one is checked.
     checked = (
         files
         if dialect.words == installed.words
-        else _write(document, plan, anchors, installed, options.folder, main_name, comment, collector)
+        else _write(
+            document, plan, anchors, installed, options.folder, main_name, packages, comment, collector
+        )
     )
     check_written(checked, edited, actuators, collector)
     emitted = tuple(
@@ -194,12 +196,13 @@ def _write(
     dialect: MujocoDialect,
     folder: str,
     main_name: str,
+    packages: Mapping[str, str],
     comment: str,
     collector: Collector,
 ) -> tuple[ModelFile, ...]:
     """The edited text, all files of the model, in one dialect."""
     edits = text_edits(document, plan, anchors, dialect)
-    where = layout(document, edits, folder, main_name)
+    where = layout(document, edits, folder, main_name, packages)
     try:
         edited = apply_edits(document, [InsertBefore(document.root, comment), *edits, *where.edits])
     except ValueError as err:

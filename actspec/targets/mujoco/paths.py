@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.files import FAULTS, read_regular
@@ -43,7 +43,9 @@ class FileLayout:
     edits: tuple[Edit, ...]
 
 
-def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name: str) -> FileLayout:
+def layout(
+    document: XmlDocument, edits: Sequence[Edit], folder: str, main_name: str, packages: Mapping[str, str]
+) -> FileLayout:
     """Decide which files are written where.
 
     Args:
@@ -51,6 +53,7 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
         edits: Edits of the plan; they decide which includes are written.
         folder: Output folder.
         main_name: Name of the main file there.
+        packages: Package to its folder, as the spec has them.
     """
     files = document.files
     source = os.path.dirname(os.path.abspath(files[0].path))
@@ -78,7 +81,7 @@ def layout(document: XmlDocument, edits: Sequence[Edit], folder: str, main_name:
         if include.name != includes[include.index]
     ]
     path_edits += _asset_folders(document, source, folder)
-    path_edits += _packaged(document, source)
+    path_edits += _packaged(document, source, packages)
     for element in document.walk("model"):
         file_name = element.get("file")
         if file_name and not os.path.isabs(file_name):
@@ -133,11 +136,11 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
     return [AppendChild(document.root, f"<compiler{attributes}/>")]
 
 
-def _packaged(document: XmlDocument, source: str) -> list[Edit]:
+def _packaged(document: XmlDocument, source: str, packages: Mapping[str, str]) -> list[Edit]:
     """Meshes that a URDF names by package, where they are: MuJoCo has no packages."""
     edits: list[Edit] = []
     for element in document.walk("mesh"):
-        found = package_file(element.get("file") or "", source)
+        found = package_file(element.get("file") or "", source, packages)
         if found is not None:
             edits.append(
                 SetAttribute(
@@ -147,27 +150,31 @@ def _packaged(document: XmlDocument, source: str) -> list[Edit]:
     return edits
 
 
-def unresolved(document: XmlDocument) -> tuple[str, ...]:
-    """Mesh files that are named by a package that is not the one around the model."""
+def unresolved(document: XmlDocument, packages: Mapping[str, str]) -> tuple[str, ...]:
+    """Mesh files that are named by a package that is neither the spec's nor the one around the model."""
     source = os.path.dirname(os.path.abspath(document.files[0].path))
     named = [element.get("file") or "" for element in document.walk("mesh")]
-    return tuple(name for name in named if name.startswith(_PACKAGE) and package_file(name, source) is None)
+    return tuple(
+        name for name in named if name.startswith(_PACKAGE) and package_file(name, source, packages) is None
+    )
 
 
-def package_file(name: str, source: str) -> str | None:
-    """The file that `package://NAME/path` is in the package around a folder; None: it is not there, or outside of it.
+def package_file(name: str, source: str, packages: Mapping[str, str]) -> str | None:
+    """The file that `package://NAME/path` is in its package; None: it is not there, or outside of it.
 
-    The package is the folder called NAME, or one with a `package.xml` of that name, that the folder is in.
+    The package is the one of `packages`, else the folder called NAME, or one with a `package.xml` of that name, that
+    the URDF is in.
 
     Args:
         name: As the URDF has it.
         source: Folder of the URDF, absolute.
+        packages: Package to its folder, as the spec has them.
     """
     if not name.startswith(_PACKAGE):
         return None
     package, _, inner = name.removeprefix(_PACKAGE).partition("/")
-    root = os.path.realpath(source)
-    while not _is_package(root, package):
+    root = os.path.realpath(packages.get(package, source))
+    while package not in packages and not _is_package(root, package):
         above = os.path.dirname(root)
         if above == root:
             return None

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from actspec import api, output
+from actspec.diagnostics import RobotError
 from actspec.output import Compilation
 from actspec.targets.mujoco.paths import package_file
 
@@ -58,6 +59,28 @@ def test_the_package_around_the_file(tmp_path: Path, by: str) -> None:
     assert mujoco.MjModel.from_xml_path(str(written)).nmesh == 1
 
 
+def test_a_package_of_the_spec(tmp_path: Path) -> None:
+    """`robot.packages` names the folder from the spec's; one that is not there is an error at its line."""
+    import mujoco
+
+    own = package(tmp_path, "clone")
+    package(tmp_path, "elsewhere")
+    (own / "meshes" / "x.obj").unlink()
+    spec = SPEC.replace("urdf/r.urdf}", "urdf/r.urdf, packages: {my_desc: ../elsewhere}}")
+    (own / "s.yaml").write_text(spec, encoding="utf-8")
+    done = compiled(own)
+    assert "MJC029" not in [item.code for item in done.diagnostics]
+    written = own / "out" / "mujoco" / "r.xml"
+    assert 'file="../../elsewhere/meshes/x.obj"' in written.read_text(encoding="utf-8")
+    assert mujoco.MjModel.from_xml_path(str(written)).nmesh == 1
+    (own / "s.yaml").write_text(spec.replace("elsewhere", "nowhere"), encoding="utf-8")
+    with pytest.raises(RobotError) as caught:
+        compiled(own)
+    (item,) = caught.value.diagnostics
+    assert (item.code, item.span and item.span.line) == ("ROBOT101", 2)
+    assert "there is no folder '../nowhere' of the package 'my_desc'" in item.message
+
+
 def test_another_package(tmp_path: Path) -> None:
     """A package that is not around the file is reported with its meshes, not written as if it were found."""
     done = compiled(package(tmp_path, "clone"))
@@ -83,4 +106,5 @@ def test_only_below_the_package(tmp_path: Path, name: str, found: bool) -> None:
     own = package(tmp_path, "my_desc")
     (tmp_path / "secret.obj").write_text(TETRAHEDRON, encoding="utf-8")
     os.symlink(tmp_path / "secret.obj", own / "link.obj")
-    assert (package_file(name, str(own / "urdf")) is not None) is found
+    assert (package_file(name, str(own / "urdf"), {}) is not None) is found
+    assert (package_file(name, str(tmp_path), {"my_desc": str(own)}) is not None) is found
