@@ -22,8 +22,8 @@ from actspec.spec.results import JointResult, Results
 from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.spec.variants import named
+from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS
-from actspec.sysid.judge import WIDE
 from actspec.sysid.replay import METHODS, Replay
 from actspec.units import format_number
 

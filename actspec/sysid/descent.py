@@ -2,7 +2,7 @@
 
 Each piece begins at a state of its own, which is free too and is eliminated piece by piece, so noise in what was read
 at its first row biases nothing. Noise is that of the residuals, channel by channel; the covariance is a sandwich over
-the pieces, so residuals may be correlated within each.
+blocks of time, so residuals may be correlated within each.
 """
 
 from __future__ import annotations
@@ -25,8 +25,19 @@ ROUNDS = 30
 """Most steps of the descent. Chosen: it takes four to eight."""
 DONE = 0.05
 """Largest step, in standard deviations, at which the descent has arrived. Chosen: the interval does not show it."""
+BLOCKS = 40
+"""Blocks of time that the sandwich has at least, as long as they are `BLOCK` long; none is longer than a piece."""
+BLOCK = 0.1
+"""Least length of a block [s]. Chosen: residuals are no longer alike after that."""
+WIDE = 1.96
+"""Half the 95 % interval in standard deviations."""
 ENOUGH = 0.05
 """Fall of the squared residuals, in those of the noise, that is nothing any more: a fifth of a standard deviation."""
+
+REFUSED = 3
+"""Steps in a row that lead up, after which less than one of those is not looked for any more."""
+HOPELESS = 100.0
+"""By how much a search must promise to end above another one to be given up. Chosen: a wrong row costs thousands."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +86,8 @@ class Fit:
     Attributes:
         values: Every figure.
         free: Names of those that were free.
-        covariance: Of these, shape (n_free, n_free).
+        covariance: Of these, shape (n_free, n_free). Where few blocks tell it, so much larger that 1.96 standard
+            deviations are 95 % all the same.
         normal: Their normal matrix, states eliminated, likewise.
         noise: Channel to the standard deviation of its residuals.
         cost: Minus twice the log-likelihood, but for a constant; less is better.
@@ -123,67 +135,98 @@ DIFFERENCE = 1e-3
 """Of a figure's scale, for differences. Chosen: beyond the bends where a joint comes to rest."""
 
 
-def descend(search: Search, values: Mapping[str, float], fit: Fit | None = None) -> Fit:
+def descend(
+    search: Search, values: Mapping[str, float], fit: Fit | None = None, beat: float = math.inf
+) -> Fit:
     """Search from given figures on.
 
     Args:
         search: Over what.
         values: Every figure, where to begin.
         fit: An earlier fit whose states and noise are begun with.
+        beat: Cost above which the end is of no use: where it cannot be reached, the search is given up.
     """
     import numpy as np
 
     now = dict(values)
     states = fit.states if fit is not None else tuple(_first_states(log, now["bias"]) for log in search.logs)
-    noise = dict(fit.noise) if fit is not None else None
-    damping, arrived = 0.0, False
-    system = _linearise(search, now, states)
-    noise = system.noise(noise)
+    damping, refused, arrived, still = 0.0, 0, False, False
+    system = linearised(search, now, states)
+    noise = system.noise()
     solved = system.solve(noise)
     for _ in range(ROUNDS):
         step = solved.step(damping)
+        fall = float(step @ solved.right)
+        if still and fall < ENOUGH:
+            arrived = True
+            break
+        if system.likelihood(noise) - 2.0 * fall > beat + HOPELESS:
+            break
         trial = {**now}
         for name, change in zip(search.free, step, strict=True):
             trial[name] = max(now[name] + float(change), search.low[name])
         taken = np.array([trial[name] - now[name] for name in search.free])
         new_states = solved.states(states, taken)
-        new_system = _linearise(search, trial, new_states)
+        new_system = linearised(search, trial, new_states)
         before, after = system.cost(noise), new_system.cost(noise)
         if after <= before * (1 + 1e-9):
             small = float(np.abs(taken / solved.spread()).max()) if len(taken) else 0.0
             now, states, system = trial, new_states, new_system
-            fresh = system.noise(noise)
+            fresh = system.noise()
             still = all(abs(fresh[c] / noise[c] - 1) < 1e-2 for c in fresh)
             noise = fresh
             solved = system.solve(noise)
             damping *= 0.2
             if damping < 1e-6:
                 damping = 0.0
+            refused = 0
             if still and (small < DONE or before - after < ENOUGH):
                 arrived = True
                 break
         else:
-            if len(taken) and float(np.abs(taken / solved.spread()).max()) < DONE:
-                # What is left to go shows in no interval, and is less than the errors of the differences.
+            refused += 1
+            if refused == REFUSED and fall < 1.0:
+                # Where joints come to a stand the cost has bends; less than a standard deviation is left.
                 arrived = True
                 break
             damping = max(10.0 * damping, 1e-3)
             if damping > 1e8:
                 break
-    return Fit(
-        now, search.free, solved.sandwich(), solved.normal, noise, system.likelihood(noise), states, arrived
-    )
+    covariance = solved.sandwich(*system.blocks(noise, solved, _block_rows(search.logs)))
+    return Fit(now, search.free, covariance, solved.normal, noise, system.likelihood(noise), states, arrived)
+
+
+def _block_rows(logs: Sequence[Piecewise]) -> int:
+    """Rows of a block."""
+    import numpy as np
+
+    total = sum(len(log.starts) * log.rows for log in logs)
+    step = min(float(np.median(np.diff(log.course.time))) for log in logs)
+    return max(total // BLOCKS, round(BLOCK / step), 1)
 
 
 def simulated(
-    log: Piecewise, values: Mapping[str, float], bounds: Bounds, states: tuple[Array, Array]
+    log: Piecewise,
+    values: Mapping[str, float],
+    bounds: Bounds,
+    states: tuple[Array, Array],
+    reading: float | None = None,
+    finer: int = 1,
 ) -> Moved:
-    """How a joint of given figures moves along the pieces of a log; one set."""
+    """How a joint of given figures moves along the pieces of a log; one set. For the last two see `move`."""
+    q, qd = (state[:, None] for state in states)
+    return move(log.course, _one(log, values), bounds, log.starts, log.rows, q, qd, reading, finer)
+
+
+def seen(log: Piecewise, values: Mapping[str, float], moved: Moved) -> dict[str, Array]:
+    """What the sensors of a log read of such a motion, by channel, shape (rows, n_piece)."""
+    return {channel: model[:, :, 0] for channel, model in _seen(moved, _one(log, values), log).items()}
+
+
+def _one(log: Piecewise, values: Mapping[str, float]) -> Figures:
     import numpy as np
 
-    figures = log.figures({name: np.array([value]) for name, value in values.items()})
-    q, qd = (state[:, None] for state in states)
-    return move(log.course, figures, bounds, log.starts, log.rows, q, qd)
+    return log.figures({name: np.array([value]) for name, value in values.items()})
 
 
 def _first_states(log: Piecewise, bias: float) -> tuple[Array, Array]:
@@ -205,7 +248,6 @@ class _Solved:
 
     normal: Array
     right: Array
-    scores: Array
     pieces: list[tuple[Array, Array]]
 
     def step(self, damping: float) -> Array:
@@ -231,16 +273,27 @@ class _Solved:
         found: Array = np.linalg.pinv(self.normal / scale, rcond=1e-12, hermitian=True) / scale
         return found
 
-    def sandwich(self) -> Array:
+    def sandwich(self, scores: Array, normals: Array) -> Array:
+        """The covariance.
+
+        Args:
+            scores: By block, shape (n_block, p).
+            normals: Their parts of the normal matrix, shape (n_block, p, p).
+        """
         import numpy as np
+        from scipy.special import stdtrit
 
         inverse = self.inverse()
-        n = max(len(self.scores), 2)
-        middle = self.scores.T @ self.scores * n / max(n - self.normal.shape[0], 1)
+        n = max(len(scores), 2)
+        middle = scores.T @ scores * n / max(n - self.normal.shape[0], 1)
         found = inverse @ middle @ inverse
-        # Few pieces may agree by chance: never less than what white residuals would give.
+        # What each block adds to a variance: those that add most are the ones that tell it. Source: Satterthwaite 1946.
+        parts = np.einsum("ip,bpq,qi->bi", inverse, normals, inverse)
+        freedom = parts.sum(axis=0) ** 2 / np.maximum((parts**2).sum(axis=0), 1e-300)
+        wide = stdtrit(np.maximum(freedom, 1.0), 0.975) / WIDE
+        # Few blocks may agree by chance: never less than what white residuals would give.
         plain = np.diag(inverse)
-        grow = np.sqrt(np.maximum(plain / np.maximum(np.diag(found), 1e-300), 1.0))
+        grow = np.sqrt(np.maximum(plain / np.maximum(np.diag(found), 1e-300), wide**2))
         grown: Array = found * np.outer(grow, grow)
         return grown
 
@@ -255,13 +308,16 @@ class _Solved:
 
 
 @dataclass(slots=True)
-class _System:
-    """Residuals and their derivatives, by log and channel: (r, J, L), shapes (m, n_piece), (.., p), (.., 2)."""
+class System:
+    """Residuals and their derivatives, by log and channel: (r, J, L), shapes (m, n_piece), (.., p), (.., 2).
+
+    L is that over the states at the pieces' first rows; `count` is p.
+    """
 
     logs: list[dict[str, tuple[Array, Array, Array]]]
     count: int
 
-    def noise(self, before: Mapping[str, float] | None) -> dict[str, float]:
+    def noise(self) -> dict[str, float]:
         """Standard deviation of each channel's residuals, as if states and figures took none."""
         import numpy as np
 
@@ -275,6 +331,63 @@ class _System:
             taken = sum(2 * part.shape[1] for part in parts) / 2 + self.count
             found[channel] = math.sqrt(max(total / max(used - taken, 1), 1e-24))
         return found
+
+    def shifts(
+        self, noise: Mapping[str, float], changes: Sequence[Sequence[Mapping[str, Array]]]
+    ) -> NDArray[np.float64]:
+        """How far the best figures move where what is compared changes by a little, to first order.
+
+        Args:
+            noise: Of each channel.
+            changes: For each cause, for each log, channel to the change of measured less model, shape (rows, n_piece).
+
+        Returns: Shape (n_cause, n_free).
+        """
+        import numpy as np
+
+        found = []
+        for change in changes:
+            logs = [
+                {
+                    channel: (np.where(np.isfinite(r), new.get(channel, 0.0 * r), np.nan), jac, local)
+                    for channel, (r, jac, local) in log.items()
+                }
+                for log, new in zip(self.logs, change, strict=True)
+            ]
+            found.append(System(logs, self.count).solve(noise).step(0.0))
+        return np.array(found).reshape(len(changes), self.count)
+
+    def left_out(self, noise: Mapping[str, float], which: Sequence[NDArray[np.bool_]]) -> System:
+        """The residuals of some pieces with figures from the others, to first order; states are those pieces' own.
+
+        Args:
+            noise: Of each channel.
+            which: For each log, whether a piece is left out, shape (n_piece,).
+        """
+        import numpy as np
+
+        def of(pieces: Sequence[NDArray[np.bool_]]) -> System:
+            logs = [
+                {
+                    channel: (r[:, some], jac[:, some], local[:, some])
+                    for channel, (r, jac, local) in log.items()
+                }
+                for log, some in zip(self.logs, pieces, strict=True)
+            ]
+            return System(logs, self.count)
+
+        step = of([~some for some in which]).solve(noise).step(0.0)
+        blind = of(which)
+        logs = []
+        for log, (offset, slope) in zip(blind.logs, blind.solve(noise).pieces, strict=True):
+            change = offset - np.einsum("sip,p->si", slope, step)
+            logs.append(
+                {
+                    channel: (r - jac @ step - np.einsum("msi,si->ms", local, change), jac[:, :, :0], local)
+                    for channel, (r, jac, local) in log.items()
+                }
+            )
+        return System(logs, 0)
 
     def cost(self, noise: Mapping[str, float]) -> float:
         import numpy as np
@@ -298,14 +411,9 @@ class _System:
         import numpy as np
 
         p = self.count
-        normal, right, scores, pieces = np.zeros((p, p)), np.zeros(p), [], []
+        normal, right, pieces = np.zeros((p, p)), np.zeros(p), []
         for log in self.logs:
-            r, jac, local = (
-                np.concatenate(
-                    [np.nan_to_num(part[i]) / noise[channel] for channel, part in log.items()], axis=0
-                )
-                for i in range(3)
-            )
+            r, jac, local = _weighted(log, noise)
             hat = np.einsum("msi,msj->sij", local, local)
             # A state that shows in nothing, as the speed of a joint that stands, stays where it is.
             hat += (1e-9 * np.trace(hat, axis1=1, axis2=2)[:, None, None] + 1e-12) * np.eye(2)
@@ -314,15 +422,47 @@ class _System:
             offset = np.einsum("sij,msj,ms->si", inverse, local, r)
             jac = jac - np.einsum("msi,sip->msp", local, slope)
             r = r - np.einsum("msi,si->ms", local, offset)
-            normal += np.einsum("msp,msq->pq", jac, jac)
-            score = np.einsum("msp,ms->sp", jac, r)
-            right += score.sum(axis=0)
-            scores.append(score)
+            flat = jac.reshape(r.size, p)
+            normal += flat.T @ flat
+            right += flat.T @ r.reshape(-1)
             pieces.append((offset, slope))
-        return _Solved(normal, right, np.concatenate(scores), pieces)
+        return _Solved(normal, right, pieces)
+
+    def blocks(self, noise: Mapping[str, float], solved: _Solved, rows: int) -> tuple[Array, Array]:
+        """What each block of so many rows adds: its score, shape (n_block, p), and its part of the normal matrix."""
+        import numpy as np
+
+        scores, normals = [], []
+        for log, (offset, slope) in zip(self.logs, solved.pieces, strict=True):
+            r, jac, local = _weighted(log, noise)
+            jac = jac - np.einsum("msi,sip->msp", local, slope)
+            r = r - np.einsum("msi,si->ms", local, offset)
+            length = len(r) // len(log)
+            count = max(1, round(length / rows))
+            which = np.tile(np.arange(length) * count // length, len(log))
+            for block in range(count):
+                mine = which == block
+                scores.append(np.einsum("msp,ms->sp", jac[mine], r[mine]))
+                piecewise = np.moveaxis(jac[mine], 1, 0)
+                normals.append(np.swapaxes(piecewise, 1, 2) @ piecewise)
+        return np.concatenate(scores), np.concatenate(normals)
 
 
-def _linearise(search: Search, values: Mapping[str, float], states: Sequence[tuple[Array, Array]]) -> _System:
+def _weighted(
+    log: Mapping[str, tuple[Array, Array, Array]], noise: Mapping[str, float]
+) -> tuple[Array, Array, Array]:
+    """Residuals and derivatives of a log, channels one after the other, over the noise; 0 where nothing was read."""
+    import numpy as np
+
+    r, jac, local = (
+        np.concatenate([np.nan_to_num(part[i]) / noise[channel] for channel, part in log.items()], axis=0)
+        for i in range(3)
+    )
+    return r, jac, local
+
+
+def linearised(search: Search, values: Mapping[str, float], states: Sequence[tuple[Array, Array]]) -> System:
+    """Residuals at given figures and states, and their derivatives."""
     import numpy as np
 
     found = []
@@ -359,7 +499,7 @@ def _linearise(search: Search, values: Mapping[str, float], states: Sequence[tup
             jac[bad], local[bad] = 0.0, 0.0
             channels[channel] = (r, jac, local)
         found.append(channels)
-    return _System(found, len(search.free))
+    return System(found, len(search.free))
 
 
 def _seen(moved: Moved, figures: Figures, log: Piecewise) -> dict[str, Array]:

@@ -27,7 +27,7 @@ from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, figures_of
 from actspec.sysid.recording import Recording, driven, record
 from actspec.sysid.unseen import held_out, judge_validation, tested
-from actspec.sysid.work import FitOptions, JointInWork, piecewise
+from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
 
 if TYPE_CHECKING:
     import numpy as np
@@ -81,13 +81,15 @@ def fit_logs(
         _couple(joints, links, predicted=True)
         for joint in joints.values():
             _descend(joint, options, out)
+    systems = {name: ended(joint) for name, joint in joints.items()}
     errors: Mapping[str, float | None]
     if validation:
         errors = _validated(robot, validation, joints, unseen, out)
     else:
-        errors = {name: held_out(joint) for name, joint in joints.items()}
+        errors = {name: held_out(joint, systems[name]) for name, joint in joints.items()}
     found = tuple(
-        doubted(joint, judged(joint, options, errors.get(name)), out) for name, joint in joints.items()
+        doubted(joint, judged(joint, options, systems[name], errors.get(name)), out)
+        for name, joint in joints.items()
     )
     if validation:
         made = {name: tuple(one.log.path for one in recordings) for name, recordings in unseen.items()}
@@ -423,7 +425,7 @@ def _searched(
             break
         for option in fresh:
             tried.add(option)
-            other = descend(replace(search, reading=(option + 0.5) * step), best.values, best)
+            other = descend(replace(search, reading=(option + 0.5) * step), best.values, best, best.cost)
             if other.cost < best.cost:
                 best = other
     return best

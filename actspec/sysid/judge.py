@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
-from actspec.sysid.descent import Fit
+from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
-from actspec.sysid.work import FitOptions, JointInWork
+from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -24,28 +25,28 @@ VAGUE = 0.3
 than what one would guess."""
 SUM = ("kd", "friction.viscous")
 """What shows in a sum alone where nothing tells the drive's torque."""
-WIDE = 1.96
-"""Half the 95 % interval in standard deviations."""
 LATE = 5e-3
 """Standard deviation of a delay from which on it is not identified [s]. Chosen."""
 ASKEW = 0.02
 """Likewise of an encoder's bias [rad or m]. Chosen: a degree."""
 
 
-def judged(joint: JointInWork, options: FitOptions, unseen: float | None) -> JointFit:
+def judged(joint: JointInWork, options: FitOptions, system: System, unseen: float | None) -> JointFit:
     """What a fit says of a joint.
 
     Args:
         joint: After its fit.
         options: What the user asks.
+        system: Residuals where the fit ended, and their derivatives.
         unseen: Position error on data that the fit did not see [rad or m].
     """
     import numpy as np
 
-    fit, scale, actuator = joint.fit, joint.scale, joint.actuator
-    assert fit is not None and scale is not None
+    scale, actuator = joint.scale, joint.actuator
+    assert joint.fit is not None and scale is not None
     linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
-    unscaled = not joint.told and not {"armature"} & (set(fit.free) | options.hold)
+    unscaled = not joint.told and not {"armature"} & (set(joint.fit.free) | options.hold)
+    fit = joint.fit = _with_givens(joint, system, unscaled=unscaled)
     summed = (
         not joint.parted and "kd" in fit.free and "viscous" not in fit.free and SUM[1] not in options.hold
     )
@@ -86,6 +87,54 @@ def _own_gains(joint: JointInWork, *, linear: bool | None) -> Iterator[Indicator
             std = factor * fit.std(key) if key in fit.free else None
             unit = kind.linear_unit if linear else kind.rotary_unit
             yield Indicator(f"{name} of {listed(one.logs, 3)}", factor * fit.values[key], std, unit)
+
+
+def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
+    """The fit, with what it takes as given in its covariance: the steps of the integration, torque scale, masses.
+
+    Each cause moves the best figures by d, to first order, when the readings change by what a halved step, or one
+    standard deviation of the sidecar's `accuracy`, does to the motion: d d' is added.
+    """
+    import numpy as np
+
+    fit = joint.fit
+    assert fit is not None
+    if not fit.free:
+        return fit
+    reading = fit.values["delay"] if joint.torque else None
+    logs = list(zip(piecewise(joint), fit.states, joint.recordings, strict=True))
+
+    def change(log: Piecewise, other: Piecewise, states: tuple[Array, Array], finer: int) -> dict[str, Array]:
+        models = [
+            seen(one, fit.values, simulated(one, fit.values, joint.bounds, states, reading, times))
+            for one, times in ((log, 1), (other, finer))
+        ]
+        return {channel: models[0][channel] - models[1][channel] for channel in models[0]}
+
+    causes: list[list[dict[str, Array]]] = [[change(log, log, states, 2) for log, states, _ in logs]]
+    accuracies = [recording.log.sidecar.accuracy for recording in joint.recordings]
+    torques = [a.torque.value if a.torque is not None and a.torque.value else 0.0 for a in accuracies]
+    masses = [a.masses.value if a.masses is not None and a.masses.value else 0.0 for a in accuracies]
+    if joint.torque and any(torques):
+        causes.append(
+            [{"torque": off * log.cut("torque")} for (log, _, _), off in zip(logs, torques, strict=True)]
+        )
+    if any(masses) and not unscaled:
+        causes.append(
+            [
+                change(log, _heavier(log, off), states, 1)
+                for (log, states, _), off in zip(logs, masses, strict=True)
+            ]
+        )
+    moved = system.shifts(fit.noise, causes)
+    return replace(fit, covariance=fit.covariance + np.einsum("ci,cj->ij", moved, moved))
+
+
+def _heavier(log: Piecewise, off: float) -> Piecewise:
+    """The log with links whose masses and inertias are larger by a share."""
+    course = log.course
+    scaled = {name: (1.0 + off) * getattr(course, name) for name in ("inertia", "load", "slope")}
+    return replace(log, course=replace(course, **scaled))
 
 
 def _scaled_normal(fit: Fit) -> Array:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
 
 from actspec.diagnostics import Collector, Span, listed
-from actspec.sysid.descent import Fit, Search, descend
+from actspec.sysid.descent import Fit, Search, System, descend
 from actspec.sysid.identified import JointFit
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
@@ -16,33 +15,21 @@ WORSE = 3.0
 the misfit, so that a little more friction on another day is none."""
 
 
-def held_out(joint: JointInWork) -> float | None:
-    """Position error on every fifth piece, with figures from the others [rad or m]."""
+def held_out(joint: JointInWork, system: System) -> float | None:
+    """Position error on every fifth piece, with figures from the others [rad or m].
+
+    Args:
+        joint: After its fit.
+        system: Residuals where the fit ended, and their derivatives.
+    """
     import numpy as np
 
-    fit, scale = joint.fit, joint.scale
-    assert fit is not None and scale is not None
-    pieces = piecewise(joint)
-    if sum(len(p.starts) for p in pieces) < 5:
+    counts = [log["position"][0].shape[1] for log in system.logs]
+    which = [np.arange(count) % 5 == 2 for count in counts]
+    if sum(counts) < 5 or not any(some.any() for some in which):
         return None
-    seen, unseen, states, others = [], [], [], []
-    for part, (q, qd) in zip(pieces, fit.states, strict=True):
-        out = np.arange(len(part.starts)) % 5 == 2
-        seen.append(replace(part, starts=part.starts[~out]))
-        unseen.append(replace(part, starts=part.starts[out]))
-        states.append((q[~out], qd[~out]))
-        others.append((q[out], qd[out]))
-    low = joint.low
-    reading = fit.values["delay"] if joint.torque else None
-    seen = [part for part in seen if len(part.starts)]
-    search = Search(seen, joint.bounds, fit.free, scale, low, reading)
-    refit = descend(search, fit.values, replace(fit, states=tuple(s for s in states if len(s[0]))))
-    kept = [(part, state) for part, state in zip(unseen, others, strict=True) if len(part.starts)]
-    if not kept:
-        return None
-    blind = Search([part for part, _ in kept], joint.bounds, (), scale, low, reading)
-    tested = descend(blind, refit.values, replace(refit, states=tuple(state for _, state in kept)))
-    return tested.noise["position"]
+    assert joint.fit is not None
+    return system.left_out(joint.fit.noise, which).noise()["position"]
 
 
 def tested(joint: JointInWork) -> Fit:

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from actspec.ir import JointActuator
-from actspec.sysid.descent import Fit, Piecewise
+from actspec.sysid.descent import Fit, Piecewise, Search, System, linearised
 from actspec.sysid.gains import GainSets
 from actspec.sysid.motion import Bounds, Course
 from actspec.sysid.recording import Recording
@@ -76,3 +76,12 @@ def piecewise(joint: JointInWork) -> list[Piecewise]:
         own = joint.gains.own(index)
         found.append(Piecewise(course, measured, recording.starts, recording.rows, behind, own))
     return found
+
+
+def ended(joint: JointInWork) -> System:
+    """Residuals where a joint's fit ended, and their derivatives."""
+    fit, scale = joint.fit, joint.scale
+    assert fit is not None and scale is not None
+    reading = fit.values["delay"] if joint.torque else None
+    search = Search(piecewise(joint), joint.bounds, fit.free, scale, joint.low, reading)
+    return linearised(search, fit.values, fit.states)
