@@ -248,7 +248,8 @@ def _short(row: _Row | None) -> str:
         return "-"
     if row.std is None:
         return f"({_number(row.value)})"
-    return f"{_number(row.value, row.std)} ± {_number(WIDE * row.std, row.std)}"
+    half = WIDE * row.std
+    return f"{_number(row.value, half)} ± {_number(half, half)}"
 
 
 def _not_told(shown: Identified, rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
