@@ -17,6 +17,7 @@ from actspec.robot.view import RobotView
 from actspec.spec.results import JointResult, Results
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, Figures, figures_of
@@ -114,15 +115,15 @@ def replay(
         logs: Those that are there.
         results: The file.
         out: Takes what is wrong with the logs.
-        tell: Takes how many logs are done, and of how many.
+        tell: Takes how many joints are done, and of how many.
 
     Raises:
         RobotError: the model does not tell the links' inertia.
     """
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
     found: dict[str, list[Replay]] = {}
-    for place, log in enumerate(logs):
-        tell(place, len(logs))
+    total, done = sum(name in results.joints for log in logs for name in log.joints), 0
+    for log in logs:
         recorded = {}
         for name in known:
             actuator = actuators.joint(name)
@@ -134,23 +135,29 @@ def replay(
         checked = check(recorded, known, out)
         usable = {name: mine[0] for name, mine in checked.items() if mine}
         if usable:
-            for one in _replayed(actuators, robot, log, usable, known, results):
+            begin = {name: _figures(actuators, name, results.joints[name], log, logs) for name in usable}
+
+            def tell_more(count: int, before: int = done) -> None:
+                tell(before + count, total)
+
+            for one in _replayed(robot, log, usable, known, begin, results, tell_more):
                 found.setdefault(one.joint, []).append(one)
+        done += len(recorded)
     return found
 
 
 def _replayed(
-    actuators: ActuatorSet,
     robot: RobotView,
     log: Log,
     recordings: Mapping[str, Recording],
     known: Mapping[str, Bounds],
+    values: Mapping[str, Mapping[str, float]],
     results: Results,
+    tell: Callable[[int], None],
 ) -> list[Replay]:
     import numpy as np
 
     names = list(recordings)
-    values = {name: _figures(actuators, name, results.joints[name], log) for name in names}
     base = log.sidecar.base
     q = np.stack([recordings[name].position - values[name]["bias"] for name in names], axis=1)
     qd = np.stack([recordings[name].velocity for name in names], axis=1)
@@ -159,7 +166,8 @@ def _replayed(
     fits: dict[str, Fit] = {}
     logs: dict[str, Piecewise] = {}
     # Joints of one log move each other: the second time with accelerations of the fit in place of a filter's.
-    for again in (False, True) if len(names) > 1 else (False,):
+    rounds = (False, True) if len(names) > 1 else (False,)
+    for again in rounds:
         if again:
             accelerations = {
                 name: _acceleration(recordings[name], logs[name], fits[name], known[name]) for name in names
@@ -171,6 +179,7 @@ def _replayed(
             search = Search([logs[name]], known[name], free, _scales(values[name], course), _lowest())
             before = fits.get(name)
             fits[name] = descend(search, before.values if before else values[name], before)
+            tell((j + 1 + again * len(names)) // len(rounds))
     return [_replay(recordings[name], logs[name], fits[name], known[name], results) for name in names]
 
 
@@ -216,20 +225,31 @@ def result_value(result: JointResult, field: str) -> float | None:
     return None if stated is None or stated.value is None else float(stated.value)
 
 
-def _figures(actuators: ActuatorSet, name: str, result: JointResult, log: Log) -> dict[str, float]:
-    """All figures of a joint: the results' before gains as sent before the spec's."""
+def _figures(
+    actuators: ActuatorSet, name: str, result: JointResult, log: Log, logs: Sequence[Log]
+) -> dict[str, float]:
+    """All figures of a joint in a log: the results' before gains as sent before the spec's."""
     actuator = actuators.joint(name)
     assert actuator is not None
     found = figures_of(actuator)
-    sent = log.sidecar.gains.get(name) or result.gains
-    if sent is not None and sent.kp.value is not None and sent.kd.value is not None:
-        found |= {"kp": sent.kp.value, "kd": sent.kd.value}
+    mine = [other for other in logs if name in other.joints]
+    none: frozenset[str] = frozenset()
+    gains = gains_of(actuator, mine, torque=True, free=none, hold=none, out=Collector())
+    place = next(gains.used[i] for i, other in enumerate(mine) if other is log)
     for figure, (field, _) in FIELDS.items():
         value = result_value(result, field)
         if value is not None:
             found[figure] = _lag(value) if figure == "lag" else value
         elif field in result.bounds_hit:
             found[figure] = 0.0
+    for gain in GAINS:
+        first, sent = gains.sets[0].sent(gain), gains.sets[place].sent(gain)
+        held = None if result.gains is None or place else getattr(result.gains, gain).value
+        if result_value(result, gain) is None:
+            found[gain] = next((value for value in (held, sent) if value is not None), found[gain])
+        elif place and first and sent is not None:
+            # Results have the gains of the first set; those of another log are off by the same share.
+            found[gain] *= sent / first
     # A search that begins at nothing has no way to go.
     found["kp"] = found["kp"] or 1.0
     return found

@@ -176,6 +176,29 @@ def test_the_fitted_joint_moves_as_the_true_one(bench: Path) -> None:
     assert left()[0] > 1.2 * size
 
 
+def test_gains_of_a_log(bench: Path) -> None:
+    """Two logs of one joint, one made with half the spec's kp: half of the kp that was found, and the kd that was."""
+    from dataclasses import replace as changed
+
+    from actspec import api
+    from actspec.logs import Sidecar, load_log
+    from actspec.spec.results import Results
+    from actspec.sysid.replay import _figures
+
+    one = load_log("hip.csv")
+    stated = {"gains": {"hi.*": {"kp": 20.0, "kd": 0.6}}}
+    other = changed(one, sidecar=Sidecar.model_validate(stated))
+    actuators = api.resolve("spec.yaml")
+    result = Results.model_validate(results(bench)).joints["hip"]
+    # The spec has kp 40 and kd 0.6; found were 32 and 0.9.
+    found = [_figures(actuators, "hip", result, log, [one, other]) for log in (one, other)]
+    assert [(values["kp"], values["kd"]) for values in found] == [(32.0, 0.9), (16.0, 0.9)]
+    # Not found: as stated beside the log, else the spec's.
+    bare = result.model_copy(update={"kp": None, "kd": None})
+    found = [_figures(actuators, "hip", bare, log, [one, other]) for log in (one, other)]
+    assert [(values["kp"], values["kd"]) for values in found] == [(40.0, 0.6), (20.0, 0.6)]
+
+
 def test_names_are_text(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A joint, a robot, a reason, a combination and a log whose names are markup."""
     given = results(bench)
