@@ -12,6 +12,7 @@ from actspec.cli import sysid_import, sysid_report
 from actspec.cli.options import Lines, add_format, describe, joints_named
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
 from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.sysid.identified import METHODS
 from actspec.units import Kind, UnitError, parse_quantity
 
 FLAWS: tuple[tuple[str, str, Kind, str], ...] = (
@@ -111,6 +112,12 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
         "log", nargs="+", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
     )
     command.add_argument("-o", "--output", metavar="RESULTS", help="results file to write (YAML)")
+    command.add_argument(
+        "--method",
+        choices=METHODS,
+        default=METHODS[0],
+        help="motion of all figures at once (default), spectra, steps, or constant speeds",
+    )
     command.add_argument("--free", default="", metavar="F,...", help="fields to fit beside the usual ones")
     command.add_argument(
         "--validate",
@@ -217,7 +224,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     from actspec.files import replace_file
     from actspec.logs import LogError, load_log
     from actspec.report.sysid import sysid_lines, sysid_record
-    from actspec.sysid.fit import fit_logs
+    from actspec.sysid.methods import fit_by
     from actspec.sysid.results import results_text
     from actspec.sysid.work import FitOptions
 
@@ -229,7 +236,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
-    found = fit_logs(api.resolve(spec, robot), robot, logs, options, validation)
+    found = fit_by(arguments.method, api.resolve(spec, robot), robot, logs, options, validation)
     if output is not None:
         replace_file(output, results_text(found, logs, spec.document).encode())
     if arguments.output_format == "json":

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from actspec.diagnostics import one_line
+from actspec.joints import JointKind
 from actspec.report.tables import many, table
 from actspec.report.terminal import json_number
 from actspec.sysid.identified import Identification, JointFit, Parameter, State
@@ -18,14 +19,17 @@ _WORDS = {State.HELD: "held", State.UNIDENTIFIABLE: "not told by the logs", Stat
 def sysid_lines(found: Identification) -> Iterator[str]:
     """A table a joint: what was identified, what was held, and what the logs do not tell."""
     for joint in found.joints:
-        unit = next(p.unit for p in joint.parameters if p.field == "encoder_bias")
+        unit = "m" if joint.kind is JointKind.SLIDE else "rad"
         held_out = (
             "" if joint.held_out_rmse is None else f", {format_number(joint.held_out_rmse, 3)} held out"
         )
-        yield (
-            f"{one_line(joint.joint)}: position error {format_number(joint.position_rmse, 3)} {unit}{held_out}; "
-            f"{format_number(joint.misfit, 3)} times the noise of the readings"
-        )
+        if joint.position_rmse is None or joint.misfit is None:
+            yield f"{one_line(joint.joint)}: by {found.method}"
+        else:
+            yield (
+                f"{one_line(joint.joint)}: position error {format_number(joint.position_rmse, 3)} {unit}{held_out}; "
+                f"{format_number(joint.misfit, 3)} times the noise of the readings"
+            )
         rows = [["field", "value", "std", "95 %", "unit", ""]]
         rows += [_row(parameter) for parameter in joint.parameters]
         rows += [
@@ -35,11 +39,11 @@ def sysid_lines(found: Identification) -> Iterator[str]:
         rows += [
             [
                 d.name,
-                format_number(d.value, 5),
+                "-" if d.value is None else format_number(d.value, 5),
                 "-" if d.std is None else format_number(d.std, 2),
                 "",
                 d.unit,
-                "diagnostic",
+                d.why or "diagnostic",
             ]
             for d in joint.diagnostics
         ]
@@ -73,7 +77,6 @@ def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
         found: The fit.
         results: Path of the results file; None: none was written.
     """
-    held_out = [joint.held_out_rmse for joint in found.joints if joint.held_out_rmse is not None]
     return {
         "format": FORMAT,
         "results": results,
@@ -89,13 +92,17 @@ def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
             for item in found.findings
         ],
         "fit": {
-            "position_rmse": json_number(max((joint.position_rmse for joint in found.joints), default=None)),
-            "held_out_rmse": json_number(max(held_out, default=None)),
-            "misfit": json_number(max((joint.misfit for joint in found.joints), default=None)),
-            "condition": json_number(max((joint.condition for joint in found.joints), default=None)),
+            "position_rmse": json_number(_most(joint.position_rmse for joint in found.joints)),
+            "held_out_rmse": json_number(_most(joint.held_out_rmse for joint in found.joints)),
+            "misfit": json_number(_most(joint.misfit for joint in found.joints)),
+            "condition": json_number(_most(joint.condition for joint in found.joints)),
             "seconds": found.seconds,
         },
     }
+
+
+def _most(values: Iterable[float | None]) -> float | None:
+    return max((value for value in values if value is not None), default=None)
 
 
 def _joint(joint: JointFit) -> dict[str, Any]:

@@ -66,21 +66,14 @@ def fit_logs(
     begun = clock.perf_counter()
     out = Collector()
     _check_fields(options, out)
-    names = _joints(actuators, logs, out)
+    names = joints_of(actuators, logs, out)
     _check_validation(logs, validation, out)
-    tests = _joints(actuators, validation, out)
+    tests = joints_of(actuators, validation, out)
     out.raise_if_failed(LogError)
-    joints = _prepared(actuators, robot, logs, names, options, out)
-    unseen = _recorded(actuators, validation, [name for name in tests if name in joints], out)
+    joints = prepared(actuators, robot, logs, names, options, out)
+    unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
     out.raise_if_failed(LogError)
-    for joint in joints.values():
-        _descend(joint, options, out)
-    if _coupled(joints):
-        # The others' accelerations were those of a filter; the fit knows them better.
-        links = _links(robot, logs, joints)
-        _couple(joints, links, predicted=True)
-        for joint in joints.values():
-            _descend(joint, options, out)
+    roll(robot, logs, joints, options, out)
     systems = {name: ended(joint) for name, joint in joints.items()}
     errors: Mapping[str, float | None]
     if validation:
@@ -99,6 +92,24 @@ def fit_logs(
     return Identification(actuators.robot, "rollout", found, out.sorted(), clock.perf_counter() - begun)
 
 
+def roll(
+    robot: RobotView,
+    logs: Sequence[Log],
+    joints: Mapping[str, JointInWork],
+    options: FitOptions,
+    out: Collector,
+) -> None:
+    """Fit joints that are prepared; a second time where what they do to each other is worth it."""
+    for joint in joints.values():
+        _descend(joint, options, out)
+    if _coupled(joints):
+        # The others' accelerations were those of a filter; the fit knows them better.
+        links = _links(robot, logs, joints)
+        _couple(joints, links, predicted=True)
+        for joint in joints.values():
+            _descend(joint, options, out)
+
+
 def _check_fields(options: FitOptions, out: Collector) -> None:
     for option, fields in (("--free", options.free), ("--hold", options.hold)):
         for field in sorted(fields - set(FIGURE)):
@@ -109,7 +120,7 @@ def _check_fields(options: FitOptions, out: Collector) -> None:
         out.error("SYS020", f"{field} is both free and held", where="--free, --hold")
 
 
-def _joints(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> list[str]:
+def joints_of(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> list[str]:
     """Joints of the logs that the spec has, in the robot's order."""
     logged = {name for log in logs for name in log.joints}
     known = [joint.joint for joint in actuators.joints]
@@ -127,7 +138,7 @@ def _joints(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) -> list
     return [name for name in known if name in logged]
 
 
-def _prepared(
+def prepared(
     actuators: ActuatorSet,
     robot: RobotView,
     logs: Sequence[Log],
@@ -138,7 +149,7 @@ def _prepared(
     """Recordings of every joint, with the links along them."""
     joints: dict[str, JointInWork] = {}
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
-    checked = _recorded(actuators, logs, names, out)
+    checked = recorded(actuators, logs, names, out)
     for name in names:
         actuator = actuators.joint(name)
         assert actuator is not None
@@ -161,12 +172,12 @@ def _prepared(
     return joints
 
 
-def _recorded(
+def recorded(
     actuators: ActuatorSet, logs: Sequence[Log], names: Sequence[str], out: Collector
 ) -> dict[str, list[Recording]]:
     """The joints' parts of every log, without what is spoilt."""
     drives = {actuator.joint: actuator for actuator in actuators.joints}
-    recorded = {
+    parts = {
         name: [
             found
             for log in logs
@@ -175,7 +186,7 @@ def _recorded(
         ]
         for name in names
     }
-    return check(recorded, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, out)
+    return check(parts, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, out)
 
 
 def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:

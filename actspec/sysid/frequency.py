@@ -12,13 +12,19 @@ figure; with it the others are those of the joint without dry friction.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
+from actspec.diagnostics import Collector, Span
+from actspec.ir import JointActuator
+from actspec.sysid.descent import WIDE
+from actspec.sysid.identified import Indicator, JointFit, Parameter, State
+from actspec.sysid.judge import LATE, VAGUE
 from actspec.sysid.recording import GAP, SMOOTH, Recording, smooth
 from actspec.sysid.step import second_order
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -50,6 +56,15 @@ FIGURES = ("gain", "rate", "damping", "delay", "hold")
 """Of a loop: g [1], wn [rad/s], zeta [1], delay [s], and dry friction over inertia [rad/s^2 or m/s^2]."""
 SEEN = 4.0
 """Standard deviations from which on dry friction is taken to be there."""
+STICKS = 0.2
+"""Share of what dry friction bends that counts as uncertain. Chosen: where a joint sticks, the sign of its speed does
+not say what friction does."""
+BENT = (0.01, 0.1)
+"""Change of the bandwidth by dry friction that is reported, and from which on it is a warning."""
+ALIKE = 0.05
+"""Share of the response that the second-order system may leave. Chosen."""
+BEYOND = 1.2
+"""How far above the log's frequencies a figure may lie, as a factor of the last one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,14 +119,14 @@ class Loop:
         values: By `FIGURES`; `hold` is 0 where no dry friction shows.
         covariance: Of `gain`, `rate`, `damping`, `delay`, shape (4, 4).
         plain: Values of the system that would do all that dry friction does; the same where none shows.
-        misfit: Root of the squared residuals over what the coherence lets expect; about 1 where nothing is left.
+        left: Share of the response that the system does not explain, frequencies weighted by their certainty.
         fastest: Highest frequency that counted [Hz].
     """
 
     values: Mapping[str, float]
     covariance: Array
     plain: Mapping[str, float]
-    misfit: float
+    left: float
     fastest: float
 
     def at(self, frequency: Array) -> Curve:
@@ -182,14 +197,18 @@ def loop(recordings: Sequence[Recording]) -> Loop | None:
         # What the coherence counts as noise is in part leakage, which both sides have: what is left is the noise.
         stds = [one.std_of(_values(best.x)) for one in spectra]
         best = descended(residuals, best.x, stds)
-    covariance, misfit = _spread(best)
+    covariance = _covariance(best)
     if best.x[4] < SEEN * math.sqrt(covariance[4, 4]):
         stds = [one.std_of(_values(plain.x)) for one in spectra]
         best = plain = descended(residuals, plain.x, stds)
-        covariance, misfit = _spread(best)
-    values = _values(best.x)
-    grow = np.array([1.0, values["rate"], values["damping"], 1.0])
-    return Loop(values, covariance[:4, :4] * np.outer(grow, grow), _values(plain.x), misfit, fastest)
+        covariance = _covariance(best)
+    grow = np.array([1.0, *np.exp(best.x[1:3]), 1.0])
+    covariance = covariance[:4, :4] * np.outer(grow, grow)
+    values, bent = _values(best.x), _values(plain.x)
+    stuck = np.array([STICKS * (values[name] - bent[name]) for name in FIGURES[:4]])
+    whole = _parts([one.found.value / std for one, std in zip(spectra, stds, strict=True)])
+    left = math.sqrt(2.0 * float(best.cost) / float(whole @ whole))
+    return Loop(values, covariance + np.diag(stuck**2), bent, left, fastest)
 
 
 @dataclass(frozen=True, slots=True)
@@ -396,10 +415,127 @@ def _parts(left: Sequence[Curve]) -> Array:
     return found
 
 
-def _spread(found: Any) -> tuple[Array, float]:
-    """Covariance of a descent, by the coherence or by what is left, whichever is more; and what is left."""
+def _covariance(found: Any) -> Array:
+    """Of a descent, by the noise or by what is left, whichever is more."""
     import numpy as np
 
     left = 2.0 * float(found.cost) / max(len(found.fun) - NOTCH * len(found.x), 1.0)
     covariance: Array = np.linalg.pinv(found.jac.T @ found.jac) * NOTCH * max(left, 1.0)
-    return covariance, math.sqrt(left)
+    return covariance
+
+
+def bandwidth(values: Mapping[str, float]) -> float:
+    """Where the system's gain is 3 dB below that at rest [Hz]."""
+    part = 1.0 - 2.0 * values["damping"] ** 2
+    return values["rate"] / (2.0 * math.pi) * math.sqrt(part + math.sqrt(part**2 + 1.0))
+
+
+def phase_margin(values: Mapping[str, float]) -> float:
+    """Of the position's loop, T/(1 - T), the command's delay outside of it [rad]; NaN: its gain is below 1 everywhere.
+
+    T is the system without delay, so T/(1 - T) = g wn^2 / (s^2 + 2 zeta wn s + (1 - g) wn^2).
+    """
+    still, damping = 1.0 - values["gain"], values["damping"]
+    half = 2.0 * damping**2 - still
+    inner = half**2 - (still**2 - values["gain"] ** 2)
+    crossing = -half + math.sqrt(inner) if inner >= 0.0 else -1.0
+    if crossing <= 0.0:
+        return math.nan
+    return math.pi - math.atan2(2.0 * damping * math.sqrt(crossing), still - crossing)
+
+
+def judged(actuator: JointActuator, recordings: Sequence[Recording], out: Collector) -> JointFit | None:
+    """What the spectra of a joint's logs say; None where they say nothing, with the reason.
+
+    Args:
+        actuator: The joint.
+        recordings: Its parts of the logs.
+        out: Takes what is wrong.
+    """
+    name, place = actuator.joint, Span(recordings[0].log.path)
+    found = loop(recordings)
+    if found is None:
+        message = "too few frequencies of the command show in the position for a response"
+        help = "send a chirp or a multisine of ten seconds or more: `actspec sysid design`"
+        out.warning("SYS051", message, where=name, span=place, help=help)
+        return None
+    if found.left > ALIKE:
+        message = (
+            f"a second-order system leaves {found.left:.0%} of the response: more than a PD moves the joint"
+        )
+        help = "a torque at its limit, a low-pass, play or a soft link: try a smaller command, or --method rollout"
+        out.warning("SYS054", message, where=name, span=place, help=help)
+    _bent(name, place, found, out)
+    figures = {
+        "closed_loop_bandwidth": (bandwidth, "Hz"),
+        "natural_frequency": (lambda values: values["rate"] / (2.0 * math.pi), "Hz"),
+        "damping_ratio": (lambda values: values["damping"], "1"),
+        "phase_margin": (phase_margin, "rad"),
+        "static_gain": (lambda values: values["gain"], "1"),
+    }
+    shown = []
+    for figure, (function, unit) in figures.items():
+        value, std = _derived(found, function)
+        why = _untold(found, figure, value, std)
+        shown.append(Indicator(figure, None if why else value, None if why else std, unit, why))
+        if why:
+            out.info("SYS053", f"{figure} has no value: {why}", where=name, span=place)
+    return JointFit(name, actuator.kind, (_delay(found),), (), (), None, None, None, None, tuple(shown))
+
+
+def _derived(found: Loop, function: Callable[[Mapping[str, float]], float]) -> tuple[float, float]:
+    """A figure of a loop, and its standard deviation by differences."""
+    import numpy as np
+
+    value, slopes = function(found.values), []
+    for i, name in enumerate(FIGURES[:4]):
+        away = 0.1 * math.sqrt(found.covariance[i, i])
+        slopes.append(
+            (function({**found.values, name: found.values[name] + away}) - value) / away if away else 0.0
+        )
+    slope = np.array(slopes)
+    return value, math.sqrt(float(slope @ found.covariance @ slope))
+
+
+def _untold(found: Loop, figure: str, value: float, std: float) -> str:
+    """Why a figure is not told; "": it is."""
+    if math.isnan(value):
+        return "the loop's gain is below 1 at every frequency"
+    if not std < VAGUE * abs(value):
+        return f"its standard deviation would be {std / abs(value):.0%} of it"
+    highest = (
+        bandwidth(found.values)
+        if figure == "closed_loop_bandwidth"
+        else found.values["rate"] / (2.0 * math.pi)
+    )
+    if figure in ("closed_loop_bandwidth", "natural_frequency") and highest > BEYOND * found.fastest:
+        return f"it lies above {found.fastest:.3g} Hz, where the log's frequencies end"
+    return ""
+
+
+def _delay(found: Loop) -> Parameter:
+    value, std = found.values["delay"], math.sqrt(found.covariance[3, 3])
+    if std > LATE:
+        why = f"its standard deviation would be {format_number(std, 2)} s"
+        return Parameter("delay", State.UNIDENTIFIABLE, None, None, None, None, "s", why)
+    if value < 1e-9:
+        why = f"the best value is below 0; one of {format_number(WIDE * std, 2)} s fits too"
+        return Parameter("delay", State.AT_BOUND, None, None, None, None, "s", why)
+    low, high = max(value - WIDE * std, 0.0), value + WIDE * std
+    return Parameter("delay", State.IDENTIFIED, value, std, low, high, "s")
+
+
+def _bent(name: str, place: Span, found: Loop, out: Collector) -> None:
+    """Report how far dry friction bends the response."""
+    measured, free = bandwidth(found.plain), bandwidth(found.values)
+    bend = measured / free - 1.0
+    damping = found.plain["damping"] / found.values["damping"] - 1.0
+    if not found.values["hold"] or max(abs(bend), abs(damping)) < BENT[0]:
+        return
+    message = (
+        f"dry friction bends the response: as measured the bandwidth is {measured:.3g} Hz ({bend:+.1%}) and the "
+        f"damping ratio {found.plain['damping']:.3g} ({damping:+.1%}); the figures are those without it"
+    )
+    report = out.warning if max(abs(bend), abs(damping)) > BENT[1] else out.info
+    help = "a larger command is bent less; --method rollout fits the friction"
+    report("SYS052", message, where=name, span=place, help=help)

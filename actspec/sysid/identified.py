@@ -10,6 +10,9 @@ from actspec.diagnostics import Diagnostic
 from actspec.joints import JointKind
 from actspec.units import Kind
 
+METHODS = ("rollout", "frequency", "step", "friction")
+"""Ways to fit a log."""
+
 
 class State(str, Enum):
     """How a figure came out."""
@@ -86,15 +89,17 @@ class Indicator:
 
     Attributes:
         name: Such as `torque_scale`.
-        value: SI.
+        value: SI; None: the log does not tell it.
         std: Standard deviation; None: unknown.
         unit: SI unit; `1` for a share or a factor.
+        why: Why it has no value; "" where it has one.
     """
 
     name: str
-    value: float
+    value: float | None
     std: float | None
     unit: str
+    why: str = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +112,7 @@ class JointFit:
         parameters: In the order of `FIELDS`.
         combinations: Where single figures cannot be told.
         correlation: Pairs of fields and their correlation, where it is above a half.
-        position_rmse: Of the fit [rad or m].
+        position_rmse: Of the fit [rad or m]; this and the next three are None where no motion was fitted.
         held_out_rmse: On pieces that the fit did not see [rad or m]; None where there are too few.
         misfit: Position residual over the noise of the readings; about 1 where nothing is left to explain.
         condition: Condition number of the scaled normal matrix.
@@ -119,10 +124,10 @@ class JointFit:
     parameters: tuple[Parameter, ...]
     combinations: tuple[Combination, ...]
     correlation: tuple[tuple[str, str, float], ...]
-    position_rmse: float
+    position_rmse: float | None
     held_out_rmse: float | None
-    misfit: float
-    condition: float
+    misfit: float | None
+    condition: float | None
     diagnostics: tuple[Indicator, ...] = ()
 
     def parameter(self, field: str) -> Parameter:
@@ -136,7 +141,7 @@ class Identification:
 
     Attributes:
         robot: Name of the robot.
-        method: `rollout`, ...
+        method: One of `METHODS`.
         joints: In the robot's order.
         findings: What is wrong with logs or fit, and what was left out.
         seconds: Time it took.

@@ -274,7 +274,7 @@ def _reading_noise(joint: JointInWork) -> float:
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
     """What is to be said of the whole fit."""
     for joint in joints:
-        if joint.misfit > 3.0:
+        if joint.misfit is not None and joint.misfit > 3.0:
             out.warning(
                 "SYS031",
                 f"the position is off by {joint.misfit:.2g} times the noise of its readings: something that the model "

@@ -39,7 +39,9 @@ def results_text(found: Identification, logs: Sequence[Log], spec: Document | No
     if held_out and len({joint.kind for joint in found.joints}) == 1:
         unit = next(p.unit for p in found.joints[0].parameters if p.field == "encoder_bias")
         data["held_out_rmse"] = {"value": _short(max(held_out)), "unit": unit}
-    data["condition"] = _short(max(joint.condition for joint in found.joints))
+    conditions = [joint.condition for joint in found.joints if joint.condition is not None]
+    if conditions:
+        data["condition"] = _short(max(conditions))
     data["joints"] = {joint.joint: _joint(joint) for joint in found.joints}
     text: str = yaml.safe_dump(data, sort_keys=False, default_flow_style=None, width=110, allow_unicode=True)
     return HEAD + text
@@ -68,13 +70,15 @@ def _joint(joint: JointFit) -> dict[str, Any]:
             for c in joint.combinations
         }
     if joint.diagnostics:
-        data["diagnostics"] = {item.name: _indicator(item) for item in joint.diagnostics}
+        told = {item.name: _indicator(item) for item in joint.diagnostics if item.value is not None}
+        data |= {"diagnostics": told} if told else {}
     if joint.correlation:
         data["correlation"] = [[a, b, round(r, 3)] for a, b, r in joint.correlation]
     return data
 
 
 def _indicator(item: Indicator) -> dict[str, Any]:
+    assert item.value is not None
     std = {} if item.std is None else {"std": _short(item.std)}
     return {"value": _short(item.value), **std, "unit": item.unit}
 

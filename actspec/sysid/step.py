@@ -12,6 +12,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from actspec.diagnostics import Collector, Span, listed
+from actspec.ir import JointActuator
+from actspec.joints import JointKind
+from actspec.sysid.identified import Indicator, JointFit
 from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import GAP, Recording, scatter
 
@@ -298,3 +302,63 @@ def counted(found: Sequence[Step]) -> dict[str, int]:
         if step.left_out is not None:
             reasons[step.left_out] = reasons.get(step.left_out, 0) + 1
     return reasons
+
+
+def judged(
+    actuator: JointActuator,
+    recordings: Sequence[Recording],
+    bounds: Bounds,
+    gains: tuple[float, float] | None,
+    out: Collector,
+) -> JointFit | None:
+    """What the steps of a joint's logs say, as mean and standard deviation over them; None where there are none.
+
+    Args:
+        actuator: The joint.
+        recordings: Its parts of the logs.
+        bounds: Of the drive.
+        gains: kp and kd as sent; None: unknown.
+        out: Takes what is left out, and why a figure has no value.
+    """
+    import numpy as np
+
+    name, place = actuator.joint, Span(recordings[0].log.path)
+    found = [step for recording in recordings for step in steps(recording, bounds, gains)]
+    used = [step for step in found if step.left_out is None]
+    reasons = listed([f"{count} {reason}" for reason, count in counted(found).items()])
+    if not used:
+        message = "the command has no steps" if not found else f"none of {len(found)} steps counts: {reasons}"
+        help = "hold each level until the joint rests: `actspec sysid design --experiment steps`"
+        out.warning("SYS055", message, where=name, span=place, help=help)
+        return None
+    if len(used) < len(found):
+        message = f"{len(found) - len(used)} of {len(found)} steps are left out: {reasons}"
+        out.info("SYS056", message, where=name, span=place)
+    cut = sum(step.cut_off for step in used)
+    if cut:
+        message = (
+            f"{cut} of {len(used)} steps end before the joint rests: they tell frequency and damping alone"
+        )
+        out.info("SYS056", message, where=name, span=place, help="hold each level longer")
+    length = "m" if actuator.kind is JointKind.SLIDE else "rad"
+    units = {
+        "rise_time": "s", "overshoot": "1", "settling_time": "s", "steady_state_error": length,
+        "natural_frequency": "Hz", "damping_ratio": "1",
+    }  # fmt: skip
+    shown = []
+    for figure, unit in units.items():
+        values = np.array([value for step in used if (value := getattr(step, figure)) is not None])
+        if not len(values):
+            why = (
+                f"no second-order system answers as the joint does in any of {len(used)} steps"
+                if unit == "Hz" or figure == "damping_ratio"
+                else f"the joint comes to rest in none of {len(used)} steps"
+            )
+            shown.append(Indicator(figure, None, None, unit, why))
+            out.info("SYS057", f"{figure} has no value: {why}", where=name, span=place)
+            continue
+        if unit == "Hz":
+            values = values / (2.0 * math.pi)
+        std = float(values.std(ddof=1)) if len(values) > 1 else None
+        shown.append(Indicator(figure, float(values.mean()), std, unit))
+    return JointFit(name, actuator.kind, (), (), (), None, None, None, None, tuple(shown))

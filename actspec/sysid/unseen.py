@@ -58,6 +58,7 @@ def judge_validation(
         out.info("SYS028", message)
     for name, paths in logs.items():
         joint = found[name]
+        assert joint.position_rmse is not None
         if joint.held_out_rmse is None or joint.held_out_rmse <= WORSE * joint.position_rmse:
             continue
         unit = next(p.unit for p in joint.parameters if p.field == "encoder_bias")
