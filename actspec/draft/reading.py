@@ -13,12 +13,16 @@ from actspec.files import FAULTS, read_regular
 from actspec.ir import JointKind
 from actspec.lift import Lifted, lift
 from actspec.lift.config import asset_of, plain_name
+from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, RobotConfig
 from actspec.readings.joint_lists import fitting, joint_lists
 from actspec.readings.pair import joint_names, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
+
+_ENDING = "_joint"
+"""That USD files of robots leave out, or have, where the URDF is the other way round."""
 
 _INCLUDE = re.compile(rb"""<include[^>]*\sfile\s*=\s*["']([^"']*)["']""")
 _MOST_BESIDE = 200
@@ -224,12 +228,30 @@ def _check_joints(
     theirs = [*mine, *(item.joint for item in part.left_alone)] if artifact.robot is not None else mine
     if not set(theirs) & set(here) and (artifact.config is None or artifact.config.groups):
         names = mine if artifact.config is None else [*_patterns(artifact.config)]
+        ending = ""
+        if _differ_by_ending(names, here):
+            ending = (
+                f"; they differ by the ending {_ENDING} alone: a configuration has the names of its USD, which "
+                "--joints takes in place of the robot file"
+            )
         out.error(
             "DRF008",
             f"{one_line(artifact.name)} shares no joint with {model.path}",
             span=Span(artifact.path),
-            help=f"there: {listed(map(one_line, names), 4)}; here: {listed(map(one_line, here), 4)}",
+            help=f"there: {listed(map(one_line, names), 4)}; here: {listed(map(one_line, here), 4)}{ending}",
         )
+
+
+def _differ_by_ending(patterns: Sequence[str], names: Sequence[str]) -> bool:
+    """Whether patterns would select joints that are called without the ending, or with it."""
+    others = [name.removesuffix(_ENDING) if name.endswith(_ENDING) else f"{name}{_ENDING}" for name in names]
+    for pattern in patterns:
+        try:
+            if match_names(pattern, others):
+                return True
+        except PatternError:
+            continue
+    return False
 
 
 def _named(artifacts: Sequence[Artifact], named: str, out: Collector) -> Sequence[JointView | str]:

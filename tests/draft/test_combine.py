@@ -342,6 +342,17 @@ def test_other_robot(tmp_path: Path) -> None:
     assert "here: hip, knee" in str(caught.value)
 
 
+def test_names_that_differ_by_the_ending(tmp_path: Path) -> None:
+    """A configuration for a USD without `_joint` in its names, beside an MJCF with it."""
+    ended = MOTORS.replace('"hip"', '"hip_joint"').replace('"knee"', '"knee_joint"')
+    with pytest.raises(AuditError) as caught:
+        named = ISAACLAB.replace('[".*"]', '["hip", "knee"]')
+        imported(write(tmp_path, leg_xml=ended, leg_cfg_py=named), tmp_path)
+    (item,) = caught.value.diagnostics
+    assert item.code == "DRF008"
+    assert "they differ by the ending _joint alone" in str(item.help)
+
+
 def test_combined_spec_compiles(tmp_path: Path) -> None:
     """What comes out of three files compiles to every target that it names."""
     found = imported(write(tmp_path, leg_xml=MOTORS, leg_py=ISAACLAB, deploy_yaml=DEPLOY), tmp_path)
