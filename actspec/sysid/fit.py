@@ -24,6 +24,7 @@ from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
+from actspec.sysid.more import enlarged
 from actspec.sysid.motion import Bounds, Course, figures_of
 from actspec.sysid.recording import Recording, driven, record
 from actspec.sysid.unseen import held_out, judge_validation, tested
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 
 DEFAULT = ("kp", "kd", "armature", "coulomb", "viscous", "delay", "bias")
 """Figures that are free unless something holds them."""
+STRIBECK = {"static", "stribeck_velocity"}
 COUPLED = 0.02
 """Share of a joint's load torque that the others' motion must make for a second pass."""
 STIFF = 1e6
@@ -74,6 +76,8 @@ def fit_logs(
     unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
     out.raise_if_failed(LogError)
     roll(robot, logs, joints, options, out)
+    for name, joint in joints.items():
+        joints[name] = enlarged(joint, options, _descend, out)
     systems = {name: ended(joint) for name, joint in joints.items()}
     errors: Mapping[str, float | None]
     if validation:
@@ -330,7 +334,12 @@ def _free(joint: JointInWork, options: FitOptions) -> tuple[str, ...]:
     """Values that are free."""
     import numpy as np
 
-    wanted = [*DEFAULT, *(FIGURE[field] for field in sorted(options.free) if FIGURE[field] not in DEFAULT)]
+    asked = {FIGURE[field] for field in options.free} | joint.added
+    spec = figures_of(joint.actuator)
+    if asked & STRIBECK:
+        # One of the two without the other does nothing.
+        asked |= {name for name in STRIBECK if spec[name] == 0.0}
+    wanted = [*DEFAULT, *sorted(asked - set(DEFAULT))]
     free = [name for name in wanted if FIELDS[name][0] not in options.hold and name not in joint.gains.held]
     slope = max(float(np.abs(course.slope).max()) for course in joint.courses)
     if "bias" in free and slope * STIFF < 1.0:
@@ -365,6 +374,7 @@ def _descend(joint: JointInWork, options: FitOptions, out: Collector) -> None:
     else:
         values = _begun(joint, free, out)
         scale = joint.scale = _scales(joint, values)
+    _set_out(joint, values, free)
     # Where only ratios show, a gain that is held says nothing of friction, which may then be anything.
     unscaled = not joint.told and "armature" not in free
     joint.low = {
@@ -375,6 +385,19 @@ def _descend(joint: JointInWork, options: FitOptions, out: Collector) -> None:
         out.warning(
             "SYS030", "the fit did not come to rest: its figures are uncertain", where=joint.actuator.joint
         )
+
+
+def _set_out(joint: JointInWork, values: dict[str, float], free: tuple[str, ...]) -> None:
+    """Where figures begin that do nothing at 0, and so tell no direction there."""
+    assert joint.scale is not None
+    if "static" in free and values["static"] <= values["coulomb"]:
+        values["static"] = 1.5 * max(values["coulomb"], 0.1 * joint.scale["coulomb"])
+    if "stribeck_velocity" in free and values["stribeck_velocity"] <= 0.0:
+        values["stribeck_velocity"] = 0.5 * joint.scale["stribeck_velocity"]
+    if "lag" in free and values["lag"] <= 0.0:
+        values["lag"] = 2.0 * joint.scale["lag"]
+        if "delay" in free:
+            values["delay"] = max(values["delay"] - values["lag"], 0.25 * joint.scale["delay"])
 
 
 def _begun(joint: JointInWork, free: tuple[str, ...], out: Collector) -> dict[str, float]:

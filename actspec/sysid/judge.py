@@ -68,7 +68,7 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
         correlation,
         position,
         unseen,
-        position / _reading_noise(joint),
+        position / reading_noise(joint),
         float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
         () if unscaled or summed else tuple(_own_gains(joint, linear=linear)),
     )
@@ -258,7 +258,7 @@ def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool, linear: bool 
     return found
 
 
-def _reading_noise(joint: JointInWork) -> float:
+def reading_noise(joint: JointInWork) -> float:
     """Noise of the position's readings, from what a local cubic leaves of them [rad or m]."""
     import numpy as np
 

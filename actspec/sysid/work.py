@@ -39,6 +39,7 @@ class JointInWork:
         fit: The last one.
         scale: Sizes of the values.
         low: Least ones.
+        added: Figures that are free unasked.
     """
 
     actuator: JointActuator
@@ -50,6 +51,7 @@ class JointInWork:
     fit: Fit | None = None
     scale: Mapping[str, float] | None = None
     low: Mapping[str, float] = field(default_factory=dict)
+    added: frozenset[str] = frozenset()
 
     @property
     def told(self) -> bool:

@@ -1,0 +1,73 @@
+"""Figures beyond the usual ones: taken in where the logs call for them, and only there."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from actspec.logs import JointLog, Log, Sidecar
+from actspec.sysid.identified import State
+from tests.sysid.pendulum import pendulum
+from tests.sysid.test_fit import LINK, PERIOD, fitted
+
+pytest.importorskip("scipy")
+pytestmark = pytest.mark.slow
+ROWS = 3000
+
+
+def slow() -> np.ndarray:
+    """A few sines that turn often at low speed, and a faster one."""
+    t = np.arange(ROWS) * PERIOD
+    found: np.ndarray = 0.25 * np.sin(2 * np.pi * 0.7 * t) + 0.1 * np.sin(2 * np.pi * 2.3 * t + 1)
+    return found + 0.04 * np.sin(2 * np.pi * 6.1 * t + 2) - (0.1 * np.sin(1) + 0.04 * np.sin(2))
+
+
+def logged(**figures: float) -> Log:
+    """A log of the joint with torque, noise as in `test_fit`."""
+    given = slow()
+    read = pendulum(
+        given, PERIOD, inertia=LINK + 0.012, kp=32.0, kd=0.9, coulomb=0.2, viscous=0.04, mgl=0.8 * 9.81 * 0.15,
+        delay=33, **figures,
+    )  # fmt: skip
+    random = np.random.default_rng(4)
+    noise = (5e-4, 0.05, 0.02 * float(np.sqrt(np.mean(read[2] ** 2))))
+    q, qd, torque = (
+        part + size * random.standard_normal(ROWS) for part, size in zip(read, noise, strict=True)
+    )
+    joint = JointLog("hip", False, command=given, position=q, velocity=qd, torque=torque)
+    return Log("hip.csv", "0" * 64, np.arange(ROWS) * PERIOD, {"hip": joint}, Sidecar())
+
+
+def test_stribeck_friction_is_found_unasked(tmp_path: Path) -> None:
+    """Break-away 0.5 over Coulomb 0.2 N*m within 0.15 rad/s: all three, and what was gained is reported."""
+    found = fitted(tmp_path, logged(static=0.5, stribeck=0.15))
+    (joint,) = found.joints
+    (added,) = (item for item in found.findings if item.code == "SYS026")
+    assert "friction.static, friction.stribeck_velocity fitted too" in added.message
+    for field, true, share in (
+        ("friction.static", 0.5, 0.1), ("friction.stribeck_velocity", 0.15, 0.2), ("friction.coulomb", 0.2, 0.03),
+    ):  # fmt: skip
+        parameter = joint.parameter(field)
+        assert parameter.state is State.IDENTIFIED
+        assert parameter.value == pytest.approx(true, rel=share), field
+    assert joint.misfit < 1.2
+
+
+def test_a_low_pass_is_found_unasked(tmp_path: Path) -> None:
+    """The command behind 12 Hz, 1 / (2 pi 12) = 13.3 ms, and 3.3 ms late; no Stribeck friction is made of it."""
+    found = fitted(tmp_path, logged(lag=1 / (2 * np.pi * 12)))
+    (joint,) = found.joints
+    assert [item.message.split(" fitted")[0] for item in found.findings if item.code == "SYS026"] == [
+        "bandwidth"
+    ]
+    assert joint.parameter("bandwidth").value == pytest.approx(12.0, rel=0.03)
+    assert joint.parameter("delay").value == pytest.approx(0.0033, abs=3e-4)
+
+
+def test_nothing_is_added_to_a_joint_that_has_nothing_more(tmp_path: Path) -> None:
+    """Coulomb friction alone."""
+    found = fitted(tmp_path, logged())
+    assert not [item for item in found.findings if item.code == "SYS026"]
+    assert {p.field for p in found.joints[0].parameters}.isdisjoint({"friction.static", "bandwidth"})
