@@ -171,8 +171,8 @@ def check_free(path: str, sources: Sequence[str], force: bool) -> None:
     """Refuse a path that cannot be written, or holds something.
 
     Args:
-        path: The spec to be.
-        sources: Files that it is imported from, which stay as they are.
+        path: The file to be.
+        sources: Files that it is made from, which stay as they are.
         force: Whether another file may be replaced.
 
     Raises: EmitError: it cannot be written.
@@ -186,9 +186,7 @@ def check_free(path: str, sources: Sequence[str], force: bool) -> None:
     if os.path.exists(path) and any(
         os.path.exists(source) and os.path.samefile(path, source) for source in sources
     ):
-        raise EmitError.of(
-            "OUT003", "is the file to import itself", Span(path), help="name another file for the spec"
-        )
+        raise EmitError.of("OUT003", "is read by this command", Span(path), help="name another file to write")
     if not os.path.isfile(path):
         raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
     if not force:

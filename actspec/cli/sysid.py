@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import os
 from dataclasses import fields
 from typing import Any
 
@@ -221,16 +220,16 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _fit(arguments: argparse.Namespace) -> int:
-    from actspec.files import replace_file
-    from actspec.logs import LogError, load_log
+    from actspec.logs import load_log
+    from actspec.output import check_free, write_spec
     from actspec.report.sysid import sysid_lines, sysid_record
     from actspec.sysid.methods import fit_by
     from actspec.sysid.results import results_text
     from actspec.sysid.work import FitOptions
 
     output = arguments.output
-    if output is not None and os.path.exists(output) and not arguments.force:
-        raise LogError.of("OUT001", "the file is there already", Span(output), help="--force replaces it")
+    if output is not None:
+        check_free(output, [arguments.spec, *arguments.log, *arguments.validate], arguments.force)
     logs = [load_log(path) for path in arguments.log]
     validation = [load_log(path) for path in arguments.validate]
     spec = api.load(arguments.spec)
@@ -238,7 +237,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
     found = fit_by(arguments.method, api.resolve(spec, robot), robot, logs, options, validation)
     if output is not None:
-        replace_file(output, results_text(found, logs, spec.document).encode())
+        write_spec(output, results_text(found, logs, spec.document))
     if arguments.output_format == "json":
         print_json(sysid_record(found, output))
     else:

@@ -178,3 +178,16 @@ def test_bad_input_writes_nothing(
     assert main(["sysid", *arguments]) == 2
     assert words in capsys.readouterr().err
     assert sorted(path.name for path in bench.iterdir()) == before
+
+
+def test_results_go_into_a_new_folder_and_never_over_what_is_read(
+    bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """`-o results/hip.yaml` makes the folder; the log and the spec are not replaced, whatever --force says."""
+    monkeypatch.chdir(bench)
+    for path in ("log.csv", "spec.yaml"):
+        before = Path(path).read_bytes()
+        assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", path, "--force"]) == 2
+        assert "OUT003" in capsys.readouterr().err and Path(path).read_bytes() == before
+    assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", "new/folder/r.yaml"]) in (0, 1)
+    assert Path("new/folder/r.yaml").is_file()
