@@ -119,14 +119,25 @@ def checked(
     try:
         model = root.model_validate(data)
     except ValidationError as err:
-        for item in err.errors(include_url=False):
-            path = written_path(tuple(item["loc"]), data)
+        items = [(item, written_path(tuple(item["loc"]), data)) for item in err.errors(include_url=False)]
+        together = _together(root, [path for item, path in items if item["type"] == "extra_forbidden"])
+        told = {path for _, paths in together.values() for path in paths}
+        for item, path in items:
             if faults is not None:
                 faults.append(path)
             below = (*path, *item.get("ctx", {}).get("at", ()))
             if item["type"] == "extra_forbidden":
                 # Under an unknown key it does not matter that nothing is written.
                 empty.pop(path, None)
+                if path in together:
+                    place, paths = together[path]
+                    keys = [short(str(one[-1])) for one in paths]
+                    quoted, marked = ([f"{q}{key}{q}" for key in keys] for q in ("'", "`"))
+                    help = f"{listed(marked, 40)} belong to {place}"
+                    message = f"unknown keys {listed(quoted, 40)}"
+                    breaches.error("SPEC101", message, path, help, key=True)
+                if path in told:
+                    continue
             elif below in empty or _made_short(item):
                 continue
             report(breaches, item, path, root)
@@ -256,10 +267,28 @@ def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
         return f"`{key}` holds for a whole group: give these joints a group of their own"
     if key in _MISNOMERS:
         return _MISNOMERS[key]
-    for section, place in _SECTIONS:
-        if key in section.model_fields and key not in ("name", "note", "joints"):
-            return f"`{key}` belongs to {place}"
+    place = _place_of(key, model)
+    if place is not None:
+        return f"`{key}` belongs to {place}"
     return did_you_mean(key, known, f"known keys: {listed(known, 40)}" if known else None)
+
+
+def _place_of(key: str, model: type[BaseModel] | None) -> str | None:
+    """Where a key belongs that is not the model's; None: nowhere, or another remark says more."""
+    if (model is Tunable and key in Actuators.model_fields) or key in _MISNOMERS:
+        return None
+    found = (place for section, place in _SECTIONS if key in section.model_fields)
+    return None if key in ("name", "note", "joints") else next(found, None)
+
+
+def _together(root: type[BaseModel], strange: Iterable[Path]) -> dict[Path, tuple[str, tuple[Path, ...]]]:
+    """Unknown keys of one mapping that belong to one place: the first of them to the place and all."""
+    groups: dict[tuple[Path, str], list[Path]] = {}
+    for path in strange:
+        place = _place_of(str(path[-1]), _model_at(root, path[:-1]))
+        if place is not None:
+            groups.setdefault((path[:-1], place), []).append(path)
+    return {paths[0]: (place, tuple(paths)) for (_, place), paths in groups.items() if len(paths) > 1}
 
 
 def _got(given: Any) -> str:
