@@ -8,13 +8,13 @@ from typing import Any
 from actspec.diagnostics import one_line
 from actspec.ir import Quantity, tidy
 from actspec.robot.xml_edit import exact_number
+from actspec.targets.kit.yaml_quoted import double_quoted
 from actspec.units import Kind, UnitError, parse_quantity
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[./-]+[A-Za-z0-9_]+)*")
 _WORDS = frozenset(
     {"y", "n", "yes", "no", "on", "off", "true", "false", "null", "none", "unknown", "nan", "inf"}
 )
-_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def scalar(text: str, *, quoted: bool = False) -> str:
@@ -32,14 +32,7 @@ def scalar(text: str, *, quoted: bool = False) -> str:
     if "\\" in text and text.isprintable():
         doubled = text.replace("'", "''")
         return f"'{doubled}'"
-    return '"' + "".join(_ESCAPES.get(c) or (c if c.isprintable() else _escape(c)) for c in text) + '"'
-
-
-def _escape(character: str) -> str:
-    code = ord(character)
-    if code < 0x100:
-        return f"\\x{code:02x}"
-    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
+    return double_quoted(text)
 
 
 def comment(text: str, most: int = 160) -> str:

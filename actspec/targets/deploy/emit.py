@@ -19,6 +19,7 @@ from actspec.spec.models import DeployTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.provenance import source_lines, written_by
 from actspec.targets.kit.python_text import environment, grouped, identifier, origin_of
+from actspec.targets.kit.yaml_quoted import double_quoted
 
 FORMAT = "actspec-deploy/1"
 
@@ -270,7 +271,6 @@ WIDTH = 100
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")
 _WORDS = frozenset({"y", "n", "yes", "no", "on", "off", "true", "false", "null", "none", "nan", "inf"})
-_ESCAPES = {"\\": "\\\\", '"': '\\"', "\n": "\\n", "\r": "\\r", "\t": "\\t"}
 
 
 def scalar(value: str | float | int | None) -> str:
@@ -280,7 +280,7 @@ def scalar(value: str | float | int | None) -> str:
     if isinstance(value, str):
         if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
             return value
-        return '"' + "".join(_ESCAPES.get(c) or (c if " " <= c <= "~" else _escape(c)) for c in value) + '"'
+        return double_quoted(value, ascii_only=True)
     if isinstance(value, int):
         return str(value)
     # Twelve digits hide the last bit of an arithmetic; -0.0 is 0.0.
@@ -289,13 +289,6 @@ def scalar(value: str | float | int | None) -> str:
         return text.replace("inf", ".inf")
     # YAML 1.1 takes 1e-05 for a word.
     return text.replace("e", ".0e") if "e" in text and "." not in text else text
-
-
-def _escape(character: str) -> str:
-    code = ord(character)
-    if code < 0x100:
-        return f"\\x{code:02x}"
-    return f"\\u{code:04x}" if code < 0x10000 else f"\\U{code:08x}"
 
 
 def flow(values: Iterable[str | float | int | None]) -> list[str]:
