@@ -152,7 +152,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         out.info("SYS013", f"{shown}: what lies between is fitted", where=joint.name, span=first)
     command = np.interp(time, log.time, given)
     measured = {name: np.where(fresh, np.nan, signal[index]) for name, signal in measured.items()}
-    starts, rows = _pieces(time, measured["position"])
+    starts, rows = _pieces(time, measured["position"], off[index])
     if not len(starts):
         message = "no stretch of the log is long enough for a fit"
         out.error(
@@ -254,16 +254,17 @@ def _filled(time: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
     return time[index] + rank * length, index, rank > 0
 
 
-def _pieces(time: Array, position: Array) -> tuple[NDArray[np.intp], int]:
-    """First rows of pieces of equal length, none over a gap, and the length."""
+def _pieces(time: Array, position: Array, off: NDArray[np.bool_]) -> tuple[NDArray[np.intp], int]:
+    """First rows of pieces of equal length, none over a gap or with the drive off, and the length."""
     import numpy as np
 
     gaps = np.diff(time)
     usual = float(np.median(gaps))
     rows = max(round(PIECE / usual), LEAST_PIECE)
-    ends = np.flatnonzero(gaps > GAP * usual)
-    stretches = list(zip([0, *(ends + 1)], [*(ends + 1), len(time)], strict=True))
-    longest = max(last - first for first, last in stretches)
+    ends = np.flatnonzero((gaps > GAP * usual) | (off[1:] != off[:-1]))
+    both = zip([0, *(ends + 1)], [*(ends + 1), len(time)], strict=True)
+    stretches = [(first, last) for first, last in both if not off[first]]
+    longest = max((last - first for first, last in stretches), default=0)
     rows = min(rows, longest)
     if rows < LEAST_PIECE or rows * usual < LEAST_TIME:
         return np.empty(0, dtype=np.intp), rows

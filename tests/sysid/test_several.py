@@ -16,6 +16,7 @@ from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.sysid.fit import fit_logs
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit, State
+from actspec.sysid.recording import record
 from actspec.sysid.results import results_text
 from actspec.sysid.work import FitOptions
 from tests.sysid.test_fit import LINK, MODEL, PERIOD, ROWS, SPEC, TRUE, command
@@ -190,6 +191,17 @@ def test_a_log_is_fitted_or_validated(tmp_path: Path, two: list[Log]) -> None:
     other = replace(two[1], sha256="2" * 64, joints={"base": replace(two[1].joints["hip"], name="base")})
     with pytest.raises(LogError, match="no log has a joint that is fitted"):
         fitted(tmp_path, two[:1], validation=[other])
+
+
+def test_no_piece_has_the_drive_off(two: list[Log]) -> None:
+    """Rows 700 to 899 of 2000, at 500 Hz: pieces of 500 rows before, and from row 900 on."""
+    log, out = two[0], Collector()
+    enabled = np.ones(ROWS)
+    enabled[700:900] = 0.0
+    found = record(log, replace(log.joints["hip"], enabled=enabled), out)
+    assert found is not None
+    assert (found.starts.tolist(), found.rows) == ([0, 900, 1400], 500)
+    assert any("200 rows with the drive off" in item.message for item in out.sorted())
 
 
 def _gains(logs: Sequence[Log], tmp_path: Path, **options: Any) -> tuple[Any, Collector]:
