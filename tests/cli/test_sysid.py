@@ -76,6 +76,16 @@ def test_fit_compiles(
     assert "--force" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(("method", "words"), [("frequency", "ten seconds"), ("step", "no steps")])
+def test_other_methods_refuse_the_log(
+    method: str, words: str, bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Three seconds are no spectrum, and sines no steps: reported, and nothing is written."""
+    monkeypatch.chdir(bench)
+    assert main(["sysid", "fit", "spec.yaml", "log.csv", "--method", method, "-o", "none.yaml"]) == 2
+    assert words in capsys.readouterr().err and not (bench / "none.yaml").exists()
+
+
 def test_same_seed_same_bytes(bench: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     """Noise comes from the seed alone; flaws are in the log."""
     monkeypatch.chdir(bench)
