@@ -521,7 +521,8 @@ def _head(arguments: argparse.Namespace, count: int, legs: int, cases: Sequence[
         f"`actspec sysid design`: {kinds}, {RATE:g} Hz. Noise: 0.5 mrad, 0.05 rad/s, 2 % of the torque's root mean "
         "square. The specs with which a fit begins are off by 30 % (standard deviation of the logarithm).",
         "",
-        f"{versions}, mujoco {mujoco.__version__}. Figures drawn, in SI: {ranges}; damping ratio "
+        f"{count} joints, {legs if 'leg' in cases else 0} legs. {versions}, mujoco {mujoco.__version__}. "
+        f"Figures drawn, in SI: {ranges}; damping ratio "
         f"{DAMPING[0]:g} to {DAMPING[1]:g}. Seed {arguments.seed}.",
         "",
         "Errors are medians, as a share of the figure itself; times are processor times of one fit over its joints. "
