@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
 from actspec.sysid.descent import simulated
+from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
@@ -55,9 +56,10 @@ class Scale:
 
 def doubted(joint: JointInWork, found: JointFit, out: Collector) -> JointFit:
     """A joint's fit with what speaks against it; warnings go to `out`."""
+    unit = next(p.unit for p in found.parameters if p.field == "friction.coulomb")
+    judge_drift(joint, unit, out)
     scale = torque_scale(joint) if joint.torque else None
     if scale is not None:
-        unit = next(p.unit for p in found.parameters if p.field == "friction.coulomb")
         read = (
             Indicator("torque_scale", scale.value, scale.std, "1"),
             Indicator("torque_offset", scale.offset, None, unit),
