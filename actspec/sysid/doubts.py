@@ -92,17 +92,18 @@ def torque_scale(joint: JointInWork) -> Scale | None:
         for piece, start in enumerate(pieces.starts):
             rows = slice(start, start + pieces.rows)
             q, qd = moved.q[:, piece, 0], moved.qd[:, piece, 0]
-            acceleration = np.gradient(qd, course.time[rows])
-            known = course.inertia[rows] * acceleration + course.load[rows]
-            known = known + course.slope[rows] * (q - course.path[rows])
+            torque, friction = moved.torque[:, piece, 0], moved.friction[:, piece, 0]
+            load = course.load[rows] + course.slope[rows] * (q - course.path[rows])
+            # At the row's moment: a torque jumps where a command arrives, and a difference of speeds does not.
+            acceleration = (torque - friction - load) / (course.inertia[rows] + fit.values["armature"])
+            known = course.inertia[rows] * acceleration + load
             read = recording.measured["torque"][rows]
             one = np.ones_like(q)
             terms = np.stack([known, acceleration, np.sign(qd), qd, one], axis=1)
             used = np.isfinite(read) & (np.abs(qd) > MOVES * fastest)
             if used.sum() > 5:
                 blocks.append((terms[used], read[used]))
-            model = moved.torque[:, piece, 0] - (moved.friction[:, piece, 0] if behind else 0.0)
-            offsets.append((read - model)[np.isfinite(read)])
+            offsets.append((read - (torque - friction if behind else torque))[np.isfinite(read)])
     solved = _regressed(blocks)
     if solved is None or solved[1] > TOLD:
         return None
