@@ -24,6 +24,7 @@ COMMANDS = {
     "rule": "explain a rule of the audit",
     "diff": "show what changed in effective dynamics",
     "sysid": "identify actuators from logs",
+    "net": "train actuator networks on logs",
     "lock": "record effective dynamics, and show what changes",
     "import": "write a spec from files that you have",
     "init": "write a starting spec",

@@ -22,6 +22,9 @@ WRITTEN = (
     "lock",
     "verify",
     "sysid",
+    "net-data",
+    "net-train",
+    "net-evaluate",
 )
 """Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
 
@@ -31,8 +34,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Print a JSON Schema: of files that people write (spec, results, network, log for its sidecar), or of "
-        "what actspec writes: the JSON of compile, show (actuators), validate, verify, sysid, audit (report), rule "
-        "(rules) and diff, and files.",
+        "what actspec writes: the JSON of compile, show (actuators), validate, verify, sysid, net, audit (report), "
+        "rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )

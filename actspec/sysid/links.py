@@ -81,6 +81,27 @@ def links_at(
     return at
 
 
+def bench_model(
+    robot: RobotView, joints: Sequence[str], orientation: Sequence[float] | None
+) -> tuple[Any, Array]:
+    """The compiled model on a stand, with nothing in it but links and springs, and its reference pose.
+
+    Args:
+        robot: Read from its file.
+        joints: That must be in it.
+        orientation: See `links_along`; gravity is turned in its place.
+
+    Raises:
+        RobotError: there is no model, or its masses are in meshes that are not there.
+    """
+    from actspec.robot.inertia import reference_pose
+
+    model = _model(robot, joints)
+    pose = reference_pose(model)
+    _hold_base(model, pose, orientation)
+    return model, pose
+
+
 class _Posed:
     """The model, put to one state after the other."""
 
@@ -88,14 +109,10 @@ class _Posed:
         import mujoco
         import numpy as np
 
-        from actspec.robot.inertia import reference_pose
-
-        self.model = _model(robot, joints)
+        self.model, pose = bench_model(robot, joints, orientation)
         self.data = mujoco.MjData(self.model)
         ids = [mujoco.mj_name2id(self.model, mujoco.mjtObj.mjOBJ_JOINT, name) for name in joints]
         self.at, self.dof = self.model.jnt_qposadr[ids], self.model.jnt_dofadr[ids]
-        pose = reference_pose(self.model)
-        _hold_base(self.model, pose, orientation)
         self.data.qpos[:], self.data.qvel[:] = pose, 0.0
         self.force = np.zeros(self.model.nv)
 

@@ -1,0 +1,320 @@
+"""`actspec net`: actuator networks from logs: what the logs hold, training, and how good a network is."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import Any
+
+from actspec import api
+from actspec.cli.options import Lines, add_format, describe
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Severity, Span
+from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.units import Kind, UnitError, parse_quantity
+
+MOST_HIDDEN = 4096
+"""Largest hidden layer. Chosen: an actuator network runs for thousands of joints in each physics step."""
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the subcommands and what their help says."""
+    describe(
+        command,
+        "Actuator networks: what logs hold for one, training, and how good it is. See docs/networks.md.",
+        "actspec net train robots/a1.yaml walk.csv chirp.csv -o nets/legs",
+        "0 done; 1 findings, or a poor network; 2 could not run, nothing was written",
+    )
+    parts = command.add_subparsers(dest="part", metavar="PART", required=True)
+    for name, words, add in (
+        ("data", "show what logs hold", _add_data),
+        ("train", "train a network", _add_train),
+        ("evaluate", "judge a network on logs", _add_evaluate),
+    ):
+        add(parts.add_parser(name, help=words, formatter_class=Lines))
+
+
+def _add_logs(command: argparse.ArgumentParser) -> None:
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument(
+        "log", nargs="+", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
+    )
+
+
+def _add_samples(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
+    command.add_argument("--taps", type=int, default=6, metavar="N", help="samples of a history; default 6")
+    command.add_argument(
+        "--tap-period", metavar="TIME", help="between two samples; default: the logs' time between rows"
+    )
+    command.add_argument(
+        "--torque-of", choices=("drive", "joint"), help="where it was measured; default: as the sidecars say"
+    )
+
+
+def _add_data(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Show what logs hold for a network: minutes, rate, gaps, saturation, band and ranges of each joint, and how "
+        "much of a policy's log lies outside.",
+        "actspec net data robots/a1.yaml walk.csv --policy policy.csv",
+        "0 nothing found; 1 findings; 2 the logs cannot be used",
+    )
+    _add_logs(command)
+    _add_samples(command)
+    command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
+    add_format(command)
+
+
+def _add_train(command: argparse.ArgumentParser) -> None:
+    from actspec.learn.train import ACTIVATIONS
+
+    describe(
+        command,
+        "Train a network on logs and write it as ONNX, TorchScript and manifest. The last recordings are held out; "
+        "of a single one its last fifth.",
+        'actspec net train robots/a1.yaml walk.csv chirp.csv -o nets/legs --hidden 128,128 --max-time "60 s"',
+        "0 written; 1 written, with a warning; 2 nothing was written",
+    )
+    _add_logs(command)
+    command.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="of the three files")
+    _add_samples(command)
+    command.add_argument(
+        "--torque",
+        choices=("measured", "inferred"),
+        default="measured",
+        help="as logged, or as the model needs it for the logged motion; default measured",
+    )
+    command.add_argument(
+        "--base",
+        choices=("fixed",),
+        help="the base was held: needed to infer the torque of a robot whose base is free",
+    )
+    command.add_argument("--kind", choices=("mlp",), default="mlp", help="of the network; default mlp")
+    command.add_argument(
+        "--hidden", default="128,128", metavar="N,...", help="hidden layers; default 128,128"
+    )
+    command.add_argument("--activation", choices=ACTIVATIONS, default="elu", help="default elu")
+    command.add_argument("--seed", type=int, default=0, metavar="K", help="of weights and batches; default 0")
+    command.add_argument("--seeds", type=int, default=1, metavar="N", help="train N networks, keep the best")
+    command.add_argument(
+        "--epochs", type=int, metavar="N", help="passes over the rows; default: by their number"
+    )
+    command.add_argument("--max-time", metavar="TIME", help='of each network, e.g. "60 s"')
+    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_format(command)
+
+
+def _add_evaluate(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Judge a network on logs that it was not trained on: torque errors beside the spec's laws, positions of "
+        "rollouts in MuJoCo over 1 s, and how much lies outside of what it was trained on.",
+        "actspec net evaluate robots/a1.yaml other.csv --network nets/legs.json",
+        "0 good or fair; 1 poor; 2 could not run",
+    )
+    _add_logs(command)
+    command.add_argument("--network", required=True, metavar="MANIFEST", help="NAME.json")
+    command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
+    command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
+    add_format(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Run a subcommand."""
+    parts = {"data": _data, "train": _train, "evaluate": _evaluate}
+    return parts[arguments.part](arguments)
+
+
+def _read(arguments: argparse.Namespace) -> tuple[list[Any], Any, Any]:
+    """Logs, spec and robot; all faults of the logs at once."""
+    from actspec.logs import LogError, load_log
+
+    logs, out = [], Collector()
+    for path in (*arguments.log, *getattr(arguments, "policy", ())):
+        try:
+            logs.append(load_log(path))
+        except LogError as err:
+            for item in err.diagnostics:
+                out.add(item)
+    seen: dict[str, str] = {}
+    for log in logs[: len(arguments.log)]:
+        if (other := seen.setdefault(log.sha256, log.path)) != log.path or [x.path for x in logs].count(
+            log.path
+        ) > 1:
+            out.error("LRN014", f"the same bytes as {other}", span=Span(log.path), help="name each log once")
+    out.raise_if_failed(LogError)
+    spec = api.load(arguments.spec)
+    robot = api.load_robot(spec)
+    return logs, api.resolve(spec, robot), robot
+
+
+def _samples(arguments: argparse.Namespace) -> dict[str, Any]:
+    """Options of the samples."""
+    from actspec.logs import LogError
+
+    if not 1 <= arguments.taps <= 100:
+        raise LogError.of("LRN015", f"--taps must be 1 to 100, got {arguments.taps}", where="--taps")
+    return {
+        "group": arguments.group,
+        "taps": tuple(range(arguments.taps)),
+        "period": _seconds(arguments.tap_period, "--tap-period"),
+        "torque_of": arguments.torque_of,
+    }
+
+
+def _data(arguments: argparse.Namespace) -> int:
+    from actspec.learn.libraries import require
+    from actspec.learn.survey import survey
+    from actspec.learn.windows import dataset
+    from actspec.report.net import data_lines, data_record
+
+    options = _samples(arguments)
+    require("scipy")
+    logs, actuators, _ = _read(arguments)
+    logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
+    out = Collector()
+    torque = any(joint.torque is not None for log in logs for joint in log.joints.values())
+    data = dataset(actuators, logs, out, **options, measured=torque)
+    policy = None
+    if policies:
+        options |= {"group": data.group, "period": data.period}
+        policy = dataset(actuators, policies, out, **options, measured=False, every_joint=False)
+    found = survey(data, policy, out)
+    if arguments.output_format == "json":
+        print_json(data_record(data, found, out.sorted()))
+    else:
+        print_diagnostics(out.sorted())
+        print("\n".join(data_lines(data, found)))
+    return _exit(out)
+
+
+def _train(arguments: argparse.Namespace) -> int:
+    from actspec.learn.files import check_output, write_network
+    from actspec.learn.libraries import require
+    from actspec.learn.train import TrainOptions, train
+    from actspec.learn.windows import dataset, split
+    from actspec.logs import LogError
+    from actspec.report.net import manifest_entries, train_lines, train_record
+
+    options = _samples(arguments)
+    trained_by = TrainOptions(
+        _hidden(arguments.hidden),
+        arguments.activation,
+        arguments.seed,
+        arguments.seeds,
+        arguments.epochs,
+        _seconds(arguments.max_time, "--max-time"),
+    )
+    for name, least in (("seeds", 1), ("epochs", 1), ("seed", 0)):
+        value = getattr(arguments, name)
+        if value is not None and not least <= value <= 2**31:
+            raise LogError.of("LRN015", f"--{name} must be at least {least}, got {value}", where=f"--{name}")
+    check_output(arguments.output, force=arguments.force)
+    require("scipy", "torch", "onnx")
+    logs, actuators, robot = _read(arguments)
+    out = Collector()
+    infer = arguments.torque == "inferred"
+    data = dataset(actuators, logs, out, **options, measured=not infer)
+    model = None
+    if infer:
+        from actspec.learn.labels import dynamics_hash, inferred
+
+        data = inferred(data, robot, logs, arguments.base, out)
+        model = dynamics_hash(robot, data.actuators)
+    parts = split(data)
+    if not sum(map(len, parts.train)) or not sum(map(len, parts.validate)):
+        message = "too few rows with a whole history to train and to validate on"
+        raise LogError.of("LRN005", message, Span(logs[0].path), help="log longer, or take fewer --taps")
+    with Progress("training") as progress:
+        trained = train(data, parts, trained_by, progress.step)
+    entries, judged = manifest_entries(data, parts, trained, logs, model)
+    paths = write_network(arguments.output, trained.layers, entries)
+    if arguments.output_format == "json":
+        print_json(train_record(data, parts, trained, judged, paths, out.sorted()))
+    else:
+        print_diagnostics(out.sorted())
+        print("\n".join(train_lines(data, parts, trained, judged)))
+        print("wrote " + ", ".join(paths.values()))
+    return _exit(out)
+
+
+def _evaluate(arguments: argparse.Namespace) -> int:
+    from actspec.learn.evaluate import evaluate, network_of
+    from actspec.learn.libraries import require
+    from actspec.learn.windows import dataset
+    from actspec.logs import LogError
+    from actspec.report.net import evaluate_lines, evaluate_record
+
+    require("scipy", "onnx")
+    logs, actuators, robot = _read(arguments)
+    if not os.path.isfile(arguments.network):
+        raise LogError.of(
+            "LRN013", "there is no such file", Span(arguments.network), help="--network NAME.json"
+        )
+    law, manifest = network_of(arguments.network, actuators.joints)
+    if law.layers.recurrent:
+        message = "an LSTM is not judged yet, perceptrons are"
+        raise LogError.of("LRN013", message, Span(arguments.network))
+    logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
+    out = Collector()
+    options: dict[str, Any] = {"group": arguments.group, "taps": law.taps, "period": law.tap_period}
+    kind = manifest.torque if manifest.torque in ("drive", "joint") else None
+    data = dataset(actuators, logs, out, **options, torque_of=kind)
+    _check_kind(manifest, logs, out)
+    out.raise_if_failed(LogError)
+    policy = None
+    if policies:
+        options["group"] = data.group
+        policy = dataset(actuators, policies, out, **options, measured=False, every_joint=False)
+    step = actuators.physics_dt.require()
+    with Progress("rolling out") as progress:
+        found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
+    if arguments.output_format == "json":
+        print_json(evaluate_record(found, out.sorted()))
+    else:
+        print_diagnostics(out.sorted())
+        print("\n".join(evaluate_lines(found)))
+    return EXIT_FINDINGS if found.grade == "poor" else EXIT_CLEAN
+
+
+def _check_kind(manifest: Any, logs: list[Any], out: Collector) -> None:
+    """Torques of another place than the network's are no measure of it."""
+    for log in logs:
+        told = log.sidecar.torque
+        own = "drive" if manifest.torque == "inferred" else manifest.torque
+        if told is not None and own is not None and told != own:
+            message = f"its torque is the {told}'s, the network gives the {own}'s"
+            out.error("LRN007", message, span=Span(log.path), help="judge it on logs of the same torque")
+
+
+def _exit(out: Collector) -> int:
+    warned = any(item.severity is Severity.WARNING for item in out)
+    return EXIT_FINDINGS if warned else EXIT_CLEAN
+
+
+def _hidden(text: str) -> tuple[int, ...]:
+    from actspec.logs import LogError
+
+    try:
+        sizes = tuple(int(part) for part in text.split(","))
+    except ValueError:
+        sizes = ()
+    if not sizes or len(sizes) > 10 or not all(1 <= size <= MOST_HIDDEN for size in sizes):
+        message = f"--hidden takes sizes from 1 to {MOST_HIDDEN} with commas between them, got '{text[:40]}'"
+        raise LogError.of("LRN015", message, where="--hidden", help="write --hidden 128,128")
+    return sizes
+
+
+def _seconds(text: str | None, option: str) -> float | None:
+    """An option's time [s]."""
+    from actspec.logs import LogError
+
+    if text is None:
+        return None
+    try:
+        value = parse_quantity(text, Kind.TIME).value
+    except UnitError as err:
+        raise LogError.of("LRN015", err.message, where=option, help=err.help) from err
+    if not value > 0:
+        raise LogError.of("LRN015", f"must be above 0, got {text}", where=option)
+    return value

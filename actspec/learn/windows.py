@@ -1,0 +1,442 @@
+"""From logs to samples of a network: rows of each joint with the samples before them, none over a gap.
+
+A row is what was read at its time and the command sent then. A sample's inputs are command - position and velocity of
+its row and of rows a tap period apart before it; its torque is that of its row.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector, Span, listed
+from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.logs import Log, LogError
+from actspec.sysid.checks import check
+from actspec.sysid.fit import joints_of
+from actspec.sysid.motion import Bounds
+from actspec.sysid.recording import GAP, Recording, record
+from actspec.units import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+    Rows = NDArray[np.intp]
+
+SAME_RATE = 0.01
+"""Share by which steps of logs may differ and still be one rate. Chosen: clocks are better."""
+WHOLE = 1e-3
+"""How near a ratio of times must be to a whole number."""
+HELD_OUT = 0.2
+"""Share of the rows to validate on."""
+LONGEST = 0.06
+"""Longest delay with which a torque's sign is judged [s]."""
+BROKEN = 0.25
+"""Share of steps longer than the usual one from which on a log has two rates. Chosen: gaps are rare."""
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """One joint in one log, on the rows of the network.
+
+    Attributes:
+        log: Where it comes from.
+        joint: Its name.
+        time: [s], shape (n,).
+        command: [rad or m], likewise.
+        position: As read [rad or m]; NaN where left out.
+        velocity: [rad/s or m/s].
+        torque: [N*m or N]; NaN where there is none.
+        stride: Rows between two taps.
+        rows: Rows with a whole history behind them.
+        taps: Which past samples; 0 is the row's own.
+    """
+
+    log: Log
+    joint: str
+    time: Array
+    command: Array
+    position: Array
+    velocity: Array
+    torque: Array
+    stride: int
+    rows: Rows
+    taps: tuple[int, ...]
+
+    @property
+    def reach(self) -> int:
+        """Rows to the oldest sample."""
+        return self.stride * max(self.taps)
+
+    @property
+    def error(self) -> Array:
+        """command - position [rad or m], shape (n,)."""
+        return self.command - self.position
+
+    def inputs(self, rows: Rows) -> Array:
+        """Errors, then velocities, from now back; shape (n_row, 2 n_tap)."""
+        import numpy as np
+
+        past = rows[:, None] - self.stride * np.array(self.taps)
+        return np.concatenate([self.error[past], self.velocity[past]], axis=1)
+
+
+@dataclass(frozen=True, slots=True)
+class Dataset:
+    """All samples of a group.
+
+    Attributes:
+        group: Of the spec.
+        actuators: Its joints.
+        tracks: One for each joint of each log.
+        taps: Which past samples, from now back.
+        period: Between two taps [s].
+        kind: Where the torque was measured: `drive`, `joint`, or `inferred`.
+        recordings: As read, by joint, for the dynamics.
+    """
+
+    group: str
+    actuators: tuple[JointActuator, ...]
+    tracks: tuple[Track, ...]
+    taps: tuple[int, ...]
+    period: float
+    kind: str
+    recordings: Mapping[str, Sequence[Recording]]
+
+
+def chosen_group(actuators: ActuatorSet, logs: Sequence[Log], group: str | None) -> str:
+    """The group that a network is for: the one that is named, or the only one of the logs' joints.
+
+    Raises:
+        LogError: there is no such group, or the logs have joints of several.
+    """
+    groups = list(dict.fromkeys(joint.group for joint in actuators.joints))
+    if group is not None:
+        if group not in groups:
+            message = f"the spec has no group '{group}'"
+            raise LogError.of("LRN002", message, where="--group", help=f"groups: {listed(groups)}")
+        return group
+    logged = {name for log in logs for name in log.joints}
+    of = list(dict.fromkeys(joint.group for joint in actuators.joints if joint.joint in logged))
+    if len(of) > 1:
+        message = f"the logs have joints of {len(of)} groups: {listed(of)}"
+        raise LogError.of("LRN002", message, help="a network is of one group: give --group")
+    return of[0] if of else groups[0]
+
+
+def dataset(
+    actuators: ActuatorSet,
+    logs: Sequence[Log],
+    out: Collector,
+    *,
+    group: str | None = None,
+    taps: tuple[int, ...] = (0, 1, 2, 3, 4, 5),
+    period: float | None = None,
+    torque_of: str | None = None,
+    measured: bool = True,
+    every_joint: bool = True,
+) -> Dataset:
+    """The samples of a group's logs.
+
+    Args:
+        actuators: The spec, resolved.
+        logs: Recordings.
+        out: Takes what is found and left out.
+        group: Of the spec; None: that of the logs' joints.
+        taps: Which past samples; 0 is now.
+        period: Between two of them [s]; None: the logs' step.
+        torque_of: `drive` or `joint`; None: as the sidecars say.
+        measured: Whether a torque is needed.
+        every_joint: Whether each joint of the group must be in a log.
+
+    Raises:
+        LogError: they cannot be used, with every reason.
+    """
+    names = joints_of(actuators, logs, out)
+    out.raise_if_failed(LogError)
+    group = chosen_group(actuators, logs, group)
+    mine = tuple(joint for joint in actuators.joints if joint.group == group)
+    names = [joint.joint for joint in mine if joint.joint in names]
+    _check_joints(mine, names, logs, every_joint, out)
+    kind = _kind(logs, torque_of, out) if measured else "inferred"
+    found = _period(logs, period, out)
+    out.raise_if_failed(LogError)
+    period = _fitting(actuators, found, given=period is not None, out=out)
+    if measured:
+        _check_torque(names, logs, out)
+    out.raise_if_failed(LogError)
+    recorded: dict[str, list[Recording]] = {}
+    for name in names:
+        parts = (record(log, log.joints[name], out) for log in logs if name in log.joints)
+        recorded[name] = [part for part in parts if part is not None]
+    recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, out)
+    out.raise_if_failed(LogError)
+    tracks = [_track(recording, taps, period, out) for name in names for recording in recordings[name]]
+    for track in tracks:
+        if measured:
+            _check_sign(track, out)
+    for joint in mine:
+        own = [track for track in tracks if track.joint == joint.joint]
+        if own and not sum(len(track.rows) for track in own):
+            place = Span(own[0].log.path)
+            message = f"no row has a history of {max(taps) + 1} samples of {period * 1e3:g} ms behind it" + (
+                " and a torque" if measured else ""
+            )
+            out.error(
+                "LRN005", message, where=joint.joint, span=place, help="log longer, or take fewer --taps"
+            )
+    _check_copies(tracks, out)
+    out.raise_if_failed(LogError)
+    return Dataset(group, mine, tuple(tracks), taps, period, kind, recordings)
+
+
+def _check_joints(
+    mine: Sequence[JointActuator], names: Sequence[str], logs: Sequence[Log], every: bool, out: Collector
+) -> None:
+    wrong = [joint.joint for joint in mine if joint.command is not Command.POSITION]
+    if wrong:
+        message = f"its command is {mine[0].command.value}, and networks take position errors"
+        out.error("LRN003", message, where=listed(wrong), help="write command: position in the group")
+    lacking = [joint.joint for joint in mine if joint.joint not in names]
+    if lacking and (every or not names):
+        message = f"no log has {listed(lacking)} of group {mine[0].group}"
+        help = "a network is used for every joint of its group: log each, or put the others into a group of their own"
+        out.error("LRN004", message, where=mine[0].group, span=Span(logs[0].path, 1), help=help)
+
+
+def _check_torque(names: Sequence[str], logs: Sequence[Log], out: Collector) -> None:
+    for log in logs:
+        lacking = [n for n in names if n in log.joints and log.joints[n].torque is None]
+        if lacking:
+            current = all(log.joints[name].current is not None for name in lacking)
+            message = f"no column {listed(f'{name}.torque' for name in lacking)}"
+            help = "give --torque inferred, which needs none"
+            if current:
+                help = "a current is no torque: log current times torque constant and gear, or give --torque inferred"
+            out.error("LRN006", message, where=lacking[0], span=Span(log.path, 1), help=help)
+
+
+def _kind(logs: Sequence[Log], torque_of: str | None, out: Collector) -> str:
+    """Where the torque was measured."""
+    if torque_of is not None:
+        return torque_of
+    said = {log.path: log.sidecar.torque for log in logs}
+    kinds = {kind for kind in said.values() if kind is not None}
+    if len(kinds) > 1:
+        shown = listed(f"{kind} in {path}" for path, kind in said.items())
+        out.error("LRN007", f"the torque was not measured at one place: {shown}", help="give --torque-of")
+    if not kinds:
+        help = "give --torque-of, or write `torque: drive` or `torque: joint` beside the log"
+        message = "no sidecar says where the torque was measured: taken as the drive's, before friction"
+        out.info("LRN007", message, help=help)
+    return next(iter(kinds), "drive")
+
+
+def _period(logs: Sequence[Log], period: float | None, out: Collector) -> float:
+    """Time between two taps [s]."""
+    import numpy as np
+
+    steps = {log.path: log.step for log in logs}
+    for log in logs:
+        gaps = np.diff(log.time)
+        if float(np.mean(gaps > GAP * log.step)) > BROKEN or float(np.mean(gaps < log.step / 1.8)) > BROKEN:
+            shown = f"{np.quantile(gaps, 0.1) * 1e3:.4g} and {np.quantile(gaps, 0.9) * 1e3:.4g} ms"
+            message = f"the rows come at two rates, {shown}"
+            out.error("LRN008", message, span=Span(log.path), help="log at one rate")
+    if period is not None:
+        for path, step in steps.items():
+            if period < step * (1.0 - SAME_RATE):
+                message = (
+                    f"a row comes every {step * 1e3:.4g} ms, a tap period of {period * 1e3:g} ms is shorter"
+                )
+                out.error("LRN008", message, where="--tap-period", span=Span(path))
+        return period
+    if max(steps.values()) > (1.0 + SAME_RATE) * min(steps.values()):
+        shown = listed(f"{step * 1e3:.4g} ms in {path}" for path, step in steps.items())
+        help = "give --tap-period: the logs are brought to it"
+        out.error("LRN008", f"the logs have different rates: {shown}", span=Span(logs[0].path), help=help)
+    return float(np.median(list(steps.values())))
+
+
+def _fitting(actuators: ActuatorSet, period: float, *, given: bool, out: Collector) -> float:
+    """The period as a whole number of physics steps; an error where it is none."""
+    step = actuators.physics_dt.value
+    if step is None:
+        out.error("LRN009", "timing.physics_dt is unknown, and a network's samples are physics steps apart")
+        return period
+    count = round(period / step)
+    # A logged step has the jitter of its clock.
+    near = WHOLE if given else SAME_RATE
+    if count < 1 or abs(period / step - count) > near * count:
+        best = max(1, math.ceil(period / step - WHOLE)) * step
+        what = "--tap-period" if given else "the logs' step"
+        shown = format_number(period * 1e3, 6)
+        message = f"{what} is {shown} ms, no whole number of physics steps of {step * 1e3:g} ms"
+        help = f'give --tap-period "{best * 1e3:g} ms", or another timing.physics_dt'
+        out.error("LRN009", message, where="timing.physics_dt", span=actuators.physics_dt.span, help=help)
+        return period
+    return count * step
+
+
+def _track(recording: Recording, taps: tuple[int, ...], period: float, out: Collector) -> Track:
+    """A joint's rows; where the period is no whole number of rows, brought to it between them."""
+    import numpy as np
+
+    time, command = recording.time, recording.command
+    position = recording.measured["position"]
+    velocity = recording.measured.get("velocity")
+    if velocity is None:
+        out.info(
+            "LRN010",
+            "no usable velocity was logged: the position's derivative is taken",
+            where=recording.joint,
+            span=Span(recording.log.path),
+        )
+        velocity = np.where(np.isfinite(position), recording.velocity, np.nan)
+    torque = recording.measured.get("torque", np.full(len(time), np.nan))
+    step = recording.step
+    stride = max(1, round(period / step))
+    if abs(period / step - stride) > SAME_RATE * stride:
+        # Between rows; a command is held.
+        fresh = np.arange(time[0], time[-1], period)
+        late = np.searchsorted(time, fresh, side="right") - 1
+        apart = time[np.minimum(late + 1, len(time) - 1)] - time[late]
+
+        def between(signal: Array) -> Array:
+            good = np.isfinite(signal)
+            if not good.any():
+                return np.full(len(fresh), np.nan)
+            sound = good[late] & good[np.minimum(late + 1, len(time) - 1)] & (apart < GAP * step)
+            return np.where(sound, np.interp(fresh, time[good], signal[good]), np.nan)
+
+        position, velocity, torque = between(position), between(velocity), between(torque)
+        time, command, step, stride = fresh, command[late], period, 1
+    track = Track(
+        recording.log,
+        recording.joint,
+        time,
+        command,
+        position,
+        velocity,
+        torque,
+        stride,
+        np.empty(0, int),
+        taps,
+    )
+    return with_rows(track, torque)
+
+
+def with_rows(track: Track, torque: Array) -> Track:
+    """A track with its torque, and the rows that have one and a whole history."""
+    import numpy as np
+
+    n, reach = len(track.time), track.reach
+    told = np.isfinite(track.error) & np.isfinite(track.velocity)
+    whole = np.zeros(n, dtype=bool)
+    if n > reach:
+        step = float(np.median(np.diff(track.time)))
+        whole[reach:] = np.isfinite(torque[reach:]) if np.isfinite(torque).any() else True
+        for tap in track.taps:
+            whole[reach:] &= told[reach - tap * track.stride : n - tap * track.stride]
+        length = track.time[reach:] - track.time[: n - reach]
+        whole[reach:] &= np.abs(length - reach * step) < 0.5 * step * max(1, track.stride)
+    return replace(track, torque=torque, rows=np.flatnonzero(whole))
+
+
+def _check_sign(track: Track, out: Collector) -> None:
+    """A torque that pulls away from the command has the wrong sign."""
+    import numpy as np
+
+    rows = track.rows
+    if len(rows) < 50:
+        return
+    step = float(np.median(np.diff(track.time)))
+    error, torque = track.error, track.torque[rows]
+    best = (0.0, 0.0)
+    for lag in range(max(2, math.ceil(LONGEST / step)) + 1):
+        late = error[np.maximum(rows - lag, 0)]
+        good = np.isfinite(late)
+        a = np.stack([late[good], track.velocity[rows][good], np.ones(int(good.sum()))], axis=1)
+        b = torque[good]
+        if len(b) < 50 or not np.var(b) > 0:
+            continue
+        solved = np.linalg.lstsq(a, b, rcond=None)[0]
+        told = 1.0 - float(np.sum((b - a @ solved) ** 2) / np.sum((b - b.mean()) ** 2))
+        if told > best[0]:
+            best = (told, float(solved[0]))
+    if best[0] > 0.5 and best[1] < 0.0:
+        message = "the torque pulls away from the command"
+        help = "turn the sign of the torque's column"
+        out.error("LRN011", message, where=track.joint, span=Span(track.log.path), help=help)
+
+
+def _check_copies(tracks: Sequence[Track], out: Collector) -> None:
+    """One joint's readings in the columns of several."""
+    import numpy as np
+
+    seen: dict[tuple[str, bytes], str] = {}
+    for track in tracks:
+        key = (track.log.path, np.round(track.position, 9).tobytes())
+        other = seen.setdefault(key, track.joint)
+        if other != track.joint:
+            message = f"all positions are those of {other}, to the last digit"
+            help = "one joint's data do not stand for another's"
+            out.error("LRN004", message, where=track.joint, span=Span(track.log.path), help=help)
+
+
+@dataclass(frozen=True, slots=True)
+class Split:
+    """Rows to train on and to validate on, for each track of a dataset.
+
+    Attributes:
+        train, validate: Rows, one array a track.
+        logs: Paths of what is validated on.
+        whole: Whether those are whole recordings.
+    """
+
+    train: tuple[Rows, ...]
+    validate: tuple[Rows, ...]
+    logs: tuple[str, ...]
+    whole: bool
+
+
+def split(data: Dataset) -> Split:
+    """Hold out the last recordings whose joints are in others too; else the last block of each recording."""
+    import numpy as np
+
+    paths = list(dict.fromkeys(track.log.path for track in data.tracks))
+    rows = {path: sum(len(t.rows) for t in data.tracks if t.log.path == path) for path in paths}
+    out: list[str] = []
+    for path in reversed(paths):
+        if sum(rows[p] for p in out) >= HELD_OUT * sum(rows.values()):
+            break
+        kept = {t.joint for t in data.tracks if t.log.path not in (*out, path) and len(t.rows)}
+        if kept >= {t.joint for t in data.tracks}:
+            out.append(path)
+    if out:
+        none = np.empty(0, dtype=np.intp)
+        train = tuple(none if t.log.path in out else t.rows for t in data.tracks)
+        validate = tuple(t.rows if t.log.path in out else none for t in data.tracks)
+        return Split(train, validate, tuple(path for path in paths if path in out), True)
+    train_rows, validate_rows = [], []
+    for track in data.tracks:
+        first = len(track.time) - round(HELD_OUT * len(track.time))
+        reach = track.reach
+        train_rows.append(track.rows[track.rows < first - reach])
+        validate_rows.append(track.rows[track.rows >= first])
+    return Split(tuple(train_rows), tuple(validate_rows), tuple(paths), False)
+
+
+def gathered(data: Dataset, rows: Sequence[Rows]) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Inputs, shape (n, 2 n_tap), torques and joint indices, shape (n,), of chosen rows of each track."""
+    import numpy as np
+
+    index = {joint.joint: i for i, joint in enumerate(data.actuators)}
+    x = [track.inputs(mine) for track, mine in zip(data.tracks, rows, strict=True)]
+    y = [track.torque[mine] for track, mine in zip(data.tracks, rows, strict=True)]
+    j = [np.full(len(mine), index[t.joint]) for t, mine in zip(data.tracks, rows, strict=True)]
+    return np.concatenate(x), np.concatenate(y), np.concatenate(j)

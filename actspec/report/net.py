@@ -1,0 +1,251 @@
+"""Networks as text and as JSON: what logs hold, a training, an evaluation."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from actspec.diagnostics import Diagnostic, one_line
+from actspec.learn.evaluate import HORIZON, Errors, Evaluation, errors_of
+from actspec.learn.survey import JointData
+from actspec.learn.train import Trained, input_ranges
+from actspec.learn.windows import Dataset, Split, gathered
+from actspec.report.tables import many, table
+from actspec.report.terminal import diagnostic_record, json_number
+from actspec.units import format_number
+
+DATA, TRAIN, EVALUATE = "actspec-net-data/1", "actspec-net-train/1", "actspec-net-evaluate/1"
+
+
+def _unit(data: Dataset) -> str:
+    return "N" if data.actuators[0].kind.value == "slide" else "N*m"
+
+
+def _share(value: float | None) -> str:
+    return "-" if value is None else f"{100.0 * value:.3g} %"
+
+
+def _number(value: float | None, digits: int = 3) -> str:
+    return "-" if value is None else format_number(value, digits)
+
+
+def data_lines(data: Dataset, found: Sequence[JointData]) -> Iterator[str]:
+    """A row a joint."""
+    logs = len({track.log.path for track in data.tracks})
+    yield (
+        f"group {one_line(data.group)}: {many(logs, 'log')}, {len(data.taps)} samples of {data.period * 1e3:g} ms, "
+        f"torque: {data.kind}"
+    )
+    rows = [
+        ["joint", "minutes", "rate", "gaps", "at limit", "band", "error", "velocity", "torque RMS", "outside"]
+    ]
+    for joint in found:
+        ends = [
+            f"{r['low']:.3g} to {r['high']:.3g}" for r in (joint.ranges["error"], joint.ranges["velocity"])
+        ]
+        rows.append(
+            [
+                one_line(joint.joint),
+                format_number(joint.minutes, 3),
+                f"{joint.rate:.4g} Hz",
+                str(joint.gaps),
+                _share(joint.saturation),
+                f"{joint.band:.3g} Hz",
+                *ends,
+                _number(joint.torque_rms),
+                "-" if joint.outside is None else _share(max(joint.outside.values())),
+            ]
+        )
+    yield from table(rows)
+
+
+def data_record(data: Dataset, found: Sequence[JointData], findings: Sequence[Diagnostic]) -> dict[str, Any]:
+    """As JSON; SI units, null is unknown."""
+    return {
+        "format": DATA,
+        "group": data.group,
+        "taps": list(data.taps),
+        "tap_period": data.period,
+        "torque": data.kind,
+        "joints": [asdict(joint) for joint in found],
+        "findings": [diagnostic_record(item) for item in findings],
+    }
+
+
+def manifest_entries(
+    data: Dataset, parts: Split, trained: Trained, logs: Sequence[Any], model: str | None
+) -> tuple[dict[str, Any], list[tuple[str, Errors]]]:
+    """What a trained network's manifest holds beside its files, and the errors on held-out rows of each joint."""
+    import numpy as np
+
+    x, y, joint = gathered(data, parts.validate)
+    found = trained.layers(x)[0][:, 0]
+    overall = errors_of(found, y)
+    judged = [("", overall)]
+    for j, actuator in enumerate(data.actuators):
+        if (mine := joint == j).any():
+            judged.append((actuator.joint, errors_of(found[mine], y[mine])))
+
+    def short(value: float) -> float:
+        return float(f"{value:.6g}")
+
+    entries = {
+        "inputs": "position_velocity",
+        "taps": list(data.taps),
+        "tap_period": f"{data.period * 1e3:.10g} ms",
+        "position_scale": 1.0,
+        "velocity_scale": 1.0,
+        "torque_scale": 1.0,
+        "initial_history": "first_sample",
+        "joints": [a.joint for a in data.actuators],
+        "torque": data.kind,
+        "logs": [{"path": log.path, "sha256": log.sha256} for log in logs],
+        "model": model,
+        "range": input_ranges(
+            data, [np.concatenate(both) for both in zip(parts.train, parts.validate, strict=True)]
+        ),
+        "validation": {
+            "rmse": short(overall.rmse),
+            "relative_error": short(overall.relative_error or 0.0),
+            "r2": short(overall.r2 if overall.r2 is not None else 0.0),
+            "rows": overall.rows,
+            "logs": list(parts.logs),
+        },
+    }
+    return entries, judged
+
+
+def train_lines(
+    data: Dataset, parts: Split, trained: Trained, judged: Sequence[tuple[str, Errors]]
+) -> Iterator[str]:
+    """Errors on held-out rows, and the spread over seeds."""
+    unit, (_, overall) = _unit(data), judged[0]
+    seen = sum(map(len, parts.train))
+    what = "whole recordings" if parts.whole else "the last fifth of each recording"
+    sizes = "-".join(str(n) for n in (trained.layers.inputs, *(len(d.bias) for d in trained.layers.dense)))
+    yield (
+        f"group {one_line(data.group)}: {sizes}, {seen} rows to train on, {overall.rows} held out ({what}); "
+        f"torque: {data.kind}"
+    )
+    rows = [["joint", f"RMSE [{unit}]", "relative", "worst", "R2"]]
+    rows += [
+        [
+            one_line(name) or "all",
+            _number(e.rmse),
+            _share(e.relative_error),
+            _number(e.worst),
+            _number(e.r2, 4),
+        ]
+        for name, e in (*judged[1:], judged[0])
+    ]
+    yield from table(rows)
+    for run in trained.runs if len(trained.runs) > 1 else ():
+        kept = ", kept" if run is trained.run else ""
+        yield f"seed {run.seed}: RMSE {_number(run.rmse)} {unit}{kept}"
+    run = trained.run
+    seconds = sum(item.seconds for item in trained.runs)
+    yield f"seed {run.seed}, {many(run.epochs, 'epoch')}, best after {run.best}, {seconds:.1f} s"
+
+
+def _errors(errors: Errors) -> dict[str, Any]:
+    return {name: json_number(value) if name != "rows" else value for name, value in asdict(errors).items()}
+
+
+def train_record(
+    data: Dataset,
+    parts: Split,
+    trained: Trained,
+    judged: Sequence[tuple[str, Errors]],
+    paths: Mapping[str, str],
+    findings: Sequence[Diagnostic],
+) -> dict[str, Any]:
+    """As JSON; SI units, null is unknown."""
+    import numpy as np
+
+    rmse = [run.rmse for run in trained.runs]
+    return {
+        "format": TRAIN,
+        "group": data.group,
+        "files": dict(paths),
+        "torque": data.kind,
+        "rows": sum(map(len, parts.train)),
+        "validation": {**_errors(judged[0][1]), "logs": list(parts.logs), "whole_recordings": parts.whole},
+        "joints": [{"joint": name, **_errors(errors)} for name, errors in judged[1:]],
+        "seed": trained.run.seed,
+        "epochs": trained.run.epochs,
+        "seeds": [
+            {"seed": r.seed, "rmse": r.rmse, "epochs": r.epochs, "seconds": r.seconds} for r in trained.runs
+        ],
+        "spread": float(np.std(rmse)) if len(rmse) > 1 else None,
+        "findings": [diagnostic_record(item) for item in findings],
+    }
+
+
+def evaluate_lines(found: Evaluation) -> Iterator[str]:
+    """A row a joint and the baselines beside, then the closed loop."""
+    rows = [["joint", "RMSE", "relative", "worst", "R2", "of the limit", "grade", *found.baselines]]
+    for joint in found.joints:
+        share = None if joint.limit is None else joint.errors.rmse / joint.limit
+        rows.append(
+            [
+                one_line(joint.joint),
+                _number(joint.errors.rmse),
+                _share(joint.errors.relative_error),
+                _number(joint.errors.worst),
+                _number(joint.errors.r2, 4),
+                _share(share),
+                joint.grade,
+                *(_number(joint.baselines[name].rmse) for name in found.baselines),
+            ]
+        )
+    e = found.overall
+    rows.append(
+        [
+            "all",
+            _number(e.rmse),
+            _share(e.relative_error),
+            _number(e.worst),
+            _number(e.r2, 4),
+            "",
+            found.grade,
+            *(_number(base.rmse) for base in found.baselines.values()),
+        ]
+    )
+    yield from table(rows)
+    if found.closed_loop is None:
+        yield f"no closed loop: {found.why_not}"
+    else:
+        shown = ", ".join(f"{name} {_number(value)}" for name, value in found.closed_loop.items())
+        yield f"position RMSE of rollouts over {HORIZON:g} s in MuJoCo: {shown}"
+    if found.outside is not None:
+        yield f"outside of the range that it was trained on: {_share(found.outside['any'])} of the rows"
+
+
+def evaluate_record(found: Evaluation, findings: Sequence[Diagnostic]) -> dict[str, Any]:
+    """As JSON; SI units, null is unknown."""
+    closed: dict[str, Any] | None = None
+    if found.closed_loop is not None:
+        closed = {"horizon": HORIZON}
+        closed |= {
+            name: None if value is None else {"position_rmse": value}
+            for name, value in found.closed_loop.items()
+        }
+    return {
+        "format": EVALUATE,
+        "overall": {**_errors(found.overall), "grade": found.grade},
+        "joints": [
+            {
+                "joint": joint.joint,
+                **_errors(joint.errors),
+                "effort_limit": joint.limit,
+                "grade": joint.grade,
+                "baselines": {name: _errors(e) for name, e in joint.baselines.items()},
+            }
+            for joint in found.joints
+        ],
+        "baselines": {name: _errors(e) for name, e in found.baselines.items()},
+        "closed_loop": closed,
+        "outside": None if found.outside is None else dict(found.outside),
+        "findings": [diagnostic_record(item) for item in findings],
+    }

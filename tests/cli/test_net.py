@@ -1,0 +1,207 @@
+"""`actspec net`: from logs to a network that compiles, and how good it is; what is refused."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from jsonschema import Draft202012Validator
+
+from actspec.cli.main import main
+from actspec.laws.network import NetworkLaw
+from actspec.learn.evaluate import errors_of, graded
+from actspec.readings.onnx_network import read_onnx
+from actspec.resources import data_path
+from tests.learn.pendulums import KD, KP, SPEC, folder, log
+
+pytest.importorskip("torch")
+pytestmark = pytest.mark.slow
+
+
+def checked(name: str, text: str) -> dict[str, Any]:
+    """Output that its schema takes."""
+    found: dict[str, Any] = json.loads(text)
+    schema = json.loads(data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8"))
+    Draft202012Validator.check_schema(schema)
+    Draft202012Validator(schema).validate(found)
+    return found
+
+
+@pytest.fixture(scope="module")
+def trained(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any]]:
+    """A folder with spec, logs and a network, and what `train` printed."""
+    path = folder(tmp_path_factory.mktemp("net"))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(path)
+        for seed in (1, 2, 3):
+            log(Path(f"{seed}.npz"), seed, 4200 if seed == 1 else 1200, size=0.14 if seed == 1 else 0.12)
+        import contextlib
+        import io
+
+        stream = io.StringIO()
+        with contextlib.redirect_stdout(stream):
+            code = main(
+                [
+                    *("net", "train", "spec.yaml", "1.npz", "2.npz", "-o", "nets/legs", "--taps", "3"),
+                    *("--hidden", "64", "--epochs", "40", "--output-format", "json"),
+                ]
+            )
+        assert code == 0
+    return path, checked("net-train", stream.getvalue())
+
+
+def test_a_linear_law_is_learned(trained: tuple[Path, dict[str, Any]]) -> None:
+    """torque = 20 e(one row ago) - 0.5 velocity, beside the same by least squares; and the Jacobian at rest."""
+    path, record = trained
+    assert record["validation"]["whole_recordings"] and record["validation"]["logs"] == ["2.npz"]
+    # Least squares leave nothing.
+    assert record["validation"]["relative_error"] < 0.06
+    law = NetworkLaw(read_onnx((path / "nets/legs.onnx").read_bytes()), (0, 1, 2), 0.005)
+    small = 0.01
+    inputs = np.concatenate([np.zeros((1, 6)), small * np.eye(6)])
+    torque = law.torque(inputs[:, :3], inputs[:, 3:])[0]
+    slopes = (torque[1:] - torque[0]) / small
+    assert slopes[:3].sum() == pytest.approx(KP, rel=0.15)
+    assert slopes[3:].sum() == pytest.approx(-KD, abs=0.15)
+    manifest = json.loads((path / "nets/legs.json").read_text("utf-8"))
+    assert (manifest["taps"], manifest["tap_period"], manifest["torque"]) == ([0, 1, 2], "5 ms", "drive")
+
+
+def test_the_same_seed_gives_the_same_files(trained: tuple[Path, dict[str, Any]], monkeypatch: Any) -> None:
+    """Weights follow from logs, options and seed."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    options = ["--taps", "2", "--hidden", "4", "--epochs", "1"]
+    for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
+        assert main(
+            ["net", "train", "spec.yaml", "2.npz", "3.npz", "-o", name, *options, "--seed", seed]
+        ) in (0, 1)
+    data = [Path(f"{name}.onnx").read_bytes() for name in "abc"]
+    assert data[0] == data[1] != data[2]
+
+
+def test_evaluate(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:
+    """The network is good, better than the PD that does not know the delay, in torque and in motion."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    arguments = ["net", "evaluate", "spec.yaml", "3.npz", "--network", "nets/legs.json"]
+    assert main([*arguments, "--output-format", "json"]) == 0
+    found = checked("net-evaluate", capsys.readouterr().out)
+    assert found["overall"]["grade"] == "good" and found["overall"]["r2"] > 0.99
+    assert list(found["baselines"]) == ["ideal_pd"]
+    assert found["overall"]["rmse"] < 0.5 * found["baselines"]["ideal_pd"]["rmse"]
+    closed = found["closed_loop"]
+    assert closed["horizon"] == 1.0 and closed["dc_motor"] is None
+    assert closed["network"]["position_rmse"] < 0.5 * closed["ideal_pd"]["position_rmse"]
+    assert main(arguments) == 0
+    assert "good" in capsys.readouterr().out
+
+
+def test_data(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:
+    """10 s are a finding; a policy that goes further is another."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    assert main(["net", "data", "spec.yaml", "1.npz", "--output-format", "json"]) == 0
+    found = checked("net-data", capsys.readouterr().out)
+    # 4200 rows less the first five, of 5 ms.
+    assert found["joints"][0]["minutes"] == pytest.approx(4195 * 0.005 / 60)
+    assert found["joints"][0]["rate"] == pytest.approx(200.0)
+    assert main(["net", "data", "spec.yaml", "2.npz", "--policy", "3.npz", "--output-format", "json"]) == 1
+    found = checked("net-data", capsys.readouterr().out)
+    assert "LRN020" in {item["code"] for item in found["findings"]}
+    assert found["joints"][0]["outside"]["velocity"] >= 0.0
+
+
+def test_inferred_torques_are_those_of_the_drive(
+    trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """I q'' + m g l sin q + viscous friction is the torque that moved the pendulums."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    options = ["--taps", "3", "--hidden", "24", "--epochs", "20"]
+    arguments = ["net", "train", "spec.yaml", "1.npz", "2.npz", "-o", "nets/inferred", "--torque", "inferred"]
+    assert main([*arguments, *options]) == 0
+    manifest = json.loads(Path("nets/inferred.json").read_text("utf-8"))
+    assert manifest["torque"] == "inferred" and len(manifest["model"]) == 64
+    capsys.readouterr()
+    main(
+        [
+            "net",
+            "evaluate",
+            "spec.yaml",
+            "3.npz",
+            "--network",
+            "nets/inferred.json",
+            "--output-format",
+            "json",
+        ]
+    )
+    found = checked("net-evaluate", capsys.readouterr().out)
+    assert found["overall"]["r2"] > 0.97
+
+
+def test_a_trained_network_compiles(trained: tuple[Path, dict[str, Any]], monkeypatch: Any) -> None:
+    """Each target takes the file that it reads from the one manifest."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    spec = SPEC.replace("level: ideal_pd, kp: 20 N*m/rad, kd: 0.5 N*m*s/rad", "level: actuator_net")
+    spec = spec.replace("effort_limit:", "network: {manifest: nets/legs.json}, effort_limit:")
+    Path("net.yaml").write_text(
+        spec + 'targets: {mujoco: {version: "3.12"}, isaaclab: {version: "2.3"}, mjlab: {version: "1.6"}}\n'
+    )
+    assert main(["compile", "net.yaml", "-o", "out"]) == 0
+    written = {file.suffix for file in Path("out").rglob("legs.*")}
+    assert {".onnx", ".pt"} <= written
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code"),
+    [
+        (["train", "spec.yaml", "2.npz", "-o", "nets/legs"], "OUT001"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--hidden", "0"], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--taps", "0"], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--max-time", "5 m"], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "2.npz", "-o", "new"], "LRN014"),
+        (["train", "spec.yaml", "pickle.npz", "-o", "new"], "LOG"),
+        (["train", "spec.yaml", "missing.csv", "-o", "new"], "LOG001"),
+        (["evaluate", "spec.yaml", "2.npz", "--network", "missing.json"], "LRN013"),
+        (["evaluate", "spec.yaml", "2.npz", "--network", "other.json"], "NET005"),
+        (["evaluate", "spec.yaml", "2.npz", "--network", "cut.json"], "NET0"),
+        (["evaluate", "spec.yaml", "2.npz", "--network", "out.json"], "SPEC106"),
+    ],
+)
+def test_what_is_refused(
+    arguments: list[str], code: str, trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """Exit code 2, one cause, and nothing is written."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    Path("pickle.npz").write_bytes(b"\x80\x04\x95\x00")
+    text = Path("nets/legs.json").read_text("utf-8")
+    Path("other.json").write_text(text.replace('"legs.onnx"', '"other.onnx"'), "utf-8")
+    Path("other.onnx").write_bytes(b"other")
+    Path("out.json").write_text(text.replace('"legs.onnx"', '"../legs.onnx"'), "utf-8")
+    import hashlib
+
+    whole = Path("nets/legs.onnx").read_bytes()
+    Path("cut.onnx").write_bytes(whole[:200])
+    old, new = (hashlib.sha256(data).hexdigest() for data in (whole, whole[:200]))
+    Path("cut.json").write_text(text.replace("legs.onnx", "cut.onnx").replace(old, new), "utf-8")
+    before = {file: file.read_bytes() for file in Path().rglob("*") if file.is_file()}
+    assert main(["net", *arguments]) == 2
+    shown = capsys.readouterr().err
+    assert code in shown and "Traceback" not in shown
+    assert {file: file.read_bytes() for file in Path().rglob("*") if file.is_file()} == before
+
+
+def test_errors_by_hand() -> None:
+    """Torques 3 and -4, found 3.5 and -4: mse 0.125; RMS^2 12.5; variance 12.25."""
+    errors = errors_of(np.array([3.5, -4.0]), np.array([3.0, -4.0]))
+    assert (errors.mse, errors.worst, errors.rows) == (0.125, 0.5, 2)
+    assert errors.relative_error == pytest.approx(0.1)
+    assert errors.r2 == pytest.approx(1 - 0.125 / 12.25)
+    # RMSE 0.354: of 30 N*m 1.2 %, of 20 1.8 %, of 10 3.5 %.
+    assert [graded(errors, limit) for limit in (30.0, 20.0, 10.0, None)] == ["good", "fair", "poor", "good"]

@@ -1,0 +1,141 @@
+"""Samples of logs: which rows have a whole history, what their inputs are, and what is held out."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from actspec import api
+from actspec.diagnostics import Collector
+from actspec.ir import ActuatorSet
+from actspec.learn.windows import Dataset, dataset, split
+from actspec.logs import Log, LogError, load_log
+from tests.learn.pendulums import folder, log
+
+pytest.importorskip("scipy")
+
+
+@pytest.fixture(scope="module")
+def actuators(tmp_path_factory: pytest.TempPathFactory) -> ActuatorSet:
+    """The spec, resolved."""
+    spec = api.load(str(folder(tmp_path_factory.mktemp("spec")) / "spec.yaml"))
+    return api.resolve(spec, api.load_robot(spec))
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> list[Log]:
+    """Two recordings of 600 rows."""
+    path = tmp_path_factory.mktemp("logs")
+    return [load_log(log(path / f"{seed}.npz", seed, 600).path) for seed in (1, 2)]
+
+
+def samples(actuators: ActuatorSet, logs: list[Log], **more: object) -> Dataset:
+    """A dataset that nothing was found in."""
+    out = Collector()
+    found = dataset(actuators, logs, out, **more)  # type: ignore[arg-type]
+    assert not out.failed
+    return found
+
+
+def test_rows_and_inputs(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """Three taps of 10 ms in rows of 5 ms: row 4 is the first, with rows 4, 2 and 0."""
+    data = samples(actuators, logs[:1], taps=(0, 1, 2), period=0.01)
+    track = data.tracks[0]
+    assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 4, 596)
+    hip = logs[0].joints["hip"]
+    assert hip.command is not None and hip.position is not None and hip.velocity is not None
+    error = hip.command - hip.position
+    expected = [error[4], error[2], error[0], hip.velocity[4], hip.velocity[2], hip.velocity[0]]
+    assert track.inputs(track.rows[:1])[0] == pytest.approx(expected)
+    assert data.kind == "drive" and data.group == "legs"
+
+
+def test_no_sample_goes_over_a_gap(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """After 1 s without rows the history begins anew: with three taps the rows 0, 1 and 300, 301 have none."""
+    late = replace(logs[0], time=logs[0].time + np.where(np.arange(600) >= 300, 1.0, 0.0))
+    rows = samples(actuators, [late], taps=(0, 1, 2)).tracks[0].rows
+    assert sorted(set(range(600)) - set(rows.tolist())) == [0, 1, 300, 301]
+
+
+def test_a_period_between_rows_is_interpolated(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """Rows of 4 ms, brought to 5 ms: row 2 is at 10 ms, between rows 2 and 3; the command is that of 8 ms."""
+    fast = replace(logs[0], time=0.8 * logs[0].time)
+    hip = fast.joints["hip"]
+    joints = {
+        **fast.joints,
+        "hip": replace(hip, velocity=hip.velocity / 0.8),
+        "arm": replace(fast.joints["arm"], velocity=fast.joints["arm"].velocity / 0.8),
+    }
+    track = samples(actuators, [replace(fast, joints=joints)], taps=(0,), period=0.005).tracks[0]
+    assert track.time[2] == pytest.approx(0.01)
+    assert track.command[2] == hip.command[2]
+    assert track.position[2] == pytest.approx(0.5 * (hip.position[2] + hip.position[3]))
+
+
+def test_split(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """Of two recordings the last is held out; of one its last fifth, a history apart."""
+    two = split(samples(actuators, logs, taps=(0, 1, 2)))
+    assert (two.whole, two.logs) == (True, (logs[1].path,))
+    assert [len(rows) for rows in two.train] == [598, 0, 598, 0]
+    one = split(samples(actuators, logs[:1], taps=(0, 1, 2)))
+    # Row 480 is the first of the last 120; rows 478 and 479 are in its history.
+    assert (one.whole, one.train[0][-1], one.validate[0][0]) == (False, 477, 480)
+
+
+def test_a_recording_with_the_only_data_of_a_joint_is_not_held_out(
+    actuators: ActuatorSet, logs: list[Log]
+) -> None:
+    """A log a joint: each gives its last fifth."""
+    parts = [
+        replace(one, joints={name: one.joints[name]}) for one, name in zip(logs, ("hip", "arm"), strict=True)
+    ]
+    assert not split(samples(actuators, parts)).whole
+
+
+@pytest.mark.parametrize(
+    ("change", "code"),
+    [
+        (lambda j: replace(j, torque=-j.torque), "LRN011"),
+        (lambda j: replace(j, torque=None), "LRN006"),
+        (lambda j: replace(j, command=0.0 * j.command), "SYS011"),
+    ],
+)
+def test_columns_that_are_refused(change: object, code: str, actuators: ActuatorSet, logs: list[Log]) -> None:
+    """A torque of the wrong sign, none, a constant command: the joint and the file are named."""
+    joints = {**logs[0].joints, "arm": change(logs[0].joints["arm"])}  # type: ignore[operator]
+    with pytest.raises(LogError) as caught:
+        dataset(actuators, [replace(logs[0], joints=joints)], Collector())
+    (item,) = (i for i in caught.value.diagnostics if i.severity.value == "error")
+    assert (item.code, item.where) == (code, "arm")
+    assert item.span is not None and item.span.path == logs[0].path
+
+
+def test_logs_that_are_refused(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """One joint for two, one joint's columns twice, two rates, a rate that does not fit, too few rows, other joints."""
+    first = logs[0]
+    hip = first.joints["hip"]
+    few = slice(0, 60)
+    short = replace(
+        first,
+        time=first.time[few],
+        joints={n: replace(j, **{k: v[few] for k, v in j.signals.items()}) for n, j in first.joints.items()},
+    )
+    cases: list[tuple[list[Log], dict[str, object], str]] = [
+        ([replace(first, joints={"hip": hip})], {}, "LRN004"),
+        ([replace(first, joints={"hip": hip, "arm": replace(hip, name="arm")})], {}, "LRN004"),
+        ([first, replace(logs[1], time=2 * logs[1].time)], {}, "LRN008"),
+        ([replace(first, time=np.cumsum(np.where(np.arange(600) % 2, 0.004, 0.01)))], {}, "LRN008"),
+        ([replace(first, time=0.4 * first.time)], {}, "LRN009"),
+        ([first], {"period": 0.0125}, "LRN009"),
+        ([first], {"period": 0.001}, "LRN008"),
+        ([short], {"taps": tuple(range(70))}, "LRN005"),
+        ([replace(first, joints={**first.joints, "knee": hip})], {}, "SYS021"),
+        ([first], {"group": "arms"}, "LRN002"),
+    ]
+    for given, more, code in cases:
+        with pytest.raises(LogError) as caught:
+            dataset(actuators, given, Collector(), **more)  # type: ignore[arg-type]
+        codes = {item.code for item in caught.value.diagnostics if item.severity.value == "error"}
+        assert codes == {code}, (code, [str(item) for item in caught.value.diagnostics])
