@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any
 
 from actspec.laws.arrays import array_namespace
@@ -67,7 +67,7 @@ class Networks:
                 )
                 raise RuntimeFault.of("LRN042", message)
         if self._state is None or not self._state[0].fits(q):
-            self._state = [_State.of(group, self.envs, q) for group in self._groups]
+            self._state = [_State(group, self.envs, q) for group in self._groups]
         xp = array_namespace(q)
         found, first = [], 0
         for state in self._state:
@@ -84,65 +84,37 @@ class Networks:
             state.reset(envs)
 
 
-@dataclass(slots=True)
 class _State:
     """History of one network's joints, and its arithmetic in one library."""
 
-    group: DrivenGroup
-    xp: Any
-    like: Any
-    errors: Any
-    speeds: Any
-    at: int
-    fresh: Any
-    fresh_any: bool
-    inputs: Any
-    forward: Any
-    clamp: Clamp
-    bias: Any
-    recurrent: Any = None
-    memory: Any = field(default=None)
-
-    @classmethod
-    def of(cls, group: DrivenGroup, envs: int, like: Any) -> _State:
+    def __init__(self, group: DrivenGroup, envs: int, like: Any) -> None:
         xp = array_namespace(like)
-        law, n = group.law, len(group.joints)
-        torch = xp.__name__ == "torch"
+        law, shape = group.law, (envs, len(group.joints))
+        self.group, self.xp, self.like, self.shape = group, xp, like, shape
 
         def array(value: Any) -> Any:
-            if torch:
+            if xp.__name__ == "torch":
                 return xp.as_tensor(value, dtype=like.dtype, device=like.device)
             return xp.asarray(value, dtype=like.dtype)
 
-        zero = array([[0.0] * n] * envs)
-        length = group.reach + 1
-        recurrent = memory = forward = None
+        # Both inputs in the network's order: a row a sample, the oldest overwritten.
+        self.past = xp.stack([xp.stack([array([[0.0] * shape[1]] * envs)] * (group.reach + 1))] * 2)
+        self.one, self.two = (1, 0) if law.velocity_first else (0, 1)
+        self.at = 0
+        self.fresh = self.past[0, 0, :, 0] == 0.0
+        self.fresh_any = True
+        self.clamp = Clamp.of(group, array)
+        bias = [joint.encoder_bias for joint in group.joints]
+        self.bias = array(bias) if any(bias) else None
+        self.memory: Any = None
+        self.forward: Callable[[], Any]
         if law.layers.recurrent:
-            recurrent, (depth, hidden) = recurrent_forward(law.layers, like)
-            memory = [
-                xp.stack([xp.stack([zero[..., None] * array([0.0] * hidden)] * depth)])[0] for _ in range(2)
-            ]
-        elif torch:
-            forward = torch_forward(law.layers, like.dtype, like.device)
+            layers, (depth, hidden) = recurrent_forward(law.layers, like)
+            zero = array([0.0] * hidden) * self.past[0, 0, :, :, None]
+            self.memory = [xp.stack([zero] * depth) for _ in range(2)]
+            self.forward = lambda: self._recurrent(layers)
         else:
-            forward = _by_torch(law.layers, like.dtype) or numpy_forward(law.layers, like.dtype)
-        fresh = xp.ones_like(zero[:, 0]) > 0.0
-        return cls(
-            group,
-            xp,
-            zero,
-            xp.stack([zero] * length),
-            xp.stack([zero] * length),
-            0,
-            fresh,
-            True,
-            xp.stack([zero] * law.inputs, -1),
-            forward,
-            Clamp.of(group, array),
-            array([joint.encoder_bias for joint in group.joints]),
-            recurrent,
-            memory,
-        )
+            self.forward = self._perceptron()
 
     def fits(self, q: Any) -> bool:
         """Whether the arrays are of this library, type and device."""
@@ -151,71 +123,85 @@ class _State:
 
     def reset(self, envs: Any) -> None:
         """Of some environments."""
-        if envs is None:
-            self.fresh[:] = True
-        else:
-            self.fresh[envs] = True
+        self.fresh[slice(None) if envs is None else envs] = True
         self.fresh_any = True
 
     def step(self, command: Any, q: Any, qd: Any) -> Any:
         """Torque of this step."""
-        law, length = self.group.law, len(self.errors)
-        self.at = (self.at + 1) % length
-        error = command - q - self.bias
+        law = self.group.law
+        self.at = (self.at + 1) % self.past.shape[1]
+        error = command - q if self.bias is None else command - q - self.bias
         if self.fresh_any:
             self._begin(error, qd)
-        self.errors[self.at], self.speeds[self.at] = error, qd
-        blocks = ((self.errors, law.position_scale), (self.speeds, law.velocity_scale))
-        k = 0
-        for past, scale in blocks[::-1] if law.velocity_first else blocks:
-            for tap in law.taps:
-                sample = past[(self.at - tap) % length]
-                self.inputs[..., k] = sample if scale == 1.0 else sample * scale
-                k += 1
-        if self.recurrent is None:
-            out = self.forward(self.inputs.reshape(-1, law.inputs)).reshape(error.shape)
-        else:
-            value, self.memory = self.recurrent(self.inputs, (self.memory[0], self.memory[1]))
-            out = value[..., 0]
-        if law.torque_scale != 1.0:
-            out = out * law.torque_scale
-        return self.clamp(self.xp, out, qd)
+        scaled = (law.position_scale, law.velocity_scale)
+        self.past[self.one, self.at] = error if scaled[0] == 1.0 else error * scaled[0]
+        self.past[self.two, self.at] = qd if scaled[1] == 1.0 else qd * scaled[1]
+        out = self.forward().reshape(self.shape)
+        return self.clamp(self.xp, out if law.torque_scale == 1.0 else out * law.torque_scale, qd)
 
     def _begin(self, error: Any, qd: Any) -> None:
         """Fill the history of environments that were reset."""
-        backfill = self.group.law.backfill
-        self.errors[:, self.fresh] = error[self.fresh][None] if backfill else 0.0
-        self.speeds[:, self.fresh] = qd[self.fresh][None] if backfill else 0.0
-        if self.memory is not None:
-            for part in self.memory:
-                part[:, self.fresh] = 0.0
+        law, fresh = self.group.law, self.fresh
+        for which, value, scale in (
+            (self.one, error, law.position_scale),
+            (self.two, qd, law.velocity_scale),
+        ):
+            self.past[which][:, fresh] = value[fresh][None] * scale if law.backfill else 0.0
+        for part in self.memory or ():
+            part[:, fresh] = 0.0
         self.fresh[:] = False
         self.fresh_any = False
 
+    def _rows(self) -> list[int]:
+        """Row of the history of each tap."""
+        length = self.past.shape[1]
+        return [(self.at - tap) % length for tap in self.group.law.taps]
+
+    def _recurrent(self, layers: Layers) -> Any:
+        x = self.xp.stack([self.past[i, row] for i in range(2) for row in self._rows()], -1)
+        value, self.memory = layers(x, (self.memory[0], self.memory[1]))
+        return value[..., 0]
+
+    def _perceptron(self) -> Callable[[], Any]:
+        """The pass over this history; numpy's arrays by torch's kernels on the same memory, where there is torch."""
+        import numpy as np
+
+        xp, layers, past = self.xp, self.group.law.layers, self.past
+        name = str(self.like.dtype).rpartition(".")[2]
+        try:
+            import torch
+        except ImportError:
+            torch = None
+        if torch is None or (xp is not torch and name not in ("float32", "float64")):
+            run = numpy_forward(layers, self.like.dtype)
+            return lambda: run(np.ascontiguousarray(past[:, self._rows()].reshape(layers.inputs, -1).T))
+        history = past if xp is torch else torch.from_numpy(past)
+        fast = torch_forward(layers, history.dtype, history.device)
+        columns = history.reshape(-1, history.shape[2] * history.shape[3])
+        own = torch.as_tensor(layers.dense[0].weight, dtype=history.dtype, device=history.device)
+        own = own.reshape(len(own), 2, -1)
+        first = torch.zeros((len(own), 2, past.shape[1]), dtype=history.dtype, device=history.device)
+
+        def forward() -> Any:
+            first.zero_()
+            first[:, :, self._rows()] = own
+            out = fast(columns, first.reshape(len(own), -1))
+            return out if xp is torch else out.numpy()
+
+        return forward
+
     def outside(self) -> int:
         """Samples of this step beyond the training data."""
+        law = self.group.law
         if self.group.range is None:
             return 0
-        xp = self.xp
         beyond = None
-        for (low, high), past in zip(self.group.range, (self.errors, self.speeds), strict=True):
-            now = past[self.at]
+        scales = (law.position_scale, law.velocity_scale)
+        for (low, high), which, scale in zip(self.group.range, (self.one, self.two), scales, strict=True):
+            now = self.past[which, self.at] / scale
             here = (now < low) | (now > high)
             beyond = here if beyond is None else beyond | here
-        return int(xp.sum(beyond))
-
-
-def _by_torch(layers: Layers, dtype: Any) -> Callable[[Any], Any] | None:
-    """Of numpy's arrays by torch's kernels, on the same memory: several times as fast; None without torch."""
-    try:
-        import torch
-    except ImportError:
-        return None
-    name = str(dtype)
-    if name not in ("float32", "float64"):
-        return None
-    forward = torch_forward(layers, getattr(torch, name), "cpu")
-    return lambda x: forward(torch.from_numpy(x)).numpy()
+        return int(self.xp.sum(beyond))
 
 
 @dataclass(frozen=True, slots=True)

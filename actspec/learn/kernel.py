@@ -14,8 +14,8 @@ from actspec.laws.network import ACTIVATIONS, Dense, Layers
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-BLOCK = 1024
-"""Rows of a block. Measured: from 512 to 2048 alike; of 128 numbers each they are half a megabyte."""
+CACHE = 1 << 17
+"""Numbers of a block, rows times the widest layer. Measured: half and twice as many are alike; half a megabyte."""
 
 
 def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
@@ -30,6 +30,7 @@ def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
         for d in layers.dense
     ]
     scratch: list[tuple[Any, Any]] = []
+    most = _rows(layers)
 
     def block(x: Any) -> Any:
         for (weight, bias, act), (to, other) in zip(parts, scratch, strict=True):
@@ -41,7 +42,7 @@ def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
         return x[:, 0]
 
     def run(x: Any) -> Any:
-        n = min(len(x), BLOCK)
+        n = min(len(x), most)
         if not scratch or len(scratch[0][0]) != n:
             scratch[:] = [
                 (np.empty((n, len(bias)), dtype), np.empty((n, len(bias)), dtype)) for _, bias, _ in parts
@@ -53,6 +54,11 @@ def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
         return np.concatenate([*(block(x[k : k + n]).copy() for k in range(0, whole, n)), rest])
 
     return run
+
+
+def _rows(layers: Layers) -> int:
+    """Rows of a block."""
+    return max(CACHE // max(len(dense.bias) for dense in layers.dense), 1)
 
 
 def _numpy_activation(dense: Dense) -> Callable[[Any, Any], object] | None:
@@ -86,32 +92,33 @@ def _numpy_activation(dense: Dense) -> Callable[[Any, Any], object] | None:
     return functions.get(kind, other)
 
 
-def torch_forward(layers: Layers, dtype: Any, device: Any) -> Callable[[Any], Any]:
-    """Likewise by torch, on a device; on a GPU in one block."""
+def torch_forward(layers: Layers, dtype: Any, device: Any) -> Callable[[Any, Any], Any]:
+    """Likewise by torch, on a device: of inputs by column, shape (n_in, n), and the first layer's weights for them.
+
+    A history of samples is such a matrix as it stands, a row a sample: the weights are put in the order of its rows,
+    and nothing is copied. On a GPU it is one block.
+    """
     import torch
 
     def tensor(value: Any) -> Any:
         return torch.as_tensor(value, dtype=dtype, device=device)
 
-    weights = [(tensor(d.weight).T.contiguous(), tensor(d.bias)) for d in layers.dense]
-    acts = [_torch_activation(d) for d in layers.dense]
+    parts = [(tensor(d.weight), tensor(d.bias)[:, None], _torch_activation(d)) for d in layers.dense]
     on_cpu = torch.device(device).type == "cpu"
-    scratch = [torch.empty((BLOCK, len(bias)), dtype=dtype) for _, bias in weights] if on_cpu else []
+    size = _rows(layers) if on_cpu else 0
+    scratch = [torch.empty((len(bias), size), dtype=dtype) for _, bias, _ in parts] if on_cpu else []
 
-    def run(x: Any) -> Any:
+    def run(x: Any, first: Any) -> Any:
+        count = x.shape[1]
         with torch.no_grad():
-            if not on_cpu:
-                now = x
-                for (weight, bias), act in zip(weights, acts, strict=True):
-                    now = act(torch.addmm(bias, now, weight))
-                return now[:, 0]
-            out = torch.empty(len(x), dtype=dtype)
-            for first in range(0, len(x), BLOCK):
-                now = x[first : first + BLOCK]
-                n = len(now)
-                for (weight, bias), act, space in zip(weights, acts, scratch, strict=True):
-                    now = act(torch.addmm(bias, now, weight, out=space[:n]))
-                out[first : first + BLOCK] = now[:, 0]
+            out = torch.empty(count, dtype=dtype, device=device)
+            for begin in range(0, count, size or count):
+                now = x[:, begin : begin + (size or count)]
+                n = now.shape[1]
+                for i, (weight, bias, act) in enumerate(parts):
+                    space = scratch[i][:, :n] if n == size else None
+                    now = act(torch.addmm(bias, first if i == 0 else weight, now, out=space))
+                out[begin : begin + n] = now[0]
             return out
 
     return run
