@@ -204,7 +204,7 @@ def test_a_limit_of_zero_is_told_once(capsys: pytest.CaptureFixture[str]) -> Non
         '<robot name="r"><link name="a"/><link name="b"/><joint name="j" type="revolute"><parent link="a"/>'
         '<child link="b"/><limit lower="-1" upper="1" effort="0" velocity="1"/></joint></robot>'
     )
-    run("audit", "r.urdf", "--select", "LIM103", "--output-format", "concise")
+    run("audit", "r.urdf", "--select", "LIM103", "--notes", "--output-format", "concise")
     out, err = capsys.readouterr()
     assert [line.split()[1] for line in out.splitlines() if "effort is 0" in line] == ["LIM101"]
     assert err == ""
