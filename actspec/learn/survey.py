@@ -133,8 +133,8 @@ def _judge(
             values = np.concatenate([getattr(track, name)[track.rows] for track in tracks])
             ends = ranges[name]
             message = (
-                f"{share:.1%} of the policy's rows have a {name} outside of the logs' {ends['low']:.3g} to "
-                f"{ends['high']:.3g}: {values.min():.3g} to {values.max():.3g}"
+                f"the {name} is outside of the logs' range in {share:.1%} of the policy's rows: {ends['low']:.3g} to "
+                f"{ends['high']:.3g} there, {values.min():.3g} to {values.max():.3g} here"
             )
             help = "log what the policy does, or larger commands"
             out.warning("LRN022", message, where=joint, span=Span(tracks[0].log.path), help=help)

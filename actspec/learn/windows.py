@@ -156,6 +156,8 @@ def dataset(
     Raises:
         LogError: they cannot be used, with every reason.
     """
+    import numpy as np
+
     names = joints_of(actuators, logs, out)
     out.raise_if_failed(LogError)
     group = chosen_group(actuators, logs, group)
@@ -175,10 +177,16 @@ def dataset(
         recorded[name] = [part for part in parts if part is not None]
     recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, out)
     out.raise_if_failed(LogError)
-    tracks = [_track(recording, taps, period, out) for name in names for recording in recordings[name]]
+    tracks = [
+        _track(recording, taps, period, measured, out) for name in names for recording in recordings[name]
+    ]
     for track in tracks:
-        if measured:
+        if measured and not np.isfinite(track.torque).any():
+            message = "the torque tells nothing, as a warning says"
+            out.error("LRN006", message, where=track.joint, span=Span(track.log.path))
+        elif measured:
             _check_sign(track, out)
+    out.raise_if_failed(LogError)
     for joint in mine:
         own = [track for track in tracks if track.joint == joint.joint]
         if own and not sum(len(track.rows) for track in own):
@@ -282,7 +290,9 @@ def _fitting(actuators: ActuatorSet, period: float, *, given: bool, out: Collect
     return count * step
 
 
-def _track(recording: Recording, taps: tuple[int, ...], period: float, out: Collector) -> Track:
+def _track(
+    recording: Recording, taps: tuple[int, ...], period: float, measured: bool, out: Collector
+) -> Track:
     """A joint's rows; where the period is no whole number of rows, brought to it between them."""
     import numpy as np
 
@@ -327,11 +337,11 @@ def _track(recording: Recording, taps: tuple[int, ...], period: float, out: Coll
         np.empty(0, int),
         taps,
     )
-    return with_rows(track, torque)
+    return with_rows(track, torque, needed=measured)
 
 
-def with_rows(track: Track, torque: Array) -> Track:
-    """A track with its torque, and the rows that have one and a whole history."""
+def with_rows(track: Track, torque: Array, *, needed: bool = True) -> Track:
+    """A track with its torque, and the rows with a whole history, and with a torque where one is needed."""
     import numpy as np
 
     n, reach = len(track.time), track.reach
@@ -339,7 +349,7 @@ def with_rows(track: Track, torque: Array) -> Track:
     whole = np.zeros(n, dtype=bool)
     if n > reach:
         step = float(np.median(np.diff(track.time)))
-        whole[reach:] = np.isfinite(torque[reach:]) if np.isfinite(torque).any() else True
+        whole[reach:] = np.isfinite(torque[reach:]) if needed else True
         for tap in track.taps:
             whole[reach:] &= told[reach - tap * track.stride : n - tap * track.stride]
         length = track.time[reach:] - track.time[: n - reach]
