@@ -450,9 +450,9 @@ def _searched(
         row = math.floor(best.values["delay"] / step)
         near = best.values["delay"] / step - row
         options = [row]
-        if near < 0.25 and row > 0:
+        if near < 0.5 and row > 0:
             options.append(row - 1)
-        if near > 0.75:
+        if near >= 0.5:
             options.append(row + 1)
         fresh = [option for option in options if option not in tried]
         if not fresh:
