@@ -61,6 +61,7 @@ def _add_design(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
     command.add_argument("-o", "--output", required=True, metavar="LOG", help="log of commands, .csv or .npz")
+    command.add_argument("--force", action="store_true", help="replace a file that is there")
     command.add_argument(
         "--experiment",
         required=True,
@@ -92,6 +93,7 @@ def _add_simulate(command: argparse.ArgumentParser) -> None:
         "--command", required=True, metavar="LOG", dest="commands", help="log with the commands"
     )
     command.add_argument("-o", "--output", required=True, metavar="LOG", help="the new log, .csv or .npz")
+    command.add_argument("--force", action="store_true", help="replace a file that is there")
     command.add_argument("--seed", type=int, required=True, metavar="N", help="of all noise")
     command.add_argument("--encoder-bits", type=int, default=0, metavar="N", help="over one turn, e.g. 14")
     for name, field, _, example in FLAWS:
@@ -156,8 +158,10 @@ def _need_scipy() -> None:
 
 def _design(arguments: argparse.Namespace) -> int:
     from actspec.logs import write_log
+    from actspec.output import check_free
     from actspec.sysid.design import design
 
+    check_free(arguments.output, [arguments.spec], arguments.force)
     duration = _quantity(arguments.duration, Kind.TIME, "--duration")
     rate = _quantity(arguments.rate, Kind.FREQUENCY, "--rate")
     spec = api.load(arguments.spec)
@@ -187,8 +191,10 @@ def _design(arguments: argparse.Namespace) -> int:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     from actspec.logs import load_log, write_log
+    from actspec.output import check_free
     from actspec.sysid.virtual import Flaws, follow
 
+    check_free(arguments.output, [arguments.spec, arguments.commands], arguments.force)
     values: dict[str, Any] = {
         field: _quantity(text, kind, name)
         for name, field, kind, _ in FLAWS

@@ -23,7 +23,7 @@ from actspec.diagnostics import (
 from actspec.logs import Log, LogError, load_log
 from actspec.report.terminal import Progress, print_diagnostics
 from actspec.spec.results import FitFile, Results
-from actspec.sysid.replay import METHODS
+from actspec.sysid.identified import METHODS
 
 if TYPE_CHECKING:
     from actspec.spec.document import Document
@@ -56,12 +56,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
     from actspec.files import FAULTS, replace_file, why
+    from actspec.output import check_free
     from actspec.report.sysid_page import Identified, render
     from actspec.spec.document import load_document
     from actspec.spec.results import validate_results
     from actspec.sysid.replay import replay
 
-    _check_free(arguments.output, [arguments.results, *arguments.log], arguments.force)
+    check_free(arguments.output, [arguments.results, *arguments.log], arguments.force)
     document = load_document(arguments.results)
     results = validate_results(document)
     out = Collector()
@@ -94,18 +95,6 @@ def run(arguments: argparse.Namespace) -> int:
     print(f"wrote {one_line(arguments.output)}")
     missing = any(item.severity is not Severity.INFO for item in shown.findings)
     return EXIT_FINDINGS if missing else EXIT_CLEAN
-
-
-def _check_free(output: str, sources: Sequence[str], force: bool) -> None:
-    """Refuse to replace what is read, or what is there."""
-    if not os.path.exists(output):
-        return
-    if any(os.path.exists(path) and os.path.samefile(path, output) for path in sources):
-        raise LogError.of(
-            "OUT003", "is read by this command", Span(output), help="name another file for the page"
-        )
-    if os.path.isfile(output) and not force:
-        raise LogError.of("OUT001", "the file is there already", Span(output), help="--force replaces it")
 
 
 @dataclass(frozen=True, slots=True)

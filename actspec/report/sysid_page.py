@@ -23,8 +23,8 @@ from actspec.spec.validate import Spec
 from actspec.spec.values import SpecValue
 from actspec.spec.variants import named
 from actspec.sysid.descent import WIDE
-from actspec.sysid.identified import FIELDS
-from actspec.sysid.replay import METHODS, Replay
+from actspec.sysid.identified import FIELDS, METHODS
+from actspec.sysid.replay import Replay
 from actspec.units import format_number
 
 NAMES = tuple(field for field, _ in FIELDS.values())

@@ -11,7 +11,7 @@ from actspec.joints import JointKind
 from actspec.units import Kind
 
 METHODS = ("rollout", "frequency", "step", "friction")
-"""Ways to fit a log."""
+"""Ways to fit a log; results of another method are another tool's, and name its file in place of logs."""
 
 
 class State(str, Enum):

@@ -29,8 +29,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-METHODS = ("rollout", "frequency", "step", "friction")
-"""Of fits of logs; results of another method are another tool's, and name its file in place of logs."""
 SHOWS = 1e-6
 """Least slope of gravity's torque over kp at which an encoder's bias shows."""
 
