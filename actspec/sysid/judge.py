@@ -11,6 +11,7 @@ from actspec.diagnostics import Collector, listed
 from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
+from actspec.sysid.recording import scatter
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
 
@@ -259,16 +260,12 @@ def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool, linear: bool 
 
 
 def reading_noise(joint: JointInWork) -> float:
-    """Noise of the position's readings, from what a local cubic leaves of them [rad or m]."""
+    """Noise of the position's readings [rad or m]."""
     import numpy as np
 
-    left = []
-    for recording in joint.recordings:
-        q = recording.measured["position"]
-        third = q[3:] - 3 * q[2:-1] + 3 * q[1:-2] - q[:-3]
-        left.append(third[np.isfinite(third)])
-    # 1, 3, 3, 1 of white noise: the sum of the squares is 20.
-    return max(1.4826 * float(np.median(np.abs(np.concatenate(left)))) / math.sqrt(20.0), 1e-9)
+    # What is no number keeps the recordings apart.
+    readings = [np.append(recording.measured["position"], np.nan) for recording in joint.recordings]
+    return max(scatter(np.concatenate(readings)), 1e-9)
 
 
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
