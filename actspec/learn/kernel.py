@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 CACHE = 1 << 17
-"""Numbers of a block, rows times the widest layer. Measured: half and twice as many are alike; half a megabyte."""
+"""Numbers of a block, rows times the widest layer. Chosen: half a megabyte, which a core's cache takes."""
 
 
 def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:

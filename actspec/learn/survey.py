@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SHORT = 20.0
-"""Time of a joint below which a network is not trained well [s]. Measured: RMSE doubles from 60 s to 20 s."""
+"""Time of a joint below which a network is reported to have seen little [s]. Chosen."""
 AT_LIMIT = 0.98
 """Share of the effort limit from which a torque counts as saturated."""
 OFTEN = 0.2

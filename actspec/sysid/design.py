@@ -30,7 +30,9 @@ UNLIMITED = {JointKind.HINGE: 0.5, JointKind.SLIDE: 0.05}
 """Half-amplitude of a joint without a range [rad or m]. Chosen."""
 ROOM = 0.8
 """Most of the speed and torque that the experiment may take. Chosen: the robot is not quite the spec."""
-SHRINK, TRIES = 0.8, 25
+TRIES = 25
+SHRINK = (0.3, 0.95)
+"""Least and greatest factor on an amplitude that takes too much, on the way to what is allowed."""
 BAND = (0.1, 1.5)
 """First frequency [Hz], and the last as a share of the closed loop's natural frequency."""
 FASTEST = 25.0
@@ -122,11 +124,11 @@ def design(
     for _ in range(TRIES):
         given = commands()
         moved = _expected(robot, actuators, time, given, sidecar)
-        over = {a.joint: why for a in actuators if (why := _over(a, moved[a.joint])) is not None}
+        over = {a.joint: found for a in actuators if (found := _over(a, moved[a.joint])) is not None}
         if not over:
             break
-        for joint, why in over.items():
-            sizes[joint] *= SHRINK
+        for joint, (why, share) in over.items():
+            sizes[joint] *= min(max(share, SHRINK[0]), SHRINK[1])
             limited[joint] = why
     else:
         raise LogError.of(
@@ -166,18 +168,19 @@ def _size(actuator: JointActuator) -> float:
     return min(SHARE * (high - low), 2.0 * UNLIMITED[actuator.kind])
 
 
-def _over(actuator: JointActuator, moved: Moved) -> str | None:
-    """What an experiment takes too much of."""
+def _over(actuator: JointActuator, moved: Moved) -> tuple[str, float] | None:
+    """What an experiment takes too much of, and the share of it that is allowed."""
     import numpy as np
 
     speeds = [actuator.velocity_limit.value, getattr(actuator.no_load_speed, "value", None)]
     fastest = min((s for s in speeds if s is not None and s < PLACEHOLDER), default=math.inf)
     limit = actuator.effort_limit.value
-    if float(np.abs(moved.qd).max()) > ROOM * fastest:
-        return "speed"
-    if limit is not None and float(np.abs(moved.torque).max()) > ROOM * limit:
-        return "torque"
-    return None
+    taken = {
+        "speed": float(np.abs(moved.qd).max()) / (ROOM * fastest),
+        "torque": 0.0 if limit is None else float(np.abs(moved.torque).max()) / (ROOM * limit),
+    }
+    why = max(taken, key=lambda name: taken[name])
+    return (why, 1.0 / taken[why]) if taken[why] > 1.0 else None
 
 
 def _expected(
