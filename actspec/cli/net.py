@@ -20,7 +20,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the subcommands and what their help says."""
     describe(
         command,
-        "Actuator networks: what logs hold for one, training, and how good it is. See docs/networks.md.",
+        "Actuator networks: what logs hold for one, training, how good it is, and what one of others does. See "
+        "docs/networks.md.",
         "actspec net train robots/a1.yaml walk.csv chirp.csv -o nets/legs",
         "0 done; 1 findings, or a poor network; 2 could not run, nothing was written",
     )
@@ -29,6 +30,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         ("data", "show what logs hold", _add_data),
         ("train", "train a network", _add_train),
         ("evaluate", "judge a network on logs", _add_evaluate),
+        ("inspect", "show what a network does", _add_inspect),
+        ("convert", "write a network of others as ONNX, TorchScript and manifest", _add_convert),
     ):
         add(parts.add_parser(name, help=words, formatter_class=Lines))
 
@@ -121,7 +124,13 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Run a subcommand."""
-    parts = {"data": _data, "train": _train, "evaluate": _evaluate}
+    parts = {
+        "data": _data,
+        "train": _train,
+        "evaluate": _evaluate,
+        "inspect": _inspect,
+        "convert": _convert,
+    }
     return parts[arguments.part](arguments)
 
 
@@ -236,6 +245,86 @@ def _train(arguments: argparse.Namespace) -> int:
         print("\n".join(train_lines(data, parts, trained, judged)))
         print("wrote " + ", ".join(paths.values()))
     return _exit(out)
+
+
+def _add_file(command: argparse.ArgumentParser) -> None:
+    command.add_argument("file", metavar="FILE", help="network: ONNX, or TorchScript with --trust")
+    command.add_argument("--trust", action="store_true", help="run a TorchScript file, which is a program")
+
+
+def _add_inspect(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Show what a network does at rest: sign of the error, order of its inputs, stiffness, damping, delay and "
+        "saturation, and what contradicts its manifest.",
+        "actspec net inspect unitree_go1.pt --trust",
+        "0 shown; 1 it contradicts its manifest; 2 it is no network",
+    )
+    _add_file(command)
+    command.add_argument("--manifest", metavar="NAME.json", help="its conventions")
+    add_format(command)
+
+
+def _add_convert(command: argparse.ArgumentParser) -> None:
+    describe(
+        command,
+        "Write a network of others as our three files: scales go into its weights, errors come before velocities.",
+        "actspec net convert unitree_go1.pt --trust --manifest go1.json -o nets/go1",
+        "0 written; 2 nothing was written",
+    )
+    _add_file(command)
+    command.add_argument("--manifest", required=True, metavar="NAME.json", help="its conventions")
+    command.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="of the three files")
+    command.add_argument("--force", action="store_true", help="replace files that are there")
+
+
+def _manifest_of(path: str) -> Any:
+    from actspec.logs import LogError
+    from actspec.targets.kit.network import read_manifest
+
+    out = Collector()
+    if not os.path.isfile(path):
+        raise LogError.of("LRN013", "there is no such file", Span(path), help="--manifest NAME.json")
+    found = read_manifest(path, out.at("--manifest", Span(path)))
+    out.raise_if_failed(LogError)
+    assert found is not None
+    return found
+
+
+def _inspect(arguments: argparse.Namespace) -> int:
+    from actspec.learn.foreign import read_network_file
+    from actspec.learn.inspect import inspect
+    from actspec.learn.libraries import require
+    from actspec.report.net import inspect_lines, inspect_record
+
+    require("onnx", *(["torch"] if arguments.trust else []))
+    manifest = None if arguments.manifest is None else _manifest_of(arguments.manifest)
+    found = inspect(read_network_file(arguments.file, trust=arguments.trust), manifest)
+    if arguments.output_format == "json":
+        print_json(inspect_record(found, arguments.file))
+    else:
+        print("\n".join(inspect_lines(found, arguments.file)))
+    return EXIT_FINDINGS if found.contradictions else EXIT_CLEAN
+
+
+def _convert(arguments: argparse.Namespace) -> int:
+    from actspec.learn.files import check_output, write_network
+    from actspec.learn.foreign import read_network_file
+    from actspec.learn.inspect import converted
+    from actspec.learn.libraries import require
+    from actspec.logs import LogError
+    from actspec.readings.onnx_network import NetworkFileError
+
+    require("torch", "onnx")
+    check_output(arguments.output, force=arguments.force)
+    manifest = _manifest_of(arguments.manifest)
+    layers, entries = converted(read_network_file(arguments.file, trust=arguments.trust), manifest)
+    try:
+        paths = write_network(arguments.output, layers, entries)
+    except NetworkFileError as err:
+        raise LogError.of("LRN013", f"cannot be written: {err}", Span(arguments.file)) from err
+    print(f"wrote {', '.join(paths.values())}")
+    return EXIT_CLEAN
 
 
 def _evaluate(arguments: argparse.Namespace) -> int:

@@ -25,6 +25,7 @@ WRITTEN = (
     "net-data",
     "net-train",
     "net-evaluate",
+    "net-inspect",
 )
 """Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
 

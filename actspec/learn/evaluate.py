@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, RobotError
 from actspec.ir import JointActuator, Level
 from actspec.laws import law_of
-from actspec.laws.network import NetworkLaw
+from actspec.laws.network import Layers, NetworkLaw
 from actspec.learn.windows import Dataset, Track
 from actspec.readings.onnx_network import read_onnx
 from actspec.robot.view import RobotView
@@ -97,14 +97,10 @@ class Evaluation:
     outside: Mapping[str, float] | None
 
 
-def law_of_manifest(data: bytes, manifest: NetworkManifest) -> NetworkLaw:
-    """A network with its conventions.
-
-    Raises:
-        NetworkFileError: the file is none, or holds what is not known.
-    """
+def law_of_layers(layers: Layers, manifest: NetworkManifest) -> NetworkLaw:
+    """A network with its conventions."""
     return NetworkLaw(
-        read_onnx(data),
+        layers,
         manifest.taps,
         manifest.tap_period.value or 0.0,
         manifest.inputs == "velocity_position",
@@ -430,7 +426,7 @@ def network_of(path: str, actuators: Sequence[JointActuator]) -> tuple[NetworkLa
     out.raise_if_failed(LogError)
     assert found is not None
     try:
-        return law_of_manifest(found.data, found.manifest), found.manifest
+        return law_of_layers(read_onnx(found.data), found.manifest), found.manifest
     except OnnxMissing as err:
         message = "a network is read by onnx, which is not installed"
         raise LogError.of("LRN012", message, help="pip install 'actspec[learn]'") from err

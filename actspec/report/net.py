@@ -8,6 +8,7 @@ from typing import Any
 
 from actspec.diagnostics import Diagnostic, one_line
 from actspec.learn.evaluate import HORIZON, Errors, Evaluation, errors_of
+from actspec.learn.inspect import Inspection
 from actspec.learn.survey import JointData
 from actspec.learn.train import Trained, input_ranges
 from actspec.learn.windows import Dataset, Split, gathered
@@ -16,6 +17,7 @@ from actspec.report.terminal import diagnostic_record, json_number
 from actspec.units import format_number
 
 DATA, TRAIN, EVALUATE = "actspec-net-data/1", "actspec-net-train/1", "actspec-net-evaluate/1"
+INSPECT = "actspec-net-inspect/1"
 
 
 def _unit(data: Dataset) -> str:
@@ -248,4 +250,40 @@ def evaluate_record(found: Evaluation, findings: Sequence[Diagnostic]) -> dict[s
         "closed_loop": closed,
         "outside": None if found.outside is None else dict(found.outside),
         "findings": [diagnostic_record(item) for item in findings],
+    }
+
+
+def inspect_lines(found: Inspection, path: str) -> Iterator[str]:
+    """What a network does, a line a property."""
+    guess = ", by its weights" if found.guessed else ", by its manifest"
+    yield f"{one_line(path)}: {found.kind}, {found.inputs} inputs"
+    at = "" if found.saturates_at is None else f", from an error of {format_number(found.saturates_at, 3)}"
+    yield from table(
+        [
+            ["inputs", found.order + guess, ""],
+            ["error_sign", found.error_sign, ""],
+            ["stiffness", format_number(found.stiffness, 4), "N*m/rad"],
+            ["damping", format_number(found.damping, 4), "N*m*s/rad"],
+            ["delay_taps", format_number(found.delay_taps, 3), "samples"],
+            ["at_rest", format_number(found.at_rest, 3), "N*m"],
+            ["saturation", format_number(found.saturation, 4) + at, "N*m"],
+        ]
+    )
+    yield from (f"contradiction: {text}" for text in found.contradictions)
+
+
+def inspect_record(found: Inspection, path: str) -> dict[str, Any]:
+    """The same as JSON; SI."""
+    record = asdict(found)
+    return {
+        "format": INSPECT,
+        "file": path,
+        "kind": record["kind"],
+        "n_inputs": record["inputs"],
+        "inputs": record["order"],
+        "error_sign": record["error_sign"],
+        **{key: json_number(record[key]) for key in ("stiffness", "damping", "delay_taps", "at_rest")},
+        "saturation": {"torque": json_number(found.saturation), "error": json_number(found.saturates_at)},
+        "guessed": found.guessed,
+        "contradictions": list(found.contradictions),
     }

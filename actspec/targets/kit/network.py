@@ -115,7 +115,7 @@ def read_network(
         return None
     path = network.file
     data = None if path is None else _bytes(path, place)
-    manifest = _manifest(network.manifest, place)
+    manifest = read_manifest(network.manifest, place)
     if manifest is None:
         return None
     sha256 = manifest.sha256
@@ -244,8 +244,8 @@ def _bytes(path: str, place: Place) -> bytes | None:
     return None
 
 
-def _manifest(path: str, place: Place) -> NetworkManifest | None:
-    """JSON is YAML: read as strictly as a spec, with places."""
+def read_manifest(path: str, place: Place) -> NetworkManifest | None:
+    """A manifest; None after an error. JSON is YAML: read as strictly as a spec, with places."""
     from actspec.spec.document import load_document
     from actspec.spec.network import NetworkManifest
     from actspec.spec.validate import checked

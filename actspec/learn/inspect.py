@@ -1,0 +1,233 @@
+"""What a network does, from its weights alone: sign, order of inputs, gains, delay and saturation."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.laws.network import Layers, NetworkLaw
+from actspec.logs import LogError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from actspec.spec.network import NetworkManifest
+
+    Array = NDArray[np.float64]
+
+SMALL = (1e-3, 1e-2)
+"""Differences of an error [rad or m] and of a velocity [rad/s or m/s] for derivatives at rest."""
+REACH = 3.0
+"""Largest error of the search for saturation [rad or m]. Chosen: no leg's command is further away."""
+SETTLED = 400
+"""Samples in which an LSTM comes to rest."""
+FULL = 0.95
+"""Share of the largest torque at which a network counts as saturated."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inspection:
+    """A network's behaviour at rest.
+
+    Attributes:
+        kind: `mlp` or `lstm`.
+        inputs: Number of inputs.
+        order: `position_velocity` or `velocity_position`.
+        error_sign: `target_minus_measured` or `measured_minus_target`.
+        stiffness: d tau / d error of all samples together, in size [N*m/rad or N/m].
+        damping: -d tau / d velocity of all samples together [N*m*s/rad or N*s/m].
+        delay_taps: Samples after which an error acts, weighted by how much [-].
+        at_rest: Torque without error and velocity [N*m or N].
+        saturation: Largest torque within `REACH` [N*m or N].
+        saturates_at: Error at which it gives `FULL` of that [rad or m]; None: it still grows at `REACH`.
+        guessed: Whether order and sign follow from the weights; else the manifest states them.
+        contradictions: What the manifest says otherwise.
+    """
+
+    kind: str
+    inputs: int
+    order: str
+    error_sign: str
+    stiffness: float
+    damping: float
+    delay_taps: float
+    at_rest: float
+    saturation: float
+    saturates_at: float | None
+    guessed: bool
+    contradictions: tuple[str, ...]
+
+
+def inspect(layers: Layers, manifest: NetworkManifest | None) -> Inspection:
+    """Describe a network.
+
+    Args:
+        layers: Of it.
+        manifest: Its conventions; None: order and sign are what its weights tell: a drive answers an error with
+            more torque than a velocity of the same size, and pulls against the velocity.
+
+    Raises:
+        LogError: its inputs are no errors and velocities of samples.
+    """
+    if layers.outputs != 1 or layers.inputs % 2:
+        message = f"{layers.inputs} inputs and {layers.outputs} outputs are no errors and velocities, and one torque"
+        raise LogError.of("LRN013", message)
+    law = _law(layers, manifest)
+    wrong = []
+    if manifest is not None:
+        if layers.inputs != 2 * len(manifest.taps):
+            wrong.append(
+                f"it has {layers.inputs} inputs, the manifest's {len(manifest.taps)} taps give {law.inputs}"
+            )
+            law = _law(layers, None)
+        if manifest.kind != ("lstm" if layers.recurrent else "mlp"):
+            wrong.append(f"the manifest says {manifest.kind}")
+    by_error, by_velocity = _slopes(law)
+    if manifest is None and abs(by_velocity.sum()) > abs(by_error.sum()):
+        law = replace(law, velocity_first=True)
+        by_error, by_velocity = _slopes(law)
+    positive = by_error.sum() > 0.0
+    if manifest is not None and not wrong:
+        if not positive:
+            wrong.append(
+                f"an error of target - measured gives a torque away from the target: {by_error.sum():.4g} N*m/rad; "
+                "position_scale needs the other sign"
+            )
+        if by_velocity.sum() > 0.0:
+            wrong.append(f"a velocity is driven on, not damped: {by_velocity.sum():.4g} N*m*s/rad")
+        if abs(by_velocity.sum()) > abs(by_error.sum()):
+            wrong.append(f"velocities count more than errors: are the inputs {_other(manifest.inputs)}?")
+    weight = abs(by_error)
+    grid = _grid(law)
+    most = float(abs(grid[1]).max())
+    full = [float(e) for e, tau in zip(*grid, strict=True) if e > 0 and abs(tau) >= FULL * most]
+    ends = min(full, default=REACH)
+    return Inspection(
+        "lstm" if layers.recurrent else "mlp",
+        layers.inputs,
+        "velocity_position" if law.velocity_first else "position_velocity",
+        "target_minus_measured" if positive else "measured_minus_target",
+        abs(float(by_error.sum())),
+        -float(by_velocity.sum()),
+        float((weight * _ages(law, len(weight))).sum() / weight.sum()) if weight.sum() > 0 else 0.0,
+        float(_answer(law, 0.0, 0.0)[-1]),
+        most,
+        ends if ends < 0.9 * REACH else None,
+        manifest is None,
+        tuple(wrong),
+    )
+
+
+def _other(order: str) -> str:
+    return "velocity_position" if order == "position_velocity" else "position_velocity"
+
+
+def _law(layers: Layers, manifest: NetworkManifest | None) -> NetworkLaw:
+    if manifest is None:
+        taps = (0,) if layers.recurrent else tuple(range(layers.inputs // 2))
+        return NetworkLaw(layers, taps, 1.0)
+    from actspec.learn.evaluate import law_of_layers
+
+    return law_of_layers(layers, manifest)
+
+
+def _ages(law: NetworkLaw, count: int) -> Array:
+    import numpy as np
+
+    return np.arange(count, dtype=float) if law.layers.recurrent else np.array(law.taps, dtype=float)
+
+
+def _slopes(law: NetworkLaw) -> tuple[Array, Array]:
+    """Derivatives of the torque at rest by each sample's error and velocity; of an LSTM by how long ago it was."""
+    import numpy as np
+
+    found = []
+    for which, size in enumerate(SMALL):
+        if law.layers.recurrent:
+            # A pulse: what an LSTM answers so many samples later.
+            course = np.zeros((2, 2, SETTLED))
+            course[:, which, SETTLED // 2] = (size, -size)
+            answers = [_course(law, error, velocity)[SETTLED // 2 :] for error, velocity in course]
+            found.append((answers[0] - answers[1]) / (2.0 * size))
+            continue
+        moved = np.zeros((2, len(law.taps), 2, len(law.taps)))
+        for tap in range(len(law.taps)):
+            moved[:, tap, which, tap] = (size, -size)
+        torque = law.torque(moved[:, :, 0], moved[:, :, 1])[0]
+        found.append((torque[0] - torque[1]) / (2.0 * size))
+    return found[0], found[1]
+
+
+def _course(law: NetworkLaw, error: Array, velocity: Array) -> Array:
+    from actspec.laws.network import sequence
+
+    found: Array = sequence(law, error[:, None], velocity[:, None], 1)[:, 0]
+    return found
+
+
+def _answer(law: NetworkLaw, error: float, velocity: float) -> Array:
+    """Torque under an error and a velocity that stay."""
+    import numpy as np
+
+    steps = SETTLED if law.layers.recurrent else 1
+    return _course(law, np.full(steps, error), np.full(steps, velocity))
+
+
+def _grid(law: NetworkLaw) -> tuple[Sequence[float], Array]:
+    """Errors, and the torque at each with the joint at rest."""
+    import numpy as np
+
+    errors = np.linspace(-REACH, REACH, 121)
+    return errors.tolist(), np.array([float(_answer(law, e, 0.0)[-1]) for e in errors])
+
+
+def converted(layers: Layers, manifest: NetworkManifest) -> tuple[Layers, dict[str, object]]:
+    """The same network with scales 1 and errors before velocities, and the manifest's keys for it.
+
+    Raises:
+        LogError: the file is not what the manifest describes.
+    """
+    import numpy as np
+
+    n = len(manifest.taps)
+    kind = "lstm" if layers.recurrent else "mlp"
+    if layers.inputs != 2 * n or layers.outputs != 1 or manifest.kind != kind:
+        message = (
+            f"a network of kind {kind} with {layers.inputs} inputs and "
+            f"{layers.outputs} outputs is not what the manifest describes: {manifest.kind}, {n} taps"
+        )
+        raise LogError.of("LRN013", message, help="`actspec net inspect FILE` shows what it is")
+    scales = np.repeat([manifest.position_scale, manifest.velocity_scale], n)
+    order = np.arange(2 * n)
+    if manifest.inputs == "velocity_position":
+        scales, order = np.repeat([manifest.velocity_scale, manifest.position_scale], n), np.roll(order, n)
+
+    def first(weight: Array) -> Array:
+        found: Array = (weight * scales)[:, order]
+        return found
+
+    recurrent, dense = list(layers.recurrent), list(layers.dense)
+    if recurrent:
+        recurrent[0] = replace(recurrent[0], inputs=first(recurrent[0].inputs))
+    else:
+        dense[0] = replace(dense[0], weight=first(dense[0].weight))
+    last = dense[-1]
+    if last.activation == "identity":
+        dense[-1] = replace(
+            last, weight=last.weight * manifest.torque_scale, bias=last.bias * manifest.torque_scale
+        )
+    else:
+        dense.append(
+            replace(last, weight=np.array([[manifest.torque_scale]]), bias=np.zeros(1), activation="identity")
+        )
+    entries = manifest.model_dump(mode="json", exclude_none=True)
+    for key in ("sha256", "files", "format", "kind"):
+        entries.pop(key, None)
+    period = manifest.tap_period.value
+    assert period is not None and math.isfinite(period)
+    entries |= {"inputs": "position_velocity", "tap_period": f"{period * 1e3:.12g} ms"}
+    entries |= {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}
+    return Layers(tuple(recurrent), tuple(dense)), entries

@@ -1,0 +1,199 @@
+"""`net inspect` and `net convert` on networks of others: made by torch, with known slopes."""
+
+from __future__ import annotations
+
+import json
+import pickle
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import numpy as np
+import pytest
+
+from actspec.cli.main import main
+from actspec.readings.onnx_network import read_onnx
+from tests.network_files import onnx_mlp
+
+torch = pytest.importorskip("torch")
+
+ROOT = Path(__file__).parents[2]
+MANIFEST = {
+    "format": "actspec-network/1",
+    "kind": "mlp",
+    "inputs": "velocity_position",
+    "taps": [0, 1, 2],
+    "tap_period": "20 ms",
+    "position_scale": -2.0,
+    "velocity_scale": 0.5,
+    "torque_scale": 3.0,
+    "initial_history": "zero",
+}
+
+
+def script(folder: Path, module: Any, name: str = "net.pt") -> str:
+    """A TorchScript file."""
+    torch.jit.save(torch.jit.script(module.eval()), str(folder / name))
+    return str(folder / name)
+
+
+def linear(weights: list[float]) -> Any:
+    """A network that is linear near 0: 10 tanh(w x / 10)."""
+    first, last = torch.nn.Linear(len(weights), 1, bias=False), torch.nn.Linear(1, 1, bias=False)
+    first.weight.data = torch.tensor([weights]) / 10.0
+    last.weight.data = torch.tensor([[10.0]])
+    return torch.nn.Sequential(first, torch.nn.Tanh(), last)
+
+
+def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
+    code = main(["net", "inspect", *arguments, "--output-format", "json"])
+    found = json.loads(capsys.readouterr().out)
+    jsonschema.validate(
+        found, json.loads((ROOT / "schemas" / "actspec-net-inspect-v1.schema.json").read_text())
+    )
+    return code, found
+
+
+def test_sign_order_gains_and_delay(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """As the network published for the Go1: measured - target, mostly one sample ago; errors first."""
+    net = linear([0.0, -18.0, -2.0, -0.9, 0.0, 0.0])
+    code, found = said(capsys, script(tmp_path, net), "--trust")
+    assert code == 0
+    assert (found["inputs"], found["error_sign"]) == ("position_velocity", "measured_minus_target")
+    assert found["stiffness"] == pytest.approx(20.0, rel=1e-3)
+    assert found["damping"] == pytest.approx(0.9, rel=1e-3)
+    # (18 x 1 + 2 x 2) / 20
+    assert found["delay_taps"] == pytest.approx(1.1, rel=1e-3)
+    # 10 tanh(6): at 3 rad; 95 % of it at atanh(0.95) x 10 / 20 = 0.916 rad, the next of the grid is 0.95.
+    assert found["saturation"]["torque"] == pytest.approx(10.0 * np.tanh(6.0), rel=1e-5)
+    assert found["saturation"]["error"] == pytest.approx(0.95)
+
+
+def test_velocities_first(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The block that answers with more torque is that of errors."""
+    (tmp_path / "net.onnx").write_bytes(onnx_mlp([([[-0.5, -0.2, 30.0, 10.0]], [0.25], "")]))
+    _, found = said(capsys, str(tmp_path / "net.onnx"))
+    assert (found["inputs"], found["error_sign"]) == ("velocity_position", "target_minus_measured")
+    assert found["stiffness"] == pytest.approx(40.0) and found["damping"] == pytest.approx(0.7)
+    assert found["at_rest"] == pytest.approx(0.25) and found["saturation"]["error"] is None
+
+
+def test_manifest_of_the_other_sign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A manifest whose scale has the wrong sign, or too few taps, is contradicted: exit 1."""
+    path = script(tmp_path, linear([-0.9, 0.0, 0.0, 0.0, -18.0, -2.0]))
+    (tmp_path / "m.json").write_text(json.dumps(MANIFEST))
+    code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
+    assert code == 0 and found["contradictions"] == []
+    # d tau / d e = 3 x -2 x -20
+    assert found["stiffness"] == pytest.approx(120.0, rel=1e-3)
+    assert found["damping"] == pytest.approx(3 * 0.5 * 0.9, rel=1e-3)
+    (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "position_scale": 2.0}))
+    code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
+    assert code == 1 and "away from the target" in found["contradictions"][0]
+    (tmp_path / "m.json").write_text(json.dumps({**MANIFEST, "taps": [0]}))
+    code, found = said(capsys, path, "--trust", "--manifest", str(tmp_path / "m.json"))
+    assert code == 1 and "6 inputs" in found["contradictions"][0]
+
+
+def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Scales are in the weights afterwards, errors come first; torques are the same."""
+    torch.manual_seed(3)
+    net = torch.nn.Sequential(torch.nn.Linear(6, 8), torch.nn.Softsign(), torch.nn.Linear(8, 1))
+    path = script(tmp_path, net)
+    (tmp_path / "m.json").write_text(json.dumps(MANIFEST))
+    arguments = [
+        "net",
+        "convert",
+        path,
+        "--manifest",
+        str(tmp_path / "m.json"),
+        "-o",
+        str(tmp_path / "out" / "legs"),
+    ]
+    assert main(arguments) == 2
+    assert "LRN016" in capsys.readouterr().err and not (tmp_path / "out").exists()
+    assert main([*arguments, "--trust"]) == 0
+    manifest = json.loads((tmp_path / "out" / "legs.json").read_text())
+    assert (manifest["inputs"], manifest["position_scale"], manifest["torque_scale"]) == (
+        "position_velocity",
+        1.0,
+        1.0,
+    )
+    assert manifest["taps"] == [0, 1, 2] and manifest["tap_period"] == "20 ms"
+    e, v = np.random.default_rng(1).normal(size=(2, 5, 3))
+    with torch.no_grad():
+        x = torch.tensor(np.concatenate([0.5 * v, -2.0 * e], axis=1), dtype=torch.float32)
+        expected = 3.0 * net(x).numpy()
+    found = read_onnx((tmp_path / "out" / "legs.onnx").read_bytes())(np.concatenate([e, v], axis=1))[0]
+    assert found == pytest.approx(expected, abs=1e-5)
+
+
+def test_lstm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """An LSTM as Isaac Lab's class takes it is read and converted."""
+
+    class Net(torch.nn.Module):  # type: ignore[misc,name-defined]
+        def __init__(self) -> None:
+            super().__init__()
+            self.lstm = torch.nn.LSTM(2, 4, 1, batch_first=True)
+            self.head = torch.nn.Linear(4, 1)
+
+        def forward(
+            self, x: torch.Tensor, state: tuple[torch.Tensor, torch.Tensor]
+        ) -> tuple[torch.Tensor, tuple[torch.Tensor, torch.Tensor]]:
+            out, state = self.lstm(x, state)
+            return self.head(out[:, -1]), state
+
+    torch.manual_seed(4)
+    module = Net().eval()
+    example = (torch.zeros(1, 1, 2), (torch.zeros(1, 1, 4), torch.zeros(1, 1, 4)))
+    torch.jit.save(torch.jit.trace(module, example), str(tmp_path / "net.pt"))
+    code, found = said(capsys, str(tmp_path / "net.pt"), "--trust")
+    assert code == 0 and found["kind"] == "lstm"
+    manifest = {**MANIFEST, "kind": "lstm", "taps": [0], "inputs": "position_velocity", "tap_period": "5 ms"}
+    (tmp_path / "m.json").write_text(json.dumps(manifest))
+    out = str(tmp_path / "lstm")
+    assert (
+        main(
+            [
+                "net",
+                "convert",
+                str(tmp_path / "net.pt"),
+                "--trust",
+                "--manifest",
+                str(tmp_path / "m.json"),
+                "-o",
+                out,
+            ]
+        )
+        == 0
+    )
+    layers = read_onnx((tmp_path / "lstm.onnx").read_bytes())
+    x = np.array([[0.3, -0.7]])
+    with torch.no_grad():
+        scaled = torch.tensor(x * [-2.0, 0.5], dtype=torch.float32)[:, None]
+        expected = 3.0 * module(scaled, (torch.zeros(1, 1, 4), torch.zeros(1, 1, 4)))[0].numpy()
+    assert layers(x)[0] == pytest.approx(expected, abs=1e-5)
+
+
+def test_what_is_no_network(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A pickle, weights without a program, an unknown part, a file that is not there: exit 2, nothing run."""
+
+    class Strange(torch.nn.Module):  # type: ignore[misc,name-defined]
+        def __init__(self) -> None:
+            super().__init__()
+            self.part = torch.nn.Linear(2, 1)
+
+        def forward(self, x: torch.Tensor) -> torch.Tensor:
+            return torch.sin(self.part(x))
+
+    (tmp_path / "a.pt").write_bytes(pickle.dumps({"a": 1}))
+    torch.save(linear([1.0, 1.0]).state_dict(), str(tmp_path / "b.pt"))
+    script(tmp_path, Strange(), "c.pt")
+    for name, words in (
+        ("a.pt", "pickle"),
+        ("b.pt", "weights"),
+        ("c.pt", "more than its layers"),
+        ("d.pt", "no such"),
+    ):
+        assert main(["net", "inspect", str(tmp_path / name), "--trust"]) == 2
+        assert words in capsys.readouterr().err
