@@ -43,9 +43,9 @@ class InputRange(Strict):
     high: float
     """Quantile 0.999."""
     least: float
-    """Least."""
+    """Smallest value that there was."""
     most: float
-    """Most."""
+    """Largest value that there was."""
 
 
 class InputRanges(Strict):

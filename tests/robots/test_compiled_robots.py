@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from actspec import api, output
-from actspec.learn import mujoco as runtime
+from actspec import api, output, runtime
 
 mujoco = pytest.importorskip("mujoco")
 

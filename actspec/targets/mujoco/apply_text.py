@@ -239,7 +239,14 @@ def users_of(anchors: Anchors, plan: Plan) -> Plan:
     )
 
 
-LEFT_OUT = ("peak_torque", "continuous_torque", "reflected_inertia", "action_scale", "default_position")
+LEFT_OUT = (
+    "peak_torque",
+    "continuous_torque",
+    "torque_constant",
+    "reflected_inertia",
+    "action_scale",
+    "default_position",
+)
 """Numbers that MuJoCo's drive and joint are not made of."""
 
 
