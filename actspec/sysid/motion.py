@@ -463,10 +463,14 @@ def _filtered(course: Course, pairs: Array, parts: _Parts, delays: Array) -> Arr
             continue
         keep = np.exp(-(parts.end[:, :, d] - parts.begin[:, :, d]) * length[:, None] / lag)
         target = course.command[parts.index[:, :, d]]
-        for row in range(len(length)):
-            for p in range(keep.shape[1]):
-                value = target[row, p] + (value - target[row, p]) * keep[row, p]
-            out[row + 1, i] = value
+        # From row to row it is a straight line in the value before: factor and offset of all rows at once.
+        factor, offset = np.ones(len(length)), np.zeros(len(length))
+        for p in range(keep.shape[1]):
+            factor, offset = factor * keep[:, p], target[:, p] + (offset - target[:, p]) * keep[:, p]
+        values = [float(value)]
+        for a, b in zip(factor.tolist(), offset.tolist(), strict=True):
+            values.append(a * values[-1] + b)
+        out[:, i] = values
     return out
 
 
