@@ -69,6 +69,8 @@ def enlarged(
         )
         out.info("SYS026", message, where=joint.actuator.joint, help="`--hold` leaves a field out")
         before = after
+        if joint.fit is not None and joint.fit.noise["position"] <= LEFT * reading_noise(joint):
+            break
     return joint
 
 
