@@ -189,7 +189,8 @@ def editable(robot: RobotView) -> list[set[int]]:
     return lines
 
 
-pytestmark = pytest.mark.skipif(not FILES, reason="no corpus")
+# Of hundreds of files: not in the quick subset.
+pytestmark = [pytest.mark.slow, pytest.mark.skipif(not FILES, reason="no corpus")]
 
 
 def unlike(one: JointDynamics, other: JointDynamics) -> dict[str, tuple[float | None, float | None]]:

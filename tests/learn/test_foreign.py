@@ -128,6 +128,7 @@ def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert found == pytest.approx(expected, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_lstm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """An LSTM as Isaac Lab's class takes it is read and converted."""
 

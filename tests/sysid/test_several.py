@@ -184,6 +184,7 @@ def test_validation_on_another_log(tmp_path: Path, two: list[Log]) -> None:
     assert found.joints[0].position_rmse == pytest.approx(5e-4, rel=0.1)
 
 
+@pytest.mark.slow
 def test_a_log_is_fitted_or_validated(tmp_path: Path, two: list[Log]) -> None:
     """Not both; and one that has no joint of the fit says nothing."""
     with pytest.raises(LogError, match=r"the same as a\.csv"):
