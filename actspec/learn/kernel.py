@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 CACHE = 1 << 19
-"""Numbers of a block, rows times the widest layer. Measured, benchmarks/runtime.py on 2 threads: 0.86 to 0.93 of the bare
-pass; a quarter and four times as many are slower for the small network."""
+"""Numbers of a block, rows times the widest layer. Measured by benchmarks/runtime.py on 2 threads: 0.86 to 0.93 of the
+bare pass; a quarter and four times as many are slower for the small network."""
 
 
 def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
