@@ -93,12 +93,8 @@ def one(rounds: int) -> tuple[float, float]:
         for i in range(JOINTS)
     )
     motors = "".join(f'<motor name="j{i}" joint="j{i}"/>' for i in range(JOINTS))
-    model = mujoco.MjModel.from_xml_string(
-        f'<mujoco><option timestep="0.005"/><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
-    )
-    without = mujoco.MjModel.from_xml_string(
-        f'<mujoco><option timestep="0.005"/><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
-    )
+    xml = f'<mujoco><option timestep="0.005"/><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    model, without = (mujoco.MjModel.from_xml_string(xml) for _ in range(2))
     data, other = mujoco.MjData(model), mujoco.MjData(without)
     x, n = torch.randn(JOINTS, sizes[0]), 500
     with Attached(model, bundle), torch.no_grad():

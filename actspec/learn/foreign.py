@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Span
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.laws.network import Dense, Layers, LstmLayer
+from actspec.laws.network import ACTIVATIONS, Dense, Layers, LstmLayer
+from actspec.learn.files import torch_activation
 from actspec.logs import LogError
 from actspec.readings.onnx_network import NetworkFileError, read_onnx
 
@@ -23,17 +24,6 @@ MAX_BYTES = 64 * 1024 * 1024
 SAME = 1e-4
 """Largest difference between the layers and the file's own answer, as a share of its size. Chosen: float32."""
 PROBES = 64
-_ACTIVATIONS = {
-    "ReLU": "relu",
-    "ELU": "elu",
-    "SELU": "selu",
-    "Tanh": "tanh",
-    "Sigmoid": "sigmoid",
-    "Softsign": "softsign",
-    "Softplus": "softplus",
-    "SiLU": "silu",
-    "LeakyReLU": "leaky_relu",
-}
 _SILENT = {"Identity", "Dropout", "Sequential", "ModuleList"}
 
 
@@ -105,6 +95,7 @@ def _by_torch(data: bytes) -> Layers:
 
 def _layers(module: Any) -> Layers:
     """In the order in which they were made; the caller compares answers."""
+    known = {type(torch_activation(name)).__name__: name for name in ACTIVATIONS if name != "identity"}
     dense: list[Dense] = []
     recurrent: list[LstmLayer] = []
     for part in module.modules():
@@ -115,12 +106,12 @@ def _layers(module: Any) -> Layers:
             dense.append(Dense(weight, 0.0 * weight[:, 0] if bias is None else _array(bias)))
         elif kind == "LSTM":
             recurrent += _recurrent(dict(part.named_parameters()))
-        elif kind in _ACTIVATIONS:
+        elif kind in known:
             if not dense or dense[-1].activation != "identity":
                 raise NetworkFileError(f"its {kind} follows no linear layer")
             default = 0.01 if kind == "LeakyReLU" else 1.0
             alpha = float(getattr(part, "negative_slope" if kind == "LeakyReLU" else "alpha", default))
-            dense[-1] = Dense(dense[-1].weight, dense[-1].bias, _ACTIVATIONS[kind], alpha)
+            dense[-1] = Dense(dense[-1].weight, dense[-1].bias, known[kind], alpha)
         elif not any(True for _ in part.children()) and kind not in _SILENT:
             raise NetworkFileError(
                 f"its part {kind[:40] or 'without a name'} is not one of an actuator network"

@@ -178,14 +178,14 @@ def _known(path: str, data: bytes, place: Place) -> bool:
 
 def _fits(network: Network, path: str, data: bytes, manifest: NetworkManifest, place: Place) -> bool:
     """Whether the shape that an ONNX file states is that of the manifest's inputs."""
-    from actspec.readings.networks import network_paths
     from actspec.readings.onnx_network import NetworkFileError, NetworkUnknown, OnnxMissing, read_onnx
 
     if data.startswith(b"PK"):
         # TorchScript states no shape that could be read without running it; the ONNX file beside it does.
-        beside = network_paths(replace(network, file=None)).get("onnx") if manifest.files else None
-        if beside is None:
+        entry = manifest.files.onnx if manifest.files is not None else None
+        if entry is None or network.manifest is None:
             return True
+        beside = os.path.join(os.path.dirname(network.manifest), entry.path)
         found = _bytes(beside, place)
         if found is None:
             return False

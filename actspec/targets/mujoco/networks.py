@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import Collector
-from actspec.ir import JointActuator, Level
+from actspec.ir import JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 from actspec.targets.kit.network import (
     NetworkWithManifest,
@@ -39,18 +39,13 @@ def runtime_files(
         collector: Takes errors of networks.
     """
     names = {drive.joint: drive.name for drive in drives}
-    read: dict[Any, NetworkWithManifest | None] = {}
-    groups: dict[Any, list[JointActuator]] = {}
+    groups: dict[Network, list[JointActuator]] = {}
     for actuator in joints:
-        network = actuator.network
-        if actuator.level is not Level.ACTUATOR_NET or network is None or not _has_onnx(actuator):
-            continue
-        if network not in read:
-            read[network] = read_network(_for_onnx(actuator), "onnx", collector)
-        groups.setdefault(network, []).append(actuator)
+        if actuator.level is Level.ACTUATOR_NET and actuator.network is not None:
+            groups.setdefault(actuator.network, []).append(actuator)
     entries, files = [], []
-    for network, members in groups.items():
-        found = read[network]
+    for members in groups.values():
+        found = read_network(_for_onnx(members[0]), "onnx", collector) if _has_onnx(members[0]) else None
         stride = None if found is None else found.stride(step)
         if found is None or stride is None:
             continue
