@@ -11,6 +11,7 @@ from actspec.diagnostics import Collector, listed
 from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
+from actspec.sysid.motion import time_constant
 from actspec.sysid.recording import scatter
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
@@ -191,7 +192,7 @@ def _parameter(
             f"the best value is below 0; one of {format_number(WIDE * std, 2)} {unit} fits too",
         )
     if name == "lag":
-        cutoff = 1.0 / (2.0 * math.pi * value)
+        cutoff = time_constant(value)
         std = cutoff * std / value
         return Parameter(field, State.IDENTIFIED, cutoff, std, cutoff - WIDE * std, cutoff + WIDE * std, unit)
     low = value - WIDE * std

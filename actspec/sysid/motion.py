@@ -66,6 +66,11 @@ class Figures:
         return tuple(field.name for field in fields(cls))
 
 
+def time_constant(cutoff: float) -> float:
+    """Of a first-order low-pass [s], from its cutoff > 0 [Hz]; and the cutoff from it."""
+    return 1.0 / (2.0 * math.pi * cutoff)
+
+
 def figures_of(actuator: JointActuator) -> dict[str, float]:
     """The figures of a spec's joint, by the names of `Figures`; what is unknown counts as 0."""
 
@@ -83,7 +88,7 @@ def figures_of(actuator: JointActuator) -> dict[str, float]:
         "bias": of(actuator.encoder_bias),
         "static": of(actuator.friction_static),
         "stribeck_velocity": of(actuator.stribeck_velocity),
-        "lag": 1.0 / (2.0 * math.pi * cutoff) if cutoff > 0 else 0.0,
+        "lag": time_constant(cutoff) if cutoff > 0 else 0.0,
     }
 
 

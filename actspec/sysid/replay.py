@@ -20,7 +20,7 @@ from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.links import Links, links_along
-from actspec.sysid.motion import Bounds, Course, Figures, figures_of
+from actspec.sysid.motion import Bounds, Course, Figures, figures_of, time_constant
 from actspec.sysid.recording import Recording, driven, record
 
 if TYPE_CHECKING:
@@ -237,7 +237,7 @@ def _figures(
     for figure, (field, _) in FIELDS.items():
         value = result_value(result, field)
         if value is not None:
-            found[figure] = _lag(value) if figure == "lag" else value
+            found[figure] = time_constant(value) if figure == "lag" else value
         elif field in result.bounds_hit:
             found[figure] = 0.0
     for gain in GAINS:
@@ -251,13 +251,6 @@ def _figures(
     # A search that begins at nothing has no way to go.
     found["kp"] = found["kp"] or 1.0
     return found
-
-
-def _lag(cutoff: float) -> float:
-    """Time constant of a low-pass [s] from its cutoff [Hz]."""
-    import math
-
-    return 1.0 / (2.0 * math.pi * cutoff)
 
 
 def _free(result: JointResult, course: Course, values: Mapping[str, float]) -> tuple[str, ...]:
