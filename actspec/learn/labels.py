@@ -91,10 +91,14 @@ def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None
     """A free base must have been held: what carries it is no joint's torque."""
     import mujoco
 
+    names = {
+        log.path: [*log.joints, *(name for name in log.ignored if name.startswith("base."))] for log in logs
+    }
     moving = [
-        log.path for log in logs if any(name == "base" or name.startswith("base.") for name in log.joints)
+        log.path
+        for log in logs
+        if log.base is not None or any(n == "base" or n.startswith("base.") for n in names[log.path])
     ]
-    moving += [log.path for log in logs if any(name.startswith("base.") for name in log.ignored)]
     if moving:
         message = "the log has base columns, and torques are inferred on a base that is held"
         raise LogError.of(

@@ -8,9 +8,9 @@ One format for identification, networks and reports. Nothing in a log is execute
 
 from __future__ import annotations
 
-from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+from actspec.logs.log import BASE, SIGNALS, BaseLog, JointLog, Log, LogError
 from actspec.logs.read import load_log
 from actspec.logs.write import write_log
 from actspec.spec.sidecar import Sidecar
 
-__all__ = ["SIGNALS", "JointLog", "Log", "LogError", "Sidecar", "load_log", "write_log"]
+__all__ = ["BASE", "SIGNALS", "BaseLog", "JointLog", "Log", "LogError", "Sidecar", "load_log", "write_log"]

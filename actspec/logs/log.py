@@ -35,6 +35,32 @@ SIGNALS: Mapping[str, Kind | None] = {
 """What a column `JOINT.SIGNAL` may be, and of which kind; `enabled` is 0 or 1."""
 
 
+BASE: Mapping[str, tuple[str, str]] = {
+    "position": ("xyz", "m"),
+    "orientation": ("wxyz", ""),
+    "linear_velocity": ("xyz", "m/s"),
+    "angular_velocity": ("xyz", "rad/s"),
+}
+"""What columns `base.SIGNAL.COMPONENT` may be: components, a column each, and unit."""
+
+
+@dataclass(frozen=True, slots=True)
+class BaseLog:
+    """How a base that is free moved; None: not recorded. A cell without a number is NaN.
+
+    Attributes:
+        position: In the world [m], shape (n, 3).
+        orientation: Quaternion w, x, y, z from the base to the world, shape (n, 4).
+        linear_velocity: In the world [m/s], shape (n, 3).
+        angular_velocity: In the base's own axes, as a gyroscope reads it [rad/s], shape (n, 3).
+    """
+
+    position: Array | None = None
+    orientation: Array | None = None
+    linear_velocity: Array | None = None
+    angular_velocity: Array | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class JointLog:
     """One joint's columns; None: not recorded. A cell without a number is NaN.
@@ -79,8 +105,9 @@ class Log:
         time: From the first row on [s], shape (n,); it grows from row to row.
         joints: By name, in the order of the columns.
         sidecar: What stands in the YAML file beside it; with nothing stated where there is none.
-        ignored: Columns that are no signal of a joint.
+        ignored: Columns that are no signal of a joint or of the base.
         first_row: Line of the first row in the file, from 1.
+        base: How the base moved; None: no column tells.
     """
 
     path: str
@@ -90,6 +117,7 @@ class Log:
     sidecar: Sidecar
     ignored: tuple[str, ...] = ()
     first_row: int = 1
+    base: BaseLog | None = None
 
     @property
     def step(self) -> float:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, did_you_mean, listed, shortened
-from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+from actspec.logs.log import BASE, SIGNALS, BaseLog, JointLog, Log, LogError
 from actspec.logs.sidecar import load_sidecar, sidecar_path
 from actspec.logs.tables import Table, read_table
 from actspec.patterns import PatternError, match_names
@@ -31,6 +31,15 @@ FASTEST = 5e-5
 """Shortest [s]. Chosen: no drive is read at 20 kHz over a link; seconds written as milliseconds or minutes are
 shorter."""
 
+_BASE: Mapping[str, Kind | None] = {
+    f"base.{signal}.{component}": {
+        "position": Kind.POSITION,
+        "orientation": None,
+    }.get(signal, Kind.SPEED)
+    for signal, (components, _) in BASE.items()
+    for component in components
+}
+"""Column of the base to its kind; None: without a unit."""
 _UNIT = re.compile(r"(.*?)\s*\[([^\[\]]*)\]\s*", re.DOTALL)
 
 
@@ -58,8 +67,9 @@ def load_log(path: str) -> Log:
     found: dict[str, dict[str, Array]] = {}
     linear: dict[str, bool] = {}
     ignored = []
+    base = {name: column for name, column in columns.items() if name in _BASE}
     for column in columns.values():
-        if column.ours == "time":
+        if column.ours == "time" or column.ours in base:
             continue
         joint, _, signal = column.ours.rpartition(".")
         if not joint or signal not in SIGNALS:
@@ -71,6 +81,7 @@ def load_log(path: str) -> Log:
         if kind is None and not set(table.columns[column.index].tolist()) <= {0.0, 1.0}:
             out.error("LOG014", "must be 0 or 1 in every row", where=column.theirs, span=Span(path, 1))
         found.setdefault(joint, {})[signal] = table.columns[column.index] * scale
+    moved = _base(table, base, sidecar, path, out)
     if not found and not out.failed:
         message = "no column is a signal of a joint"
         help = f"name columns `JOINT.SIGNAL [UNIT]`, or map them in {sidecar_path(path)}; signals: {', '.join(SIGNALS)}"
@@ -80,7 +91,40 @@ def load_log(path: str) -> Log:
     _check_sidecar(sidecar, columns, list(found), path)
     joints = {name: JointLog(name, linear.get(name), **signals) for name, signals in found.items()}
     digest = hashlib.sha256(table.data).hexdigest()
-    return Log(path, digest, time, joints, sidecar, tuple(ignored), table.first_row)
+    return Log(path, digest, time, joints, sidecar, tuple(ignored), table.first_row, moved)
+
+
+def _base(
+    table: Table, columns: Mapping[str, _Column], sidecar: Sidecar, path: str, out: Collector
+) -> BaseLog | None:
+    """How the base moved, each signal with all its components; None: no column tells."""
+    import numpy as np
+
+    found: dict[str, Array] = {}
+    for signal, (components, unit) in BASE.items():
+        names = [f"base.{signal}.{component}" for component in components]
+        there = [name for name in names if name in columns]
+        if there and len(there) < len(names):
+            lacking = listed(name for name in names if name not in there)
+            out.error("LOG011", f"the log has {listed(there)}, and no {lacking}", span=Span(path, 1))
+        if len(there) < len(names):
+            continue
+        parts = []
+        for name in names:
+            column, linear = columns[name], dict[str, bool]()
+            kind = _BASE[name]
+            scale = 1.0 if kind is None else _scale(column, kind, sidecar, linear, path, out)
+            if scale and any(is_linear is unit.startswith("rad") for is_linear in linear.values()):
+                place = Span(path, 1, column.index + 1)
+                out.error("LOG013", f"must be in {unit}", where=column.theirs, span=place)
+            parts.append(table.columns[column.index] * scale)
+        found[signal] = np.stack(parts, axis=1)
+    turn = found.get("orientation")
+    if turn is not None and (bad := np.flatnonzero(np.abs(np.linalg.norm(turn, axis=1) - 1.0) > 0.1)).size:
+        message = f"a quaternion has length 1, this one {np.linalg.norm(turn[bad[0]]):.3g}"
+        place = Span(path, table.first_row + int(bad[0]))
+        out.error("LOG014", message, where="base.orientation", span=place, help="order: w, x, y, z")
+    return BaseLog(**found) if found else None
 
 
 def _check_sidecar(
@@ -222,10 +266,12 @@ def _misspelt(column: _Column, path: str, out: Collector) -> bool:
     import difflib
 
     joint, _, signal = column.ours.rpartition(".")
-    near = difflib.get_close_matches(signal, SIGNALS, n=1, cutoff=0.75)
+    near = [f"{joint}.{name}" for name in difflib.get_close_matches(signal, SIGNALS, n=1, cutoff=0.75)]
+    if column.ours.startswith("base."):
+        near = difflib.get_close_matches(column.ours, _BASE, n=1, cutoff=0.85) or near
     if not joint or not near:
         return False
-    help = f"did you mean '{joint}.{near[0]}'?"
+    help = f"did you mean '{near[0]}'?"
     place = Span(path, 1, column.index + 1)
     out.error("LOG011", f"'{shortened(column.ours)}' is no signal of a joint", span=place, help=help)
     return True

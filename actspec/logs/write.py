@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Span
 from actspec.files import FAULTS, replace_file, why
-from actspec.logs.log import SIGNALS, JointLog, Log, LogError
+from actspec.logs.log import BASE, SIGNALS, JointLog, Log, LogError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -33,6 +33,11 @@ def write_log(log: Log) -> None:
     for joint in log.joints.values():
         for signal, values in joint.signals.items():
             names.append(f"{joint.name}.{signal}{_unit(joint, signal)}")
+            columns.append(values)
+    for signal, (components, unit) in BASE.items():
+        moved = None if log.base is None else getattr(log.base, signal)
+        for component, values in zip(components, () if moved is None else moved.T, strict=False):
+            names.append(f"base.{signal}.{component}" + f" [{unit}]" * bool(unit))
             columns.append(values)
     if os.path.splitext(log.path)[1].lower() == ".npz":
         packed = io.BytesIO()

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.logs import JointLog, Log, LogError, Sidecar, load_log, write_log
+from actspec.logs import BaseLog, JointLog, Log, LogError, Sidecar, load_log, write_log
 
 HEADER = "time [ms],hip.command [deg],hip.position [rad],hip.torque [N*m],note"
 
@@ -63,6 +63,50 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
     assert read.joints["z"].linear is True
     for name, signal in read.joints["z"].signals.items():
         assert signal == pytest.approx(values[name], rel=1e-9)
+
+
+def test_how_the_base_moved(tmp_path: Path) -> None:
+    """Components with units become arrays; what was written is read again."""
+    time = 0.02 * np.arange(25)
+    random = np.random.default_rng(1)
+    turn = random.normal(size=(25, 4))
+    turn /= np.linalg.norm(turn, axis=1)[:, None]
+    moved = BaseLog(random.normal(size=(25, 3)), turn, angular_velocity=random.normal(size=(25, 3)))
+    hip = JointLog("hip", False, position=time)
+    write_log(Log(str(tmp_path / "a.csv"), "", time, {"hip": hip}, Sidecar(), base=moved))
+    read = load_log(str(tmp_path / "a.csv"))
+    assert read.base is not None and read.base.linear_velocity is None and read.ignored == ()
+    for name in ("position", "orientation", "angular_velocity"):
+        assert getattr(read.base, name) == pytest.approx(getattr(moved, name), rel=1e-9)
+    text = (tmp_path / "a.csv").read_text("utf-8")
+    (tmp_path / "b.csv").write_text(text.replace("base.position.x [m]", "base.position.x [mm]"), "utf-8")
+    again = load_log(str(tmp_path / "b.csv"))
+    assert again.base is not None and again.base.position is not None and moved.position is not None
+    assert again.base.position[3] == pytest.approx(moved.position[3] * [1e-3, 1.0, 1.0])
+
+
+TURN = "base.orientation.w,base.orientation.x,base.orientation.y,base.orientation.z"
+SPIN = ",".join(f"base.angular_velocity.{axis} [{'m/s' if axis == 'x' else 'rad/s'}]" for axis in "xyz")
+
+
+@pytest.mark.parametrize(
+    "name, row, code, said",
+    [
+        pytest.param(
+            "base.position.x [m]", "1", "LOG011", "and no base.position.y, base.position.z", id="part"
+        ),
+        pytest.param(SPIN, "0,0,0", "LOG013", "must be in rad/s", id="unit"),
+        pytest.param(TURN, "0.5,0,0,0.1", "LOG014", "a quaternion has length 1, this one 0.51", id="length"),
+        pytest.param("base.orientaton.w", "1", "LOG011", "'base.orientaton.w' is no signal", id="misspelt"),
+    ],
+)
+def test_a_base_that_is_none(tmp_path: Path, name: str, row: str, code: str, said: str) -> None:
+    """Refused with the column."""
+    lines = [f"time [s],hip.position [rad],{name}", *(f"{0.02 * i:.2f},{i},{row}" for i in range(30))]
+    with pytest.raises(LogError) as caught:
+        load_log(written(tmp_path, lines))
+    (found,) = caught.value.diagnostics
+    assert found.code == code and said in found.message
 
 
 def test_missing_cells_are_no_numbers(tmp_path: Path) -> None:
