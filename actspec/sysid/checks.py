@@ -123,9 +123,10 @@ def _shifted(recording: Recording, command: Array) -> tuple[float, float]:
 
     best = (0.0, 0.0)
     rows = max(1, round(0.2 / recording.step))
+    known = np.isfinite(recording.measured["position"])
     for lag in np.unique(np.linspace(0, rows, 12).astype(int)):
         n = len(command) - lag
-        tried = _scale(recording.position[lag:], command[:n])
+        tried = _scale(recording.position[lag:][known[lag:]], command[:n][known[lag:]])
         if abs(tried[1]) > abs(best[1]):
             best = tried
     return best
@@ -169,8 +170,10 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
     read = recording.measured.get("velocity")
     if read is None or len(read) < LEAST_ROWS:
         return recording
-    slopes = smooth(recording.time, recording.position, WINDOW, 1)
-    course = smooth(recording.time, read, WINDOW)
+    known = np.isfinite(recording.measured["position"]) & np.isfinite(read)
+    slopes = smooth(recording.time, recording.position, WINDOW, 1)[known]
+    course = smooth(recording.time, read, WINDOW)[known]
+    read = read[known]
     slope, sure = _scale(course, slopes)
     place, name = _place(recording), recording.joint
     if float(np.std(course)) < SEEN * float(np.nanstd(read - course)) * math.sqrt(recording.step / WINDOW):

@@ -67,8 +67,7 @@ def judge_drift(joint: JointInWork, unit: str, out: Collector) -> None:
     assert fit is not None
     if not {"coulomb", "viscous"} <= set(fit.free):
         return
-    for index, part in enumerate(piecewise(joint)):
-        recording = joint.recordings[index]
+    for index, (part, recording) in enumerate(zip(piecewise(joint), joint.recordings, strict=False)):
         rows = part.starts[:, None] + np.arange(part.rows)
         speeds = np.sqrt(np.mean(recording.velocity[rows] ** 2, axis=1))
         moving = np.flatnonzero(speeds > MOVES * speeds.max())

@@ -27,6 +27,7 @@ from actspec.sysid.links import Links, links_along
 from actspec.sysid.more import enlarged
 from actspec.sysid.motion import Bounds, Course, figures_of
 from actspec.sysid.recording import Recording, driven, record
+from actspec.sysid.released import release
 from actspec.sysid.unseen import held_out, judge_validation, tested
 from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
 
@@ -103,9 +104,11 @@ def roll(
     options: FitOptions,
     out: Collector,
 ) -> None:
-    """Fit joints that are prepared; a second time where what they do to each other is worth it."""
+    """Fit joints that are prepared; again with their free swings, and where what they do to each other is worth it."""
     for joint in joints.values():
         _descend(joint, options, out)
+        if release(joint, out):
+            _descend(joint, options, out)
     if _coupled(joints):
         # The others' accelerations were those of a filter; the fit knows them better.
         links = _links(robot, logs, joints)
@@ -221,7 +224,7 @@ def _validated(
         assert joint.fit is not None
         gains = joined(joint.gains, joint.actuator, [one.log for one in recordings], out)
         fit = replace(joint.fit, values=extended(gains, joint.fit.values))
-        blind[name] = replace(joint, recordings=list(recordings), courses=[], gains=gains, fit=fit)
+        blind[name] = replace(joint, recordings=list(recordings), courses=[], gains=gains, fit=fit, swings=())
     out.raise_if_failed(LogError)
     if not blind:
         return {}
@@ -321,12 +324,14 @@ def _predicted(joint: JointInWork, index: int) -> Array:
 
     recording, fit = joint.recordings[index], joint.fit
     assert fit is not None
-    pieces = piecewise(joint)[index]
-    moved = simulated(pieces, fit.values, joint.bounds, fit.states[index])
     found = recording.acceleration.copy()
-    for piece, start in enumerate(pieces.starts):
-        rows = slice(start, start + pieces.rows)
-        found[rows] = np.gradient(moved.qd[:, piece, 0], recording.time[rows])
+    for pieces, states, source in zip(piecewise(joint), fit.states, joint.sources, strict=True):
+        if source is not recording:
+            continue
+        moved = simulated(pieces, fit.values, joint.bounds, states)
+        for piece, start in enumerate(pieces.starts):
+            rows = slice(start, start + pieces.rows)
+            found[rows] = np.gradient(moved.qd[:, piece, 0], recording.time[rows])
     return found
 
 

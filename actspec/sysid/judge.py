@@ -52,13 +52,14 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
     summed = (
         not joint.parted and "kd" in fit.free and "viscous" not in fit.free and SUM[1] not in options.hold
     )
-    parameters, combinations = [], []
+    parameters: list[Parameter] = []
+    combinations: list[Combination] = []
     for name, (_, kind) in FIELDS.items():
         unit = kind.linear_unit if linear else kind.rotary_unit
         parameter = _parameter(joint, name, unit, options, unscaled=unscaled, summed=summed)
         if parameter is not None:
             parameters.append(parameter)
-    if summed or unscaled:
+    if summed or unscaled or all(_untold(parameters, field) for field in SUM):
         combinations = _combinations(joint, fit, unscaled=unscaled, linear=linear)
     correlation = _correlation(fit)
     position = fit.noise["position"]
@@ -74,6 +75,11 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
         float(np.linalg.cond(_scaled_normal(fit))) if fit.free else 1.0,
         () if unscaled or summed else tuple(_own_gains(joint, linear=linear)),
     )
+
+
+def _untold(parameters: Sequence[Parameter], field: str) -> bool:
+    """Whether a figure is asked for and not told."""
+    return any(p.field == field and p.state is State.UNIDENTIFIABLE for p in parameters)
 
 
 def _own_gains(joint: JointInWork, *, linear: bool | None) -> Iterator[Indicator]:
@@ -104,7 +110,7 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
     if not fit.free:
         return fit
     reading = fit.values["delay"] if joint.torque else None
-    logs = list(zip(piecewise(joint), fit.states, joint.recordings, strict=True))
+    logs = list(zip(piecewise(joint), fit.states, joint.sources, strict=True))
 
     def change(log: Piecewise, other: Piecewise, states: tuple[Array, Array], finer: int) -> dict[str, Array]:
         models = [
@@ -114,12 +120,15 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
         return {channel: models[0][channel] - models[1][channel] for channel in models[0]}
 
     causes: list[list[dict[str, Array]]] = [[change(log, log, states, 2) for log, states, _ in logs]]
-    accuracies = [recording.log.sidecar.accuracy for recording in joint.recordings]
+    accuracies = [recording.log.sidecar.accuracy for recording in joint.sources]
     torques = [a.torque.value if a.torque is not None and a.torque.value else 0.0 for a in accuracies]
     masses = [a.masses.value if a.masses is not None and a.masses.value else 0.0 for a in accuracies]
     if joint.torque and any(torques):
         causes.append(
-            [{"torque": off * log.cut("torque")} for (log, _, _), off in zip(logs, torques, strict=True)]
+            [
+                {"torque": off * log.cut("torque")} if "torque" in log.measured else {}
+                for (log, _, _), off in zip(logs, torques, strict=True)
+            ]
         )
     if any(masses) and not unscaled:
         causes.append(

@@ -7,6 +7,7 @@ stretch. What a filter makes of the readings is used to begin with and for the l
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -33,6 +34,9 @@ LEAST_PIECE = 30
 """Fewest rows of a piece."""
 LEAST_TIME = 0.2
 """Least length of a piece [s]. Chosen: a drive's oscillation is longer."""
+SWITCHED = 0.06
+"""Time after the drive goes on or off that is in no piece [s]. Chosen: as long as the longest delay; a command that was
+sent before still acts, or does not yet."""
 SMOOTH = 0.012
 """Width of the filter [s]. Chosen: it keeps what legs do, and the fit puts right what noise it leaves."""
 
@@ -47,8 +51,11 @@ class Recording:
         time: [s], shape (n,).
         command: [rad or m], likewise.
         speed_command: [rad/s or m/s]; 0 where none was logged.
-        measured: `position`, and `velocity` and `torque` where they were logged; NaN where left out.
-        position: Without gaps, smoothed [rad or m].
+        measured: `position`, and `velocity` and `torque` where they were logged; NaN where left out, and where the
+            drive is off.
+        off: Whether the drive is off, shape (n,).
+        released: `position` and `velocity` with the drive off; NaN elsewhere, and where left out.
+        position: Without gaps, smoothed, on and off [rad or m].
         velocity: Likewise [rad/s or m/s].
         acceleration: Likewise [rad/s^2 or m/s^2].
         starts: First rows of the pieces.
@@ -61,6 +68,8 @@ class Recording:
     command: Array
     speed_command: Array
     measured: dict[str, Array]
+    off: NDArray[np.bool_]
+    released: dict[str, Array]
     position: Array
     velocity: Array
     acceleration: Array
@@ -118,17 +127,19 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
             del measured[name]
     off = joint.enabled == 0.0 if joint.enabled is not None else np.zeros(len(log.time), dtype=bool)
     if off.any():
-        message = f"{int(off.sum())} rows with the drive off are left out"
+        message = f"{int(off.sum())} rows with the drive off: no command acts there"
         out.info("SYS013", message, where=joint.name, span=place)
-    measured = {
-        name: np.where(off | ~np.isfinite(signal), np.nan, signal) for name, signal in measured.items()
-    }
+    whole = {name: np.where(np.isfinite(signal), signal, np.nan) for name, signal in measured.items()}
+    measured = {name: np.where(off, np.nan, signal) for name, signal in whole.items()}
     bad = int(np.isnan(measured["position"]).sum() - off.sum())
     if bad > 0:
         message = f"{bad} rows have no position: they are left out"
         out.info("SYS013", message, where=joint.name, span=place)
     given = np.interp(log.time, log.time[told], joint.command[told])
     measured = _sound(log, joint.name, given, measured, out)
+    released = {name: np.where(off, whole[name], np.nan) for name in measured if name != "torque"}
+    if off.any():
+        released = _sound(log, joint.name, given, released, out)
     if np.isfinite(measured["position"]).mean() < 0.2:
         message = "no stretch of the position is sound"
         out.error("SYS011", message, where=joint.name, span=place)
@@ -151,18 +162,35 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         )
         out.info("SYS013", f"{shown}: what lies between is fitted", where=joint.name, span=first)
     command = np.interp(time, log.time, given)
-    measured = {name: np.where(fresh, np.nan, signal[index]) for name, signal in measured.items()}
-    starts, rows = _pieces(time, measured["position"], off[index])
+    measured, released = (
+        {name: np.where(fresh, np.nan, signal[index]) for name, signal in readings.items()}
+        for readings in (measured, released)
+    )
+    off = off[index]
+    starts, rows = _pieces(time, measured["position"], off)
     if not len(starts):
         message = "no stretch of the log is long enough for a fit"
         out.error(
             "SYS011", message, where=joint.name, span=place, help="log at least two seconds without a gap"
         )
         return None
-    position, velocity, acceleration = _smooth(time, measured)
+    every = {name: np.where(off, signal, measured[name]) for name, signal in released.items()}
+    position, velocity, acceleration = _smooth(time, every)
     speed = np.interp(time, log.time, np.nan_to_num(speed))
     return Recording(
-        log, joint.name, time, command, speed, measured, position, velocity, acceleration, starts, rows
+        log,
+        joint.name,
+        time,
+        command,
+        speed,
+        measured,
+        off,
+        released,
+        position,
+        velocity,
+        acceleration,
+        starts,
+        rows,
     )
 
 
@@ -258,23 +286,47 @@ def _pieces(time: Array, position: Array, off: NDArray[np.bool_]) -> tuple[NDArr
     """First rows of pieces of equal length, none over a gap or with the drive off, and the length."""
     import numpy as np
 
-    gaps = np.diff(time)
-    usual = float(np.median(gaps))
-    rows = max(round(PIECE / usual), LEAST_PIECE)
-    ends = np.flatnonzero((gaps > GAP * usual) | (off[1:] != off[:-1]))
-    both = zip([0, *(ends + 1)], [*(ends + 1), len(time)], strict=True)
-    stretches = [(first, last) for first, last in both if not off[first]]
-    longest = max((last - first for first, last in stretches), default=0)
-    rows = min(rows, longest)
+    usual = float(np.median(np.diff(time)))
+    found = stretches(time, ~off)
+    longest = max((last - first for first, last in found), default=0)
+    rows = min(max(round(PIECE / usual), LEAST_PIECE), longest)
     if rows < LEAST_PIECE or rows * usual < LEAST_TIME:
         return np.empty(0, dtype=np.intp), rows
+    return cut(found, rows, position), rows
+
+
+def stretches(time: Array, wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First rows, and those after the last, of what is wanted without a gap.
+
+    Args:
+        time: [s], shape (n,).
+        wanted: Whether the drive is on, or off; after each change some time is left out.
+    """
+    import numpy as np
+
+    gaps = np.diff(time)
+    usual = float(np.median(gaps))
+    turns = wanted[1:] != wanted[:-1]
+    ends = np.flatnonzero((gaps > GAP * usual) | turns) + 1
+    both = zip([0, *ends.tolist()], [*ends.tolist(), len(time)], strict=True)
+    wait = math.ceil(SWITCHED / usual)
+    found = [
+        (first + wait if first and turns[first - 1] else first, last) for first, last in both if wanted[first]
+    ]
+    return [(first, last) for first, last in found if last > first]
+
+
+def cut(found: Sequence[tuple[int, int]], rows: int, position: Array) -> NDArray[np.intp]:
+    """First rows of pieces of so many rows, half of which at least have a position."""
+    import numpy as np
+
     starts = [
         start
-        for first, last in stretches
+        for first, last in found
         for start in range(first, last - rows + 1, rows)
         if np.isfinite(position[start : start + rows]).mean() > 0.5
     ]
-    return np.array(starts, dtype=np.intp), rows
+    return np.array(starts, dtype=np.intp)
 
 
 def _smooth(time: Array, measured: dict[str, Array]) -> tuple[Array, Array, Array]:

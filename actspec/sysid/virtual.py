@@ -81,6 +81,7 @@ class _Plant:
     curves: Sequence[tuple[int, Bounds]]
     rate: Array
     sag: float
+    on: Array
     links: Callable[[Array, Array], tuple[Array, Array]] = field(repr=False)
 
     def drive(self, command: Array, speed_command: Array, q: Array, qd: Array) -> Array:
@@ -94,7 +95,7 @@ class _Plant:
         found: Array = np.minimum(np.maximum(wanted, low), high)
         for i, curved in self.curves:
             found[i] = curved.clip(wanted[i], qd[i])
-        return found
+        return found * self.on
 
     def dry(self, qd: Array) -> Array:
         import numpy as np
@@ -149,7 +150,7 @@ def follow(
     Args:
         robot: Its model.
         actuators: Of the joints that the log commands, in its order.
-        commands: The log; only time and commands count.
+        commands: The log; only time, commands and `enabled` count: a drive that is off gives no torque.
         path: Name of the new log.
         flaws: Of the sensors.
         seed: Of all noise: the same seed gives the same log.
@@ -175,7 +176,9 @@ def follow(
     command = np.stack([np.asarray(commands.joints[name].command) for name in names], axis=1)
     speeds = [commands.joints[name].velocity_command for name in names]
     speed_command = np.stack([np.zeros(len(command)) if s is None else s for s in speeds], axis=1)
-    q, qd, torque = _moved(plant, commands.time, command, speed_command, progress)
+    stated = [commands.joints[name].enabled for name in names]
+    enabled = np.stack([np.ones(len(command)) if s is None else s for s in stated], axis=1)
+    q, qd, torque = _moved(plant, commands.time, command, speed_command, enabled, progress)
     return _sensed(commands, actuators, q, qd, torque, path, flaws, seed)
 
 
@@ -207,6 +210,7 @@ def _plant(
         curves=[(i, bound) for i, bound in enumerate(bounds) if bound.curve is not None],
         rate=1.0 / np.where(lag > 0, lag, 1.0) + np.where(lag > 0, 0.0, math.inf),
         sag=sag,
+        on=np.ones(len(figures)),
         links=links,
     )
 
@@ -216,6 +220,7 @@ def _moved(
     time: Array,
     command: Array,
     speed_command: Array,
+    enabled: Array,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[Array, Array, Array]:
     """True position, speed and torque of the drive at every row; shape (n, n_joint)."""
@@ -233,6 +238,7 @@ def _moved(
         if progress is not None and row % 100 == 0:
             progress(row, n)
         out[0][row], out[1][row] = q, qd
+        plant.on = enabled[row]
         out[2][row] = plant.drive(filtered, speed_command[row], q, qd)
         if row == n - 1:
             break
@@ -375,6 +381,7 @@ def _joint(
         velocity_command=None if given.velocity_command is None else given.velocity_command[kept],
         torque=felt[kept] if current is None else None,
         current=None if current is None else current[kept],
+        enabled=None if given.enabled is None else given.enabled[kept],
     )
 
 

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 from actspec.ir import JointActuator
 from actspec.sysid.descent import Fit, Piecewise, Search, System, linearised
 from actspec.sysid.gains import GainSets
 from actspec.sysid.motion import Bounds, Course
 from actspec.sysid.recording import Recording
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +28,19 @@ class FitOptions:
 
     free: frozenset[str] = frozenset()
     hold: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Swings:
+    """Pieces of a log in which the drive is off and the joint swings free.
+
+    Attributes:
+        starts: First rows.
+        rows: Length of each.
+    """
+
+    starts: NDArray[np.intp]
+    rows: int
 
 
 @dataclass(slots=True)
@@ -40,6 +58,7 @@ class JointInWork:
         scale: Sizes of the values.
         low: Least ones.
         added: Figures that are free unasked.
+        swings: Of each recording, once they are found.
     """
 
     actuator: JointActuator
@@ -52,6 +71,7 @@ class JointInWork:
     scale: Mapping[str, float] | None = None
     low: Mapping[str, float] = field(default_factory=dict)
     added: frozenset[str] = frozenset()
+    swings: Sequence[Swings] = ()
 
     @property
     def told(self) -> bool:
@@ -64,11 +84,18 @@ class JointInWork:
         import numpy as np
 
         fed = any(bool(np.any(recording.speed_command)) for recording in self.recordings)
-        return self.torque or fed or "kd" in self.gains.held or self.gains.ratio_tells_kd
+        swings = any(len(found.starts) for found in self.swings)
+        return self.torque or fed or swings or "kd" in self.gains.held or self.gains.ratio_tells_kd
+
+    @property
+    def sources(self) -> list[Recording]:
+        """Where each entry of `piecewise` comes from."""
+        swinging = [r for r, found in zip(self.recordings, self.swings, strict=False) if len(found.starts)]
+        return [*self.recordings, *swinging]
 
 
 def piecewise(joint: JointInWork) -> list[Piecewise]:
-    """The logs of a joint in pieces, with the course of each."""
+    """The logs of a joint in pieces, with the course of each; behind them its free swings."""
     found = []
     for index, (recording, course) in enumerate(zip(joint.recordings, joint.courses, strict=True)):
         measured = {
@@ -77,7 +104,16 @@ def piecewise(joint: JointInWork) -> list[Piecewise]:
         behind = recording.log.sidecar.torque == "joint"
         own = joint.gains.own(index)
         found.append(Piecewise(course, measured, recording.starts, recording.rows, behind, own))
-    return found
+    swings = enumerate(joint.swings)
+    return found + [swung(joint, index, mine) for index, mine in swings if len(mine.starts)]
+
+
+def swung(joint: JointInWork, index: int, swings: Swings) -> Piecewise:
+    """Free swings of a recording: whatever the drive is, it does nothing there."""
+    recording = joint.recordings[index]
+    measured = {name: recording.released[name] for name in recording.released if name in recording.measured}
+    own = {name: (name, 0.0) for name in ("kp", "kd", "delay", "lag")}
+    return Piecewise(joint.courses[index], measured, swings.starts, swings.rows, own=own)
 
 
 def ended(joint: JointInWork) -> System:

@@ -195,13 +195,13 @@ def test_a_log_is_fitted_or_validated(tmp_path: Path, two: list[Log]) -> None:
 
 
 def test_no_piece_has_the_drive_off(two: list[Log]) -> None:
-    """Rows 700 to 899 of 2000, at 500 Hz: pieces of 500 rows before, and from row 900 on."""
+    """Rows 700 to 899 of 2000, at 500 Hz: pieces of 500 rows before, and from 60 ms after row 900 on."""
     log, out = two[0], Collector()
     enabled = np.ones(ROWS)
     enabled[700:900] = 0.0
     found = record(log, replace(log.joints["hip"], enabled=enabled), out)
     assert found is not None
-    assert (found.starts.tolist(), found.rows) == ([0, 900, 1400], 500)
+    assert (found.starts.tolist(), found.rows) == ([0, 930, 1430], 500)
     assert any("200 rows with the drive off" in item.message for item in out.sorted())
 
 
