@@ -12,6 +12,7 @@ from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
 from actspec.sysid.motion import time_constant
+from actspec.sysid.profile import profiled, weak
 from actspec.sysid.recording import scatter
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
 from actspec.units import format_number
@@ -48,6 +49,7 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
     assert joint.fit is not None and scale is not None
     linear = next((r.log.joints[r.joint].linear for r in joint.recordings), False)
     unscaled = not joint.told and not {"armature"} & (set(joint.fit.free) | options.hold)
+    told = joint.fit
     fit = joint.fit = _with_givens(joint, system, unscaled=unscaled)
     summed = (
         not joint.parted and "kd" in fit.free and "viscous" not in fit.free and SUM[1] not in options.hold
@@ -56,7 +58,7 @@ def judged(joint: JointInWork, options: FitOptions, system: System, unseen: floa
     combinations: list[Combination] = []
     for name, (_, kind) in FIELDS.items():
         unit = kind.linear_unit if linear else kind.rotary_unit
-        parameter = _parameter(joint, name, unit, options, unscaled=unscaled, summed=summed)
+        parameter = _parameter(joint, name, unit, options, told, system, unscaled=unscaled, summed=summed)
         if parameter is not None:
             parameters.append(parameter)
     if summed or unscaled or all(_untold(parameters, field) for field in SUM):
@@ -157,7 +159,15 @@ def _scaled_normal(fit: Fit) -> Array:
 
 
 def _parameter(
-    joint: JointInWork, name: str, unit: str, options: FitOptions, *, unscaled: bool, summed: bool
+    joint: JointInWork,
+    name: str,
+    unit: str,
+    options: FitOptions,
+    told: Fit,
+    system: System,
+    *,
+    unscaled: bool,
+    summed: bool,
 ) -> Parameter | None:
     """What is said of one figure; None: nothing, as nobody asked for it."""
     fit, scale, (field, _) = joint.fit, joint.scale, FIELDS[name]
@@ -195,25 +205,22 @@ def _parameter(
         if partner is not None:
             why += f", because {FIELDS[partner][0]} does nearly the same in this log"
         return untold(State.UNIDENTIFIABLE, why)
+    low, high = value - WIDE * std, value + WIDE * std
+    if weak(joint, told, name):
+        # What is taken as given moves a figure by as much either way; the cost knows of it nothing.
+        given = WIDE * math.sqrt(max(std**2 - told.std(name) ** 2, 0.0))
+        below, above = profiled(joint, told, system, name)
+        low, high = value - math.hypot(value - below, given), value + math.hypot(above - value, given)
+        std = max(high - value, value - low) / WIDE
     if value <= 0.0 and name != "bias":
-        return untold(
-            State.AT_BOUND,
-            f"the best value is below 0; one of {format_number(WIDE * std, 2)} {unit} fits too",
-        )
+        why = f"the best value is below 0; one of {format_number(high, 2)} {unit} fits too"
+        return untold(State.AT_BOUND, why)
+    if name != "bias":
+        low = max(low, 0.0)
     if name == "lag":
-        cutoff = time_constant(value)
-        std = cutoff * std / value
-        return Parameter(field, State.IDENTIFIED, cutoff, std, cutoff - WIDE * std, cutoff + WIDE * std, unit)
-    low = value - WIDE * std
-    return Parameter(
-        field,
-        State.IDENTIFIED,
-        value,
-        std,
-        low if name == "bias" else max(low, 0.0),
-        value + WIDE * std,
-        unit,
-    )
+        low, high = time_constant(high), time_constant(max(low, 0.1 * value))
+        value, std = time_constant(value), time_constant(value) * std / value
+    return Parameter(field, State.IDENTIFIED, value, std, low, high, unit)
 
 
 def _partner(fit: Fit, name: str) -> str | None:

@@ -9,8 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from actspec.logs import Sidecar
+from actspec import api
+from actspec.diagnostics import Collector
+from actspec.logs import Log, Sidecar
 from actspec.sysid.descent import System
+from actspec.sysid.fit import prepared, roll
+from actspec.sysid.profile import profiled, weak
+from actspec.sysid.work import FitOptions, JointInWork, ended
 from tests.sysid import test_fit
 from tests.sysid.test_fit import LINK, TRUE, fitted, logged
 
@@ -87,3 +92,35 @@ def test_what_may_be_off_is_in_the_interval(tmp_path: Path, monkeypatch: pytest.
         assert joint.parameter(field).std == pytest.approx(std, rel=0.03), field
     alike = {(a, b): r for a, b, r in joint.correlation}
     assert alike[("kp", "kd")] > 0.99
+
+
+@pytest.mark.slow
+def test_a_weak_figure_s_interval_ends_where_the_cost_has_risen(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Coulomb friction of 0: from 0 on, and up to where a fit that holds it costs 1.96 deviations more."""
+    monkeypatch.setitem(TRUE, "friction.coulomb", 0.0)
+    log = test_fit.bare(logged(gravity=True), "gains")
+    free = rolled(tmp_path, log)
+    assert free.fit is not None
+    assert weak(free, free.fit, "coulomb") and not weak(free, free.fit, "armature")
+    low, high = profiled(free, free.fit, ended(free), "coulomb")
+    assert low == 0.0 and free.fit.values["coulomb"] < high < 0.003
+    monkeypatch.setattr(test_fit, "SPEC", test_fit.SPEC.replace("coulomb: 0.1", f"coulomb: {high!r}"))
+    held = rolled(tmp_path, log, "friction.coulomb")
+    risen = ended(held).cost(free.fit.noise) - ended(free).cost(free.fit.noise)
+    i = free.fit.free.index("coulomb")
+    white = np.linalg.inv(free.fit.normal)[i, i]
+    assert risen == pytest.approx(1.96**2 * free.fit.covariance[i, i] / white, rel=0.1)
+
+
+def rolled(folder: Path, log: Log, hold: str = "") -> JointInWork:
+    """A joint after its rollouts."""
+    (folder / "bench.xml").write_text(test_fit.MODEL.replace("AXIS", "0 1 0"))
+    (folder / "spec.yaml").write_text(test_fit.SPEC)
+    spec = api.load(folder / "spec.yaml")
+    robot, out = api.load_robot(spec), Collector()
+    options = FitOptions(hold=frozenset({hold} if hold else ()))
+    joints = prepared(api.resolve(spec, robot), robot, [log], ["hip"], options, out)
+    roll(robot, [log], joints, options, out)
+    return joints["hip"]
