@@ -121,6 +121,7 @@ def verify(
     built: str | os.PathLike[str] | None = None,
     engines: bool = True,
     run_edited: bool = False,
+    trust: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> tuple[Compilation, Agreement]:
     """Show by numbers that every target makes what the spec says: see docs/verify.md.
@@ -131,6 +132,7 @@ def verify(
         built: Folder of compiled files to verify, as `compile` writes it below `-o`; default: what it writes today.
         engines: Run the simulators that are here; files are only read back without.
         run_edited: Let them execute Python files of `built` that are not what the spec compiles to.
+        trust: Let them execute TorchScript of networks that actspec did not write.
         progress: Called with how many steps are done, of how many.
 
     Raises:
@@ -153,6 +155,7 @@ def verify(
             spec=path,
             engines=engines,
             run_edited=run_edited,
+            trust=trust,
             progress=progress,
         )
         return compilation, relative(agreement, folder)

@@ -40,6 +40,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="with --built: let simulators execute Python files that are not what the spec compiles to",
     )
     command.add_argument(
+        "--trust",
+        action="store_true",
+        help="let simulators execute TorchScript of networks that actspec did not write",
+    )
+    command.add_argument(
         "--require-engines", action="store_true", help="exit 2 when an engine is not prepared"
     )
     command.add_argument(
@@ -96,6 +101,7 @@ def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation
             built=arguments.built,
             engines=not arguments.fields_only,
             run_edited=arguments.run_edited,
+            trust=arguments.trust,
             progress=progress.step,
         )
 

@@ -11,6 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from actspec.laws.actuator import TorqueLaw
 from actspec.laws.arrays import Array, array_namespace
 
 
@@ -183,6 +184,22 @@ class NetworkLaw:
         parts = [self.position_scale * error, self.velocity_scale * velocity]
         found, after = self.layers(xp.concat(parts[::-1] if self.velocity_first else parts, axis=-1), state)
         return self.torque_scale * found[..., 0], after
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class NetworkDrive:
+    """A network in its drive.
+
+    Attributes:
+        network: Its taps are physics steps.
+        clip: What comes before it, of a command that is a position: clamp, delay, filter and encoder bias; and after
+            it: limit and torque-speed line. Its own command is the torque.
+        most: Largest error and speed in the training data [rad or m, rad/s or m/s]; None: unknown.
+    """
+
+    network: NetworkLaw
+    clip: TorqueLaw
+    most: tuple[float, float] | None = None
 
 
 def sequence(law: NetworkLaw, error: Array, velocity: Array, stride: int) -> Array:

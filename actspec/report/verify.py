@@ -9,13 +9,14 @@ from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.output import Compilation
 from actspec.report.tables import escaped, many, markdown_table, table
 from actspec.report.terminal import style_of
+from actspec.simulate.excitation import COURSES as NETWORK
 from actspec.simulate.experiment import COURSES
 from actspec.units import format_number, format_quantity
 from actspec.verify.agreement import Agreement, At, Row, Skip
 from actspec.verify.response import SOFT
 
 _RESPONSES = ("target", "group", "joints", "response", "error", "allowed", "at")
-_HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp"}
+_HISTORIES = {"torque": "held command", "torque.step": "step", "torque.ramp": "ramp", NETWORK: "course"}
 
 _ROUNDING = 1e-4
 """Torque error that is rounding [N*m or N]. Chosen: engines in single precision are 1e-5 N*m off, and ours 1e-14."""
@@ -162,7 +163,14 @@ def _by_actuator(rows: Sequence[Row]) -> list[list[Row]]:
     found: list[list[Row]] = []
     for row in rows:
         last = found[-1] if found else []
-        if not last or (row.quantity == "torque" and last[-1].quantity != "torque"):
+        before = last[-1] if last else None
+        # Of a network there is one row, or two: of joints that agree, and of others.
+        again = before is not None and (before.quantity, before.group, before.ok) == (
+            row.quantity,
+            row.group,
+            not row.ok,
+        )
+        if before is None or (row.quantity in ("torque", NETWORK) and not again):
             found.append([row])
         else:
             last.append(row)

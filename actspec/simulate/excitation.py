@@ -4,6 +4,7 @@
   -1 and 1), as wide as an array; a shape times a torque becomes a command with `command_for`.
 - `held_motions` are for drives whose joint is put somewhere before every step: every corner of a law (`torque`),
   and the command's history (`torque.step`, `torque.ramp`), which shows delay and filter.
+- `network_courses` are for networks, whose torque is that of a history: errors and speeds that change in every step.
 - `actspec.simulate.experiment` lets joints go.
 
 The ranges of the grid are those that approximations are sized over (`actspec.targets.kit.sizes`), so a known
@@ -14,11 +15,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.ir import Command, JointActuator
 from actspec.laws import TorqueLaw, delay_steps
+from actspec.laws.network import NetworkDrive
 
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
@@ -168,7 +170,18 @@ class HeldMotion:
 
 
 HeldMotions = Mapping[str, HeldMotion]
-"""By quantity: `torque`, `torque.step` and `torque.ramp`."""
+"""By quantity: `torque`, `torque.step` and `torque.ramp`, and `COURSES` of networks."""
+
+COURSES = "torque.course"
+"""Quantity of a network."""
+COURSE = 24
+"""Steps of a course beyond its oldest sample and its delay. Chosen: each of its two sines turns in them."""
+ERRORS, SPEED_SHARES = (0.1, 0.5, 2.0), (0.0, 0.3, 1.0, 2.0)
+"""Of the largest error in the training data, and of w0: far enough for limits and all four quadrants of a line."""
+ERROR = 0.5
+"""Stands for the largest error where the manifest does not say [rad or m]. Chosen: that of a walking robot."""
+SPEED = 10.0
+"""Stands for w0 where neither line nor manifest say [rad/s or m/s]."""
 
 
 def held_motions(
@@ -198,6 +211,35 @@ def held_motions(
         name: HeldMotion(*(np.stack(columns, axis=2) for columns in zip(*parts, strict=True)))
         for name, parts in found.items()
     }
+
+
+def network_courses(drives: Sequence[NetworkDrive], step: float) -> HeldMotion:
+    """Courses of errors and speeds, from small to twice what the training data held, smooth and in jumps.
+
+    Args:
+        drives: Of the joints, the columns.
+        step: Physics step [s].
+    """
+    import numpy as np
+
+    reach = max(max(d.network.taps) + delay_steps(d.clip.delay, step).steps for d in drives)
+    k = np.arange(min(reach + COURSE, MOST_STEPS))[:, None]
+    size, speed, rough = (
+        part.ravel() for part in np.meshgrid(ERRORS, SPEED_SHARES, [False, True], indexing="ij")
+    )
+    phase = np.arange(size.size)
+    # Two sines each, of periods that have no common one; a course in jumps has the signs of the first.
+    wave, other = np.sin(0.9 * k + phase), np.sin(0.37 * k + 2.0 * phase)
+    shape = np.where(rough, np.sign(wave), 0.6 * wave + 0.4 * other)
+    turn = np.where(rough, np.sign(other), 0.6 * np.cos(0.55 * k + phase) + 0.4 * np.cos(0.21 * k))
+    columns = []
+    for drive in drives:
+        clip, most = drive.clip, drive.most or (ERROR, SPEED)
+        line = own_speed(clip)
+        qd = (most[1] if line is None else line) * speed * turn
+        q = rest_position(replace(clip, command=Command.POSITION)) + SWING * np.cos(k + phase)
+        columns.append((q + clip.encoder_bias + most[0] * size * shape, q, qd))
+    return HeldMotion(*(np.stack(part, axis=2) for part in zip(*columns, strict=True)))
 
 
 def motion_arrays(motions: HeldMotions) -> dict[str, Array]:

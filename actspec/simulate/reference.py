@@ -26,6 +26,7 @@ from actspec.laws import (
     initial_command_state,
     step_command,
 )
+from actspec.laws.network import NetworkDrive, sequence
 
 if TYPE_CHECKING:
     import numpy as np
@@ -127,14 +128,48 @@ def held_torque(law: TorqueLaw, command: Array, q: Array, qd: Array, step: float
     """
     import numpy as np
 
+    found: Array = np.asarray(law.torque(effective_commands(law, command, step, lag), q, qd))
+    return found
+
+
+def effective_commands(law: TorqueLaw, command: Array, step: float, lag: int) -> Array:
+    """What reaches a drive of its commands: clamped, late, filtered; delay line and filter begin settled.
+
+    Args: as of `held_torque`.
+
+    Returns:
+        Effective command in each step, in the command's unit, shape (n_step, ...).
+    """
+    import numpy as np
+
     low, high = law.command_range or (-math.inf, math.inf)
     given = np.asarray(clip_command(command, low=low, high=high))
     alpha = None if law.filter_cutoff is None else filter_gain(law.filter_cutoff, step)
     state = initial_command_state(given[0], lag)
-    found = np.empty_like(q)
+    found = np.empty_like(given)
     for k in range(len(given)):
-        effective, state = step_command(state, given[k], steps=lag, alpha=alpha)
-        found[k] = law.torque(effective, q[k], qd[k])
+        found[k], state = step_command(state, given[k], steps=lag, alpha=alpha)
+    return found
+
+
+def held_network_torque(
+    drive: NetworkDrive, command: Array, q: Array, qd: Array, step: float, lag: int
+) -> Array:
+    """Torque of a network's drive along courses, each begun at a reset.
+
+    Args: as of `held_torque`; the drive's taps are physics steps.
+
+    Returns:
+        Torque in each step [N*m or N], shape (n_step, ...).
+
+    Source:
+        DESIGN section 5: the network gets the error of the effective command, its torque is clamped.
+    """
+    import numpy as np
+
+    clip = drive.clip
+    error = effective_commands(clip, command, step, lag) - (q + clip.encoder_bias)
+    found: Array = np.asarray(clip.torque(sequence(drive.network, error, qd, 1), q, qd))
     return found
 
 

@@ -10,6 +10,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
+from actspec.laws.network import Layers, NetworkLaw
 from actspec.spec.results import FitFile
 from actspec.spec.values import Number, SpecValue, Strict
 from actspec.units import Kind
@@ -46,6 +47,11 @@ class InputRange(Strict):
     """Smallest value that there was."""
     most: float
     """Largest value that there was."""
+
+    @property
+    def largest(self) -> float:
+        """Size of the value that is furthest from 0."""
+        return max(abs(self.least), abs(self.most))
 
 
 class InputRanges(Strict):
@@ -122,3 +128,21 @@ class NetworkManifest(Strict):
     """How well it does on recordings that it was not trained on."""
     note: str | None = None
     """Remark."""
+
+    def law(self, layers: Layers, stride: int = 1) -> NetworkLaw:
+        """A network by these conventions.
+
+        Args:
+            layers: The network.
+            stride: Steps between two samples; taps are counted in them.
+        """
+        return NetworkLaw(
+            layers,
+            tuple(tap * stride for tap in self.taps),
+            self.tap_period.value or 0.0,
+            self.inputs == "velocity_position",
+            self.position_scale,
+            self.velocity_scale,
+            self.torque_scale,
+            self.initial_history == "first_sample",
+        )

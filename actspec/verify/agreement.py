@@ -114,10 +114,12 @@ class Row:
         group: Group of the spec; "" for what concerns the whole target.
         joint: The joint with the largest error; "" for what concerns the whole target.
         joints: How many joints of the group share the row.
-        quantity: `torque`, `torque.step`, `torque.ramp` (see `actspec.simulate.excitation`), `step response` and its
-            like (`actspec.simulate.experiment`), a field such as `kp`, or `file`.
+        quantity: `torque`, `torque.step`, `torque.ramp`, of a network `torque.course` (see
+            `actspec.simulate.excitation`), `step response` and its like (`actspec.simulate.experiment`), a field such
+            as `kp`, or `file`.
         unit: Of `max_error`, `tolerance`, `expected` and `got`.
-        max_error: Largest difference; None where there is no number to compare.
+        max_error: Largest difference, of a network aside from known approximations; None where there is no number
+            to compare.
         tolerance: Largest difference that agrees; infinity where an approximation has no size.
         ok: Whether it agrees.
         expected: Of a field at `joint`: the spec's, or of an approximated field what actspec writes.

@@ -14,6 +14,7 @@ from collections.abc import Iterator
 from actspec.diagnostics import Span, one_line
 from actspec.files import FAULTS, read_regular
 from actspec.verify.agreement import Row, TargetFiles
+from actspec.verify.joint_laws import JointLaws
 
 EXECUTED = ("isaaclab", "mjlab")
 """Kinds of target whose main file is Python that their simulator executes."""
@@ -50,6 +51,44 @@ def withheld(target: TargetFiles, *, run_edited: bool) -> str | None:
     )
 
 
+TRUST = "--trust runs it, if you know who made it"
+
+
+def runnable(target: TargetFiles, laws: JointLaws, *, run_edited: bool, trust: bool) -> JointLaws:
+    """The laws without networks whose program a simulator must not execute.
+
+    Args:
+        target: The target.
+        laws: Of its joints.
+        run_edited: Whether the user wants edited files executed.
+        trust: Whether he wants TorchScript executed that is not actspec's own.
+    """
+    if trust or not laws.networks or target.options.kind not in EXECUTED:
+        return laws
+    from actspec.learn.program import is_own
+
+    folder = target.folder if run_edited else target.fresh
+    # Joints of a group share them.
+    known = {id(drive.network.layers): drive.network.layers for drive in laws.networks.values()}
+    for file in _programs(target):
+        try:
+            data = read_regular(os.path.join(folder, file), MOST_BYTES)
+            if any(is_own(data, layers) for layers in known.values()):
+                continue
+            why = f"{file} is TorchScript, a program, and not the one that actspec writes of its ONNX file"
+        except FAULTS:
+            why = f"{file} cannot be read"
+        except ImportError:
+            why = f"whether {file}, a program, is actspec's own is not known without torch"
+        return laws.without_networks(one_line(why), TRUST)
+    return laws
+
+
+def _programs(target: TargetFiles) -> list[str]:
+    """Files that are no text: networks."""
+    return [file for file in target.files[1:] if not file.endswith(_READ)]
+
+
 def code_rows(target: TargetFiles) -> Iterator[Row]:
     """Rows of statements of a Python file that nobody executed, other than the assignments that readers understand."""
     file = target.files[0]
@@ -78,9 +117,7 @@ def code_rows(target: TargetFiles) -> Iterator[Row]:
 
 def other_rows(target: TargetFiles) -> Iterator[Row]:
     """Rows of files that are no text, networks, which are right as they were named in the spec alone."""
-    for file in target.files[1:]:
-        if file.endswith(_READ):
-            continue
+    for file in _programs(target):
         if target.folder == target.fresh or _same(target, file):
             yield target.right(f"file {file}")
         else:

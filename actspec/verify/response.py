@@ -17,7 +17,8 @@ from actspec.targets.base import Approximation
 from actspec.targets.kit.sizes import lined
 from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, worst_of
 from actspec.verify.engines.asking import BodyFriction, EngineMissing, EngineRefused, EngineResponse, answered
-from actspec.verify.torque import SLACK, JointLaws
+from actspec.verify.joint_laws import JointLaws
+from actspec.verify.torque import SLACK
 
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
@@ -90,7 +91,7 @@ def _expected(
         friction = PassiveFriction(friction.coulomb, friction.viscous)
     left_law, left, sized, counted = law, friction, True, []
     for loss in losses:
-        changed = _without(loss, left_law, left)
+        changed = without_loss(loss, left_law, left)
         if changed is None:
             sized = False
             counted.append(loss.key)
@@ -105,7 +106,7 @@ def _expected(
     )
 
 
-def _without(
+def without_loss(
     loss: Approximation, law: TorqueLaw, friction: PassiveFriction
 ) -> tuple[TorqueLaw, PassiveFriction] | None:
     """Law and friction that a loss leaves; None: it does not say."""

@@ -16,7 +16,7 @@ from actspec.diagnostics import Collector, Diagnostic, RobotError, Span
 from actspec.ir import ActuatorSet
 from actspec.readings.compare import Figure
 from actspec.robot.view import RobotView
-from actspec.simulate.excitation import HeldMotions, held_motions
+from actspec.simulate.excitation import HeldMotions
 from actspec.targets.base import Emission, TargetOptions
 from actspec.verify.agreement import Agreement, Row, Skip, TargetFiles, VerifyError
 from actspec.verify.engines.asking import EngineAnswer, EngineMissing, EngineRefused, Question, answered
@@ -25,13 +25,16 @@ from actspec.verify.execution import (
     EXECUTED,
     code_rows,
     other_rows,
+    runnable,
     withheld,
 )
 from actspec.verify.fields import broken, engine_rows, field_rows, without_repeats
+from actspec.verify.joint_laws import JointLaws, law_skips, laws_of, motions_of
 from actspec.verify.layout import order_rows
+from actspec.verify.networks import network_rows
 from actspec.verify.readback import Asked, FileFigures, read_back, read_overlay, spec_figures
 from actspec.verify.response import responses
-from actspec.verify.torque import JointLaws, law_skips, laws_of, torque_rows
+from actspec.verify.torque import torque_rows
 
 ENGINES = {
     "mujoco": "actspec.verify.engines.mujoco",
@@ -63,6 +66,7 @@ def verify(
     spec: str,
     engines: bool = True,
     run_edited: bool = False,
+    trust: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> Agreement:
     """Verify targets against the spec that they are compiled from.
@@ -74,6 +78,7 @@ def verify(
         spec: Path of the spec, for places.
         engines: Ask the engines too; files are only read back without.
         run_edited: Let simulators execute Python files that are not what the spec compiles to.
+        trust: Let them execute TorchScript that actspec did not write.
         progress: Called with how many steps are done, of how many.
     """
     from actspec.verify.ranges import range_rows
@@ -88,25 +93,27 @@ def verify(
 
     readings, unread = _read(targets, actuators, robot)
     step()
-    laws = laws_of(actuators)
-    moves: HeldMotions = {}
-    if engines and laws.laws:
-        joints = [actuator for actuator in actuators.joints if actuator.joint in laws.laws]
-        moves = held_motions(list(laws.laws.values()), joints, actuators.physics_dt.require())
     asked = spec_figures(actuators, spec)
     rows: list[Row] = []
     skipped: list[Skip] = []
     replies: Mapping[str, EngineReply] = {}
     moved: Mapping[str, list[Row]] = {}
-    if moves:
+    laws = laws_of(actuators) if engines else JointLaws((), {}, {}, {})
+    given: dict[str, tuple[JointLaws, HeldMotions]] = {}
+    if laws.joints:
+        both = laws, motions_of(laws, actuators.physics_dt.require())
+        for target in targets:
+            mine = runnable(target, laws, run_edited=run_edited, trust=trust)
+            alone = mine is not laws
+            given[target.name] = (mine, motions_of(mine, actuators.physics_dt.require())) if alone else both
         refused = {
             target.name: EngineMissing(reason, CONSENT)
             for target in targets
             if (reason := withheld(target, run_edited=run_edited)) is not None
         }
-        asked_of = [target for target in targets if target.name not in refused]
-        questions = _questions(asked_of, readings, actuators, robot, laws, run_edited=run_edited)
-        replies = {**refused, **_ask(questions, moves, step)}
+        asked_of = [t for t in targets if t.name not in refused and given[t.name][0].joints]
+        questions = _questions(asked_of, readings, actuators, robot, given, run_edited=run_edited)
+        replies = {**refused, **_ask(questions, given, step)}
         asks = {
             name: partial(import_module(ENGINES[questions[name].options.kind]).respond, questions[name])
             for name, answer in replies.items()
@@ -117,7 +124,8 @@ def verify(
     for target in targets:
         fresh, built = readings.get(target.name, (None, None))
         if engines:
-            found, missed = _torques(target, actuators, asked, laws, moves, replies.get(target.name), fresh)
+            mine, moves = given.get(target.name, (laws, {}))
+            found, missed = _torques(target, actuators, asked, mine, moves, replies.get(target.name), fresh)
             rows += [*found, *moved.get(target.name, ())]
             skipped += missed
         if engines and target.options.kind == "urdf" and fresh is not None and built is not None:
@@ -234,12 +242,11 @@ def _questions(
     readings: Mapping[str, tuple[FileFigures, FileFigures]],
     actuators: ActuatorSet,
     robot: RobotView,
-    laws: JointLaws,
+    given: Mapping[str, tuple[JointLaws, HeldMotions]],
     *,
     run_edited: bool,
 ) -> dict[str, Question]:
     """What is asked of each target that has an engine."""
-    known = replace(actuators, joints=tuple(a for a in actuators.joints if a.joint in laws.laws))
     found = {}
     for target in targets:
         if target.options.kind in ENGINES:
@@ -247,12 +254,15 @@ def _questions(
             # Equal to the file that is verified, and nobody has changed it since, or put anything beside it.
             ours = target.options.kind in EXECUTED and not run_edited
             folder = target.fresh if ours else target.folder
+            known = replace(actuators, joints=given[target.name][0].joints)
             found[target.name] = Question(target.options, folder, target.files, known, robot, refusal)
     return found
 
 
 def _ask(
-    questions: Mapping[str, Question], moves: HeldMotions, step: Callable[[], None]
+    questions: Mapping[str, Question],
+    given: Mapping[str, tuple[JointLaws, HeldMotions]],
+    step: Callable[[], None],
 ) -> dict[str, EngineReply]:
     """Ask the engines, each in a process of its own, as many at once as there are cores."""
     from actspec.processes import cores
@@ -260,7 +270,9 @@ def _ask(
     found: dict[str, EngineReply] = {}
     with ThreadPoolExecutor(max_workers=cores()) as pool:
         futures = {
-            name: pool.submit(answered, import_module(ENGINES[question.options.kind]).ask, question, moves)
+            name: pool.submit(
+                answered, import_module(ENGINES[question.options.kind]).ask, question, given[name][1]
+            )
             for name, question in questions.items()
         }
         for name, future in futures.items():
@@ -310,6 +322,7 @@ def _torques(
     if isinstance(reply, EngineRefused):
         return [broken(target, f"its simulator refuses the file: {reply}", kind)], skipped
     rows = list(torque_rows(target, actuators, laws, moves, reply))
+    rows += network_rows(target, actuators, laws, moves, reply)
     written = fresh or FileFigures(target.path(target.files[0]))
     rows += engine_rows(target, actuators, asked, written, reply.figures, reply.engine)
     return rows, skipped

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import shortened
-from actspec.ir import ActuatorSet, Command, JointActuator, Level
-from actspec.laws import TorqueLaw, delay_steps, law_of
-from actspec.simulate.excitation import HeldMotion, HeldMotions, own_speed, torque_scale
+from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.laws import TorqueLaw, delay_steps
+from actspec.simulate.excitation import COURSES, HeldMotion, HeldMotions, own_speed, torque_scale
 from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.targets.isaaclab import dialect_for
-from actspec.verify.agreement import At, Row, Skip, TargetFiles, alike, keys, worst_of
+from actspec.verify.agreement import At, Row, TargetFiles, alike, keys, worst_of
 from actspec.verify.engines.asking import EngineAnswer
+from actspec.verify.joint_laws import JointLaws
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,42 +50,6 @@ NONE = "none"
 """What an approximation emits of a field that is lost whole; a delay that is only rounded is rounded in the law too."""
 
 
-@dataclass(frozen=True, slots=True)
-class JointLaws:
-    """The joints whose torque follows a law.
-
-    Attributes:
-        columns: Joint to its column in the motions.
-        laws: Joint to its law.
-        skipped: Why the others have none, by group.
-    """
-
-    columns: Mapping[str, int]
-    laws: Mapping[str, TorqueLaw]
-    skipped: Mapping[str, str]
-
-
-def laws_of(actuators: ActuatorSet) -> JointLaws:
-    """The law of every joint that has one."""
-    found: dict[str, TorqueLaw] = {}
-    skipped = {}
-    for actuator in actuators.joints:
-        if actuator.level is Level.ACTUATOR_NET:
-            skipped[actuator.group] = "level actuator_net: the torque is the network's, which follows no law"
-            continue
-        try:
-            found[actuator.joint] = law_of(actuator)
-        except ValueError as err:
-            skipped[actuator.group] = shortened(str(err), 200)
-    return JointLaws({joint: i for i, joint in enumerate(found)}, found, skipped)
-
-
-def law_skips(target: TargetFiles, laws: JointLaws) -> Iterator[Skip]:
-    """Groups without a law, for one target."""
-    for group, reason in laws.skipped.items():
-        yield Skip(target.name, group, "torque", reason)
-
-
 def torque_rows(
     target: TargetFiles,
     actuators: ActuatorSet,
@@ -104,7 +67,11 @@ def torque_rows(
         answer: What it made of it.
     """
     step = actuators.physics_dt.require()
-    asked = {name: motion.single() if answer.single else motion for name, motion in motions.items()}
+    asked = {
+        name: motion.single() if answer.single else motion
+        for name, motion in motions.items()
+        if name != COURSES
+    }
     for members in alike(actuators):
         known = [member for member in members if member.joint in laws.laws]
         for quantity, motion in asked.items():
@@ -135,7 +102,9 @@ def _judge(
         what = "the engine has no drive for the joint"
         row = target.fault(quantity, "VFY109", what, actuator=actuator, unit=unit, engine=answer.engine)
         return math.inf, row
-    error = _error(law, actuator, motion, column, step, got, ranged=_draws(target))
+    command, q, qd = (part[:, :, column] for part in motion.arrays)
+    right = lags(law, actuator, step, ranged=draws(target))
+    error = least_error(got, [held_torque(law, command, q, qd, step, lag) for lag in right], actuator)
     strict = _strict(law, motion, column, single=answer.single)
     worst = float(error.max())
     ok, tolerance = worst <= strict, strict
@@ -146,7 +115,7 @@ def _judge(
     k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
     row = Row(
         *(target.name, actuator.group, actuator.joint, 1, quantity, unit, worst, tolerance, ok),
-        at=_at(law, motion, k, env, column),
+        at=at(law, motion, k, env, column),
         approximations=keys(lost),
         engine=answer.engine,
         code=None if ok else "VFY100",
@@ -184,26 +153,17 @@ def usual(law: TorqueLaw, actuator: JointActuator, motion: HeldMotion, column: i
     return found
 
 
-def _error(
-    law: TorqueLaw,
-    actuator: JointActuator,
-    motion: HeldMotion,
-    column: int,
-    step: float,
-    got: Array,
-    *,
-    ranged: bool,
-) -> Array:
-    """|torque - law|, shape (n_step, n_env). Of a drawn delay, the one that fits counts."""
+def least_error(got: Array, expected: Sequence[Array], actuator: JointActuator) -> Array:
+    """|torque - law|, shape (n_step, n_env); of a drawn delay, the one that fits counts.
+
+    Args:
+        got: What the engine says.
+        expected: By the law, one of each delay that is right.
+        actuator: Of the joint.
+    """
     import numpy as np
 
-    command, q, qd = (part[:, :, column] for part in motion.arrays)
-    differences = np.stack(
-        [
-            np.abs(got - held_torque(law, command, q, qd, step, lag))
-            for lag in lags(law, actuator, step, ranged=ranged)
-        ]
-    )
+    differences = np.stack([np.abs(got - law) for law in expected])
     if actuator.delay is not None and actuator.delay.sampling == "step":
         least: Array = differences.min(axis=0)
         return least
@@ -229,7 +189,7 @@ def lags(law: TorqueLaw, actuator: JointActuator, step: float, *, ranged: bool) 
     return (delay_steps(law.delay, step).steps,)
 
 
-def _draws(target: TargetFiles) -> bool:
+def draws(target: TargetFiles) -> bool:
     """Whether a target draws delays from a range."""
     options = target.options
     if options.kind == "isaaclab":
@@ -261,7 +221,8 @@ def _size(lost: Sequence[Approximation]) -> float:
     return math.inf if None in sizes else math.fsum(size for size in sizes if size is not None)
 
 
-def _at(law: TorqueLaw, motion: HeldMotion, k: int, env: int, column: int) -> At:
+def at(law: TorqueLaw, motion: HeldMotion, k: int, env: int, column: int) -> At:
+    """A sample of a motion."""
     command, q, qd = (float(part[k, env, column]) for part in motion.arrays)
     error = command - (q + law.encoder_bias) if law.command is Command.POSITION else None
     return At(error, qd, command, k)

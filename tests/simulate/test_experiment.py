@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from actspec.simulate.experiment import Experiment, design
-from actspec.verify.torque import laws_of
+from actspec.verify.joint_laws import laws_of
 from tests.verify.making import SPEC, Built, build
 
 HIP_KP = 40.0

@@ -11,6 +11,7 @@ from actspec.ir import ActuatorSet
 from actspec.simulate.experiment import Experiment, design
 from actspec.verify.agreement import Row
 from actspec.verify.engines.asking import EngineResponse, Question
+from actspec.verify.joint_laws import laws_of
 from actspec.verify.response import (
     ExpectedResponse,
     Moved,
@@ -20,7 +21,6 @@ from actspec.verify.response import (
     response_rows,
 )
 from actspec.verify.run import ENGINES
-from actspec.verify.torque import laws_of
 from tests.verify.making import Built, Edit, build
 
 

@@ -17,6 +17,7 @@ from actspec.simulate.reference import DrivenJoint, PassiveFriction
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import Row, TargetFiles
 from actspec.verify.engines.asking import EngineResponse
+from actspec.verify.joint_laws import laws_of
 from actspec.verify.response import (
     SOFT,
     ExpectedResponse,
@@ -26,7 +27,6 @@ from actspec.verify.response import (
     response_rows,
     response_skips,
 )
-from actspec.verify.torque import laws_of
 from tests.verify.making import SPEC, Built, build
 
 HIP_LIMIT, HIP_KP = 22.5, 40.0

@@ -15,7 +15,8 @@ from actspec.simulate.reference import held_torque
 from actspec.targets.base import Approximation
 from actspec.verify.agreement import Row, TargetFiles, alike
 from actspec.verify.engines.asking import EngineAnswer
-from actspec.verify.torque import laws_of, torque_rows, usual
+from actspec.verify.joint_laws import laws_of
+from actspec.verify.torque import torque_rows, usual
 from tests.verify.making import SPEC, Built, build, replaced
 
 
@@ -239,19 +240,3 @@ def test_line_that_a_version_does_not_have(tmp_path_factory: pytest.TempPathFact
     step = rows["left_knee", "torque.step"]
     assert step.ok and step.at is not None
     assert {"mujoco.delay", "mujoco.delay.range"} <= set(step.approximations)
-
-
-def test_network_has_no_law(tmp_path_factory: pytest.TempPathFactory) -> None:
-    """The torque of an actuator network follows no law: its group is passed over, with the reason."""
-    from dataclasses import replace as changed
-
-    from actspec.ir import Level
-
-    made = build(tmp_path_factory.mktemp("net"))
-    joints = tuple(
-        changed(a, level=Level.ACTUATOR_NET) if a.group == "knees" else a
-        for a in made.compilation.actuators.joints
-    )
-    laws = laws_of(changed(made.compilation.actuators, joints=joints))
-    assert set(laws.laws) == {"left_hip", "right_hip", "lift"}
-    assert laws.skipped == {"knees": "level actuator_net: the torque is the network's, which follows no law"}

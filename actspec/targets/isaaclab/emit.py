@@ -16,7 +16,7 @@ from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
-from actspec.targets.kit.network import NetworkWithManifest, read_network
+from actspec.targets.kit.network import NetworkWithManifest, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 
 CLASSES = ("auto", "implicit", "custom")
@@ -106,8 +106,9 @@ def _networks(actuators: ActuatorSet, collector: Collector) -> dict[str, tuple[N
     # Files that the target writes itself.
     names: dict[str, bytes] = {"manifest.json": b"", f"{module_name(actuators.robot)}.py": b""}
     learned = (actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
+    read = read_networks(actuators.joints, "torchscript", collector)
     for group, members in grouped(learned, lambda actuator: actuator.group):
-        file = read_network(members[0], "torchscript", collector)
+        file = read.get(members[0].network)
         if file is None:
             continue
         stride = file.stride(actuators.physics_dt.require())

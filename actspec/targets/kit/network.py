@@ -17,6 +17,7 @@ from actspec.ir import Command, JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
+    from actspec.laws.network import NetworkLaw
     from actspec.spec.network import NetworkManifest
 
 MAX_NETWORK = 64 * 1024 * 1024
@@ -47,6 +48,23 @@ class NetworkWithManifest:
     def input_order(self) -> str:
         """Which input is first, in the words of the simulators: `pos_vel` or `vel_pos`."""
         return "pos_vel" if self.manifest.inputs == "position_velocity" else "vel_pos"
+
+    def law(self, step: float) -> NetworkLaw | None:
+        """Its law, taps in physics steps; None after an error, or without layers that are known.
+
+        Args:
+            step: Physics step h [s].
+        """
+        from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
+
+        stride = self.stride(step)
+        if stride is None:
+            return None
+        try:
+            return self.manifest.law(read_onnx(self.data), stride)
+        except (OnnxMissing, NetworkFileError):
+            # Reading it has said so.
+            return None
 
     def check_command(self, group: str, command: Command, code: str, takes: str) -> None:
         """Refuse a command that is no position.
@@ -89,6 +107,30 @@ class NetworkWithManifest:
             )
             return None
         return stride
+
+
+def read_networks(
+    actuators: Iterable[JointActuator], form: NetworkForm, collector: Collector
+) -> dict[Network | None, NetworkWithManifest]:
+    """The networks of all joints of level actuator_net, each read once; without those that have an error.
+
+    Args: as of `read_network`.
+    """
+    learned = [actuator for actuator in actuators if actuator.level is Level.ACTUATOR_NET]
+    first = {actuator.network: actuator for actuator in reversed(learned)}
+    read = {network: read_network(first[network], form, collector) for network in reversed(first)}
+    return {network: found for network, found in read.items() if found is not None}
+
+
+def onnx_of(actuator: JointActuator) -> JointActuator | None:
+    """The joint with the ONNX file of its network, whatever format the spec itself names; None: there is none."""
+    from actspec.readings.networks import network_paths
+
+    network = actuator.network
+    if network is None or network.manifest is None or (network.file or "").endswith(".onnx"):
+        return actuator if network is not None and network.manifest is not None else None
+    own = replace(network, file=None)
+    return replace(actuator, network=own) if "onnx" in network_paths(own) else None
 
 
 def read_network(

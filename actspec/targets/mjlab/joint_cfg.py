@@ -11,7 +11,7 @@ Delays are steps of the simulation; there is no filter, no bias and no clamp of 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, Command, JointActuator, Level, Quantity
@@ -21,7 +21,7 @@ from actspec.simulators import text_of
 from actspec.simulators.mjlab import COMMON_FIELDS, MjlabDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission, joint_by_joint
-from actspec.targets.kit.network import read_network
+from actspec.targets.kit.network import NetworkWithManifest, read_networks
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.units import format_quantity
 
@@ -68,24 +68,23 @@ def cfg_of(
     step: float,
     target: str,
     collector: Collector,
+    network: NetworkWithManifest | None,
 ) -> JointCfg | None:
     """Choose class and fields for one joint; None after an error.
 
     Args: as of `JointEmission`, and
         view: The robot's joint; None where the spec names no model.
+        network: Of level actuator_net; None after an error.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
     joint = JointEmission(actuator, dialect, step, target, collector)
     law = joint.law
-    network: tuple[str, bytes] | None = None
     if joint.learned:
-        found = network_fields(joint)
-        if found is None:
+        if network is None:
             return None
         kind = "LearnedMlpActuatorCfg"
-        more, network = found
-        fields = [*line_fields(joint), *more]
+        fields = [*line_fields(joint), *network_fields(joint, network)]
     elif actuator.level is Level.DC_MOTOR:
         kind, fields = "DcMotorActuatorCfg", [*gain_fields(joint, always=True), *line_fields(joint)]
     elif actuator.command is Command.EFFORT:
@@ -105,7 +104,8 @@ def cfg_of(
     no_command_path(joint)
     if joint.collector.failed:
         return None
-    return JointCfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), network)
+    file = None if network is None else (network.name, network.data)
+    return JointCfg(actuator, kind, tuple(fields), delay, tuple(joint.lost), file)
 
 
 def cfgs_of(
@@ -116,10 +116,12 @@ def cfgs_of(
     Args: as of `cfg_of`.
     """
     step, described = actuators.physics_dt.require(), robot.format is not ModelFormat.NONE
+    networks = read_networks(actuators.joints, "torchscript", collector)
 
     def cfg(actuator: JointActuator, own: Collector) -> JointCfg | None:
         view = robot.joint(actuator.joint) if described else None
-        return cfg_of(actuator, view, dialect, step, target, own)
+        network = networks.get(actuator.network)
+        return cfg_of(actuator, view, dialect, step, target, own, network)
 
     return joint_by_joint(actuators, cfg, OF_A_JOINT, collector)
 
@@ -297,29 +299,28 @@ def passive_fields(joint: MjlabJoint, view: JointView | None) -> list[CfgField]:
     return fields
 
 
-def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]] | None:
-    """Fields of the network and its file; None after an error."""
+def network_fields(joint: MjlabJoint, network: NetworkWithManifest) -> list[CfgField]:
+    """Fields of the network."""
     actuator, step = joint.actuator, joint.step * 1e3
-    found = read_network(actuator, "torchscript", joint.collector)
-    if found is None:
-        return None
-    manifest, taps = found.manifest, found.manifest.taps
-    found.check_command(actuator.group, actuator.command, "MJL003", "mjlab's network takes position errors")
+    # Told of a joint, so that one fault of several is one message.
+    network = replace(network, place=replace(network.place, collector=joint.collector))
+    manifest, taps = network.manifest, network.manifest.taps
+    network.check_command(actuator.group, actuator.command, "MJL003", "mjlab's network takes position errors")
     if manifest.kind != "mlp":
-        found.place.error(
+        network.place.error(
             "MJL004",
             f"mjlab has no actuator class for a network of kind {manifest.kind}",
             "its LearnedMlpActuatorCfg takes an mlp; Isaac Lab has a class for an lstm",
         )
     if taps != tuple(range(len(taps))):
-        found.place.error(
+        network.place.error(
             "MJL005",
             f"mjlab gives a network the samples 0 to n - 1 in this order, got taps {list(taps)}",
             f"train on taps {list(range(len(taps)))}",
         )
-    stride = found.stride(joint.step)
+    stride = network.stride(joint.step)
     if stride is not None and stride != 1 and len(taps) > 1:
-        found.place.error(
+        network.place.error(
             "MJL006",
             f"mjlab samples a network's history at every physics step, {step:g} ms, and its taps are "
             f"{stride * step:g} ms apart",
@@ -334,10 +335,10 @@ def network_fields(joint: MjlabJoint) -> tuple[list[CfgField], tuple[str, bytes]
             joint.both_limits,
         )
     return [
-        CfgField("network_file", f"str(FOLDER / {py(found.name)})"),
+        CfgField("network_file", f"str(FOLDER / {py(network.name)})"),
         CfgField("pos_scale", py(manifest.position_scale), "of target - measured"),
         CfgField("vel_scale", py(manifest.velocity_scale)),
         CfgField("torque_scale", py(manifest.torque_scale)),
-        CfgField("input_order", py(found.input_order)),
+        CfgField("input_order", py(network.input_order)),
         CfgField("history_length", py(len(taps)), f"every {step:g} ms"),
-    ], (found.name, found.data)
+    ]

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from typing import Any
 
 from actspec.diagnostics import Collector
@@ -18,6 +17,7 @@ from actspec.targets.kit.network import (
     NetworkWithManifest,
     network_clip,
     network_files,
+    onnx_of,
     read_network,
 )
 from actspec.targets.mujoco.drive import Drive
@@ -45,7 +45,8 @@ def runtime_files(
             groups.setdefault(actuator.network, []).append(actuator)
     entries, files = [], []
     for members in groups.values():
-        found = read_network(_for_onnx(members[0]), "onnx", collector) if _has_onnx(members[0]) else None
+        known = onnx_of(members[0])
+        found = None if known is None else read_network(known, "onnx", collector)
         stride = None if found is None else found.stride(step)
         if found is None or stride is None:
             continue
@@ -59,25 +60,6 @@ def runtime_files(
         EmittedFile(NAME, (text + "\n").encode()),
         *network_files(files, "MJC031", "differ in their weights", collector),
     ]
-
-
-def _has_onnx(actuator: JointActuator) -> bool:
-    """Whether a network's ONNX file is named: the spec's own file, or the manifest's."""
-    from actspec.readings.networks import network_paths
-
-    assert actuator.network is not None
-    if actuator.network.manifest is None:
-        return False
-    paths = network_paths(replace(actuator.network, file=None))
-    return "onnx" in paths or (actuator.network.file or "").endswith(".onnx")
-
-
-def _for_onnx(actuator: JointActuator) -> JointActuator:
-    """The actuator with a network whose `file`, if it is of another format, gives way to the manifest's."""
-    network = actuator.network
-    if network is None or network.file is None or network.file.endswith(".onnx"):
-        return actuator
-    return replace(actuator, network=replace(network, file=None))
 
 
 def _entry(

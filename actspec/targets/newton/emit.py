@@ -13,7 +13,7 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.newton import NewtonDialect, newton_dialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
-from actspec.targets.kit.network import network_files
+from actspec.targets.kit.network import network_files, read_networks
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, free_name, identifier, section_lines
 from actspec.targets.newton.joint_prims import JointPrims, prims_of
@@ -38,8 +38,10 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     dialect = dialect_of(lambda: newton_dialect(options.version), "NWT007", options, collector)
     step = actuators.physics_dt.require()
 
+    read = read_networks(actuators.joints, "onnx", collector)
+
     def prims(actuator: JointActuator, own: Collector) -> JointPrims | None:
-        return prims_of(actuator, dialect, step, options.name, own)
+        return prims_of(actuator, dialect, step, options.name, own, read.get(actuator.network))
 
     joints = joint_by_joint(actuators, prims, ("NWT001",), collector)
     _check_bodies(actuators, robot, collector)

@@ -20,7 +20,7 @@ from actspec.simulators import text_of
 from actspec.simulators.newton import JOINT_DAMPING, NETWORKS, NewtonDialect
 from actspec.targets.base import Approximation
 from actspec.targets.kit.joint import JointEmission
-from actspec.targets.kit.network import NetworkWithManifest, read_network
+from actspec.targets.kit.network import NetworkWithManifest
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.targets.kit.sizes import lined
 from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
@@ -51,21 +51,27 @@ class JointPrims:
 
 
 def prims_of(
-    actuator: JointActuator, dialect: NewtonDialect, step: float, target: str, collector: Collector
+    actuator: JointActuator,
+    dialect: NewtonDialect,
+    step: float,
+    target: str,
+    collector: Collector,
+    network: NetworkWithManifest | None = None,
 ) -> JointPrims | None:
     """Choose schemas and attributes for one joint; None after an error.
 
-    Args: as of `JointEmission`.
+    Args: as of `JointEmission`, and
+        network: Of level actuator_net; None after an error.
 
     Raises: ValueError: the law lacks a number, or a delay is too long; it says which.
     """
     joint = JointEmission(actuator, dialect, step, target, collector)
-    network = None
+    file = None
     if joint.learned:
-        found = network_attributes(joint)
+        found = None if network is None else network_attributes(joint, network)
         if found is None:
             return None
-        control, (attributes, network) = "NewtonNeuralControlAPI", found
+        control, (attributes, file) = "NewtonNeuralControlAPI", found
     else:
         control, attributes = "NewtonPDControlAPI", gain_attributes(joint)
     clamping, limits = clamps(joint)
@@ -78,7 +84,7 @@ def prims_of(
         (own, tuple(about)),
         (apis, (*attributes, *limits, *delay)),
         tuple(joint.lost),
-        network,
+        file,
     )
 
 
@@ -257,11 +263,10 @@ TENSORS = (
 """Names of an lstm's inputs and outputs, which Newton takes from the file's own metadata."""
 
 
-def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[str, bytes]] | None:
+def network_attributes(
+    joint: NewtonJoint, found: NetworkWithManifest
+) -> tuple[list[UsdAttribute], tuple[str, bytes]] | None:
     """`newton:modelPath` and the file; None after an error."""
-    found = read_network(joint.actuator, "onnx", joint.collector)
-    if found is None:
-        return None
     manifest = found.manifest
     if not joint.dialect.networks:
         found.place.error(
@@ -280,7 +285,7 @@ def network_attributes(joint: NewtonJoint) -> tuple[list[UsdAttribute], tuple[st
         )
     stride = found.stride(joint.step)
     metadata = None if stride is None else _metadata(joint.step, found, stride)
-    if metadata is None or joint.collector.failed:
+    if metadata is None or found.place.collector.failed:
         return None
     if manifest.initial_history == "first_sample" and manifest.kind == "mlp" and any(manifest.taps):
         joint.approximate(

@@ -14,7 +14,7 @@ from xml.sax.saxutils import quoteattr
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import ActuatorSet, JointKind
 from actspec.robot.view import JointView, RobotView
-from actspec.simulate.excitation import HeldMotions
+from actspec.simulate.excitation import COURSES, HeldMotions
 from actspec.simulate.experiment import Experiment
 from actspec.simulators import release_of, text_of
 from actspec.simulators.mjlab import INSTALLED, mjlab_dialect
@@ -138,6 +138,7 @@ def _newton(question: Question, job: Mapping[str, Any], arrays: Mapping[str, Any
         "overlay": str(Path(question.main).resolve()),
         "stage": stage(question, paths),
         "joints": [path_text(paths[joint]) for joint in job["columns"]],
+        "networks": COURSES in job.get("motions", ()),
     }
     return f"newton {package}", frameworks, more
 

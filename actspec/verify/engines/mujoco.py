@@ -17,7 +17,7 @@ from actspec.diagnostics import RobotError, shortened
 from actspec.files import FAULTS, read_regular
 from actspec.robot.view import ModelFormat
 from actspec.robot.xml import open_document
-from actspec.simulate.excitation import HeldMotions
+from actspec.simulate.excitation import COURSES, HeldMotions
 from actspec.simulate.experiment import Experiment
 from actspec.simulators import UnknownVersion
 from actspec.simulators.mujoco import RELEASES, MujocoDialect, mujoco_dialect
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
 
 ROLLOUT = SIMULATE / "rollout.py"
+ATTACHED = Path(__file__).parents[1] / "attached.py"
 TIMEOUT = 300
 """Seconds for the jobs of one process."""
 
@@ -77,12 +78,14 @@ def _rolled(
     """Name and version of the engine, what it answers to a job, and the arrays."""
     version, folder = _release(question)
     environment = {} if folder is None else {"PYTHONPATH": str(folder)}
+    # The runtime is actspec's own, and asked as its users ask it.
+    networks = COURSES in job.get("motions", ())
     with _model(question, folder) as model:
         try:
             said, out = run_probe(
                 sys.executable,
-                ROLLOUT,
-                {**job, "path": str(model.resolve())},
+                ATTACHED if networks else ROLLOUT,
+                {**job, "path": str(model.resolve()), "networks": str(Path(question.folder).resolve())},
                 arrays,
                 environment=environment,
                 timeout=TIMEOUT,

@@ -8,6 +8,7 @@ Job, beside what `standalone` says:
     overlay: the `.usda` that is laid on the stage.
     stage: text of the stage.
     joints: prims of the managed joints, the columns of every array.
+    networks: whether torques of networks are asked for; else none is loaded.
 
 Answers, likewise: `version`; `figures`: per column what the model has of the joint.
 """
@@ -98,7 +99,7 @@ def _write(array: Any, places: Array, values: Array) -> None:
     array.assign(whole)
 
 
-def composed(stage: str, overlay: str) -> Any:
+def composed(stage: str, overlay: str, networks: bool = False) -> Any:
     """A stage with the overlay as its session's layer, as the overlay's head says."""
     from pxr import Usd
 
@@ -108,7 +109,7 @@ def composed(stage: str, overlay: str) -> Any:
     opened.GetSessionLayer().subLayerPaths.append(os.path.abspath(overlay))
     for prim in opened.Traverse():
         network = prim.GetAttribute("newton:modelPath")
-        if network and network.HasAuthoredValue():
+        if network and network.HasAuthoredValue() and not networks:
             # No torque of a network is asked for.
             prim.SetActive(False)
     return opened
@@ -121,7 +122,7 @@ def run(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, Any], 
 
     warp.config.quiet = True
     builder = newton.ModelBuilder()
-    builder.add_usd(composed(job["stage"], job["overlay"]))
+    builder.add_usd(composed(job["stage"], job["overlay"], job["networks"]))
     rig = Rig(builder.finalize(device="cpu"), job["joints"], job["commands"], job["step"])
     out = {}
     for name in job["motions"]:

@@ -1,0 +1,112 @@
+"""Torque agreement of networks: what an engine computes along courses against the law of the network's ONNX file."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from actspec.ir import ActuatorSet, Command, JointActuator
+from actspec.laws.network import NetworkDrive
+from actspec.simulate.excitation import COURSES, HeldMotion, HeldMotions, torque_scale
+from actspec.simulate.reference import PassiveFriction, held_network_torque
+from actspec.targets.base import Approximation
+from actspec.verify.agreement import Row, TargetFiles, alike, keys, worst_of
+from actspec.verify.engines.asking import EngineAnswer
+from actspec.verify.joint_laws import JointLaws
+from actspec.verify.response import without_loss
+from actspec.verify.torque import SINGLE, at, draws, lags, least_error, usual
+
+HISTORY = "network.initial_history"
+
+
+def network_rows(
+    target: TargetFiles, actuators: ActuatorSet, laws: JointLaws, motions: HeldMotions, answer: EngineAnswer
+) -> Iterator[Row]:
+    """Rows of an engine's networks.
+
+    Args:
+        target: What was asked.
+        actuators: What the spec asks for.
+        laws: Of its joints.
+        motions: What the engine was asked.
+        answer: What it made of it.
+    """
+    if COURSES not in motions:
+        return
+    step = actuators.physics_dt.require()
+    motion = motions[COURSES].single() if answer.single else motions[COURSES]
+    for members in alike(actuators):
+        known = [member for member in members if member.joint in laws.networks]
+        judged = (_judge(target, one, laws, motion, answer, step) for one in known)
+        yield from worst_of(judged, lambda row: row.ok)
+
+
+def _judge(
+    target: TargetFiles,
+    actuator: JointActuator,
+    laws: JointLaws,
+    motion: HeldMotion,
+    answer: EngineAnswer,
+    step: float,
+) -> tuple[float, Row]:
+    """The row of one joint, and its error in tolerances."""
+    import numpy as np
+
+    asked, column = laws.networks[actuator.joint], laws.columns[actuator.joint]
+    got, unit = answer.torques[COURSES][:, :, column], actuator.effort_limit.unit
+    if not np.isfinite(got).all():
+        what = "the engine has no drive for the joint"
+        row = target.fault(COURSES, "VFY109", what, actuator=actuator, unit=unit, engine=answer.engine)
+        return math.inf, row
+    tolerance = SINGLE * torque_scale(asked.clip)
+    # What the target is known to lose is lost in the law too, exactly: what is left must agree.
+    drive, lost = _left(asked, target.losses_of(actuator.joint, _FIELDS))
+    late = drive.clip.delay == asked.clip.delay
+    right = lags(drive.clip, actuator, step, ranged=draws(target)) if late else (0,)
+    command, q, qd = (part[:, :, column] for part in motion.arrays)
+    wanted = [held_network_torque(drive, command, q, qd, step, lag) for lag in right]
+    error = least_error(got, wanted, actuator)
+    worst = float(error.max())
+    ok = worst <= tolerance
+    k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
+    posed = replace(asked.clip, command=Command.POSITION)
+    inside = usual(posed, actuator, motion, column)
+    beside = ", known approximations aside" if lost else ""
+    row = Row(
+        *(target.name, actuator.group, actuator.joint, 1, COURSES, unit, worst, tolerance, ok),
+        at=at(posed, motion, k, env, column),
+        approximations=keys(lost),
+        engine=answer.engine,
+        code=None if ok else "VFY100",
+        message="" if ok else f"the torque differs from the network's by {worst:.4g} {unit}{beside}",
+        usual_error=float(error[inside].max()) if inside.any() else None,
+    )
+    return worst / tolerance, row
+
+
+# Not `network`: what MuJoCo's file loses of it the runtime has, which is asked here.
+_FIELDS = (
+    HISTORY,
+    "delay",
+    "command_filter",
+    "encoder_bias",
+    "command_range",
+    "effort_limit",
+    "torque_speed_curve",
+)
+
+
+def _left(drive: NetworkDrive, losses: Sequence[Approximation]) -> tuple[NetworkDrive, list[Approximation]]:
+    """The drive without what a target is known to lose of it, and those losses."""
+    counted = []
+    for loss in losses:
+        changed = drive
+        if loss.field == HISTORY:
+            changed = replace(drive, network=replace(drive.network, backfill="first" in loss.emitted))
+        elif (kept := without_loss(loss, drive.clip, PassiveFriction(0.0, 0.0))) is not None:
+            changed = replace(drive, clip=kept[0])
+        if (changed.clip, changed.network.backfill) != (drive.clip, drive.network.backfill):
+            counted.append(loss)
+            drive = changed
+    return drive, counted
