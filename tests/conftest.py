@@ -10,6 +10,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.frameworks.forking import forking
+
 MJLAB = "1.6.0"
 """The release whose robots the tests read."""
 
@@ -42,3 +44,10 @@ def mjlab_installed() -> Iterator[Path]:
     sys.path.insert(0, str(folder))
     yield folder
     sys.path.remove(str(folder))
+
+
+@pytest.fixture(scope="session")
+def forked() -> Iterator[None]:
+    """Probes of simulators are forks of processes that have imported them."""
+    with forking():
+        yield

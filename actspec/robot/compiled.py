@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -429,12 +429,21 @@ def model_fields(model: Any) -> Iterator[tuple[str, Any]]:
     import numpy as np
 
     for prefix, owner in (("", model), ("opt.", model.opt), ("stat.", model.stat)):
-        for name in dir(owner):
-            if name.startswith("_") or name in NOT_COMPARED or name.endswith("pathadr"):
-                continue
+        for name in _compared(type(owner)):  # type: ignore[arg-type]
             value = getattr(owner, name)
             if isinstance(value, (int, float, bytes, np.ndarray, np.generic)):
                 yield prefix + name, value
+
+
+@cache
+def _compared(owner: type) -> tuple[str, ...]:
+    """Attributes of a class of MuJoCo's that are compared; its methods are none."""
+    return tuple(
+        name
+        for name in dir(owner)
+        if not (name.startswith("_") or name in NOT_COMPARED or name.endswith("pathadr"))
+        and not callable(getattr(owner, name))
+    )
 
 
 def unequal(first: Any, second: Any) -> str | None:
@@ -445,6 +454,8 @@ def unequal(first: Any, second: Any) -> str | None:
         return "only in one"
     if isinstance(first, bytes) or isinstance(second, bytes):
         return None if first == second else "differs"
+    if np.array_equal(first, second):
+        return None
     a, b = np.asarray(first), np.asarray(second)
     if a.shape != b.shape:
         return f"shape {a.shape} against {b.shape}"

@@ -30,13 +30,13 @@ def _engine(version: str) -> Engine:
 
 
 @pytest.fixture(scope="session")
-def engine_of() -> Callable[[str], Engine]:
+def engine_of(forked: None) -> Callable[[str], Engine]:
     """Hand out a release by version; skips where it cannot be had."""
     return _engine
 
 
 @pytest.fixture(scope="session", params=VERSIONS, ids=lambda version: f"mujoco-{version}")
-def engine(request: pytest.FixtureRequest) -> Engine:
+def engine(request: pytest.FixtureRequest, forked: None) -> Engine:
     """Each release in turn."""
     return _engine(request.param)
 

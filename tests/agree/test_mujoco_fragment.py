@@ -29,6 +29,7 @@ from tests.agree.test_mujoco_target import (
     effective,
     groups,
     held_by,
+    leaks,
     states,
     step_commands,
 )
@@ -106,17 +107,17 @@ def test_fragment_is_the_law(engine: Engine, tmp_path: Path) -> None:
 def test_nothing_leaks_from_the_main_class(engine: Engine, tmp_path: Path) -> None:
     """Whatever actuator the including model's main class holds, the drives are the law, over states and steps."""
     jobs, laws = [], []
-    for index, default in enumerate(MAIN_DEFAULTS.values()):
-        for name, hinge in UNDER_DEFAULTS.items():
-            if not held_by(name, engine.number):
-                continue
-            host, resolved = hosted(tmp_path / f"{index}-{name}", hinge, "", release(engine), default)
-            law = law_of(resolved.joints[0])
-            q, qd, ctrl = (column[::7, None] for column in states(law))
-            jobs.append(grid(host, joints=[HINGE], q=q, qd=qd, ctrl=ctrl))
-            commands = step_commands(law)
-            jobs.append(time(host, joints=[HINGE], ctrl=commands[:, None], q=[HELD], start=[commands[0]]))
-            laws.append(law)
+    for default, name in leaks(engine):
+        if not held_by(name, engine.number):
+            continue
+        folder = tmp_path / f"{default}-{name}"
+        host, resolved = hosted(folder, UNDER_DEFAULTS[name], "", release(engine), MAIN_DEFAULTS[default])
+        law = law_of(resolved.joints[0])
+        q, qd, ctrl = (column[::7, None] for column in states(law))
+        jobs.append(grid(host, joints=[HINGE], q=q, qd=qd, ctrl=ctrl))
+        commands = step_commands(law)
+        jobs.append(time(host, joints=[HINGE], ctrl=commands[:, None], q=[HELD], start=[commands[0]]))
+        laws.append(law)
     said = engine.run(jobs)
     for index, law in enumerate(laws):
         over, steps = jobs[2 * index].inputs, jobs[2 * index + 1].inputs

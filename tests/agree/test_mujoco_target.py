@@ -26,7 +26,7 @@ from actspec.laws import (
     step_command,
 )
 from actspec.targets.base import Approximation, TargetOptions
-from tests.agree.engines import Answer, Engine, Job, grid, load, time
+from tests.agree.engines import VERSIONS, Answer, Engine, Job, grid, load, time
 from tests.compiling import Compiled, compile_text
 
 Array = NDArray[np.float64]
@@ -445,25 +445,30 @@ UNDER_DEFAULTS = {
 }
 
 
+def leaks(engine: Engine) -> list[tuple[str, str]]:
+    """Each default under each drive, half of them in a release: two neighbours of one dialect have them all."""
+    pairs = [(default, drive) for default in MAIN_DEFAULTS for drive in UNDER_DEFAULTS]
+    return pairs[VERSIONS.index(engine.version) % 2 :: 2]
+
+
 def test_main_default_does_not_leak(engine: Engine) -> None:
     """Whatever the main default class holds, the drives are the law; in time, the filter too."""
     version = ".".join(engine.version.split(".")[:2])
     jobs, laws = [], []
-    for default in MAIN_DEFAULTS.values():
+    for default, hinge in leaks(engine):
         # Some defaults fit no actuator but the drives, which say everything themselves.
         bare = ROBOT[: ROBOT.index("  <actuator>")] + "</mujoco>"
-        text = bare.replace("  <default>", f"  <default>{default}", 1)
-        for hinge in UNDER_DEFAULTS.values():
-            compiled = compile_text(groups(hinge), text, version, robot="unmanaged: [slide]")
-            law = law_of(compiled.actuators.joints[0])
-            if compiled.emission.approximations:
-                law = replace(law, stall_torque=None, no_load_speed=None)
-            q, qd, ctrl = (column[::7, None] for column in states(law))
-            jobs.append(grid(compiled.text, joints=[HINGE], q=q, qd=qd, ctrl=ctrl))
-            commands = step_commands(law)
-            start = [commands[0]]
-            jobs.append(time(compiled.text, joints=[HINGE], ctrl=commands[:, None], q=[HELD], start=start))
-            laws.append(law)
+        text = bare.replace("  <default>", f"  <default>{MAIN_DEFAULTS[default]}", 1)
+        compiled = compile_text(groups(UNDER_DEFAULTS[hinge]), text, version, robot="unmanaged: [slide]")
+        law = law_of(compiled.actuators.joints[0])
+        if compiled.emission.approximations:
+            law = replace(law, stall_torque=None, no_load_speed=None)
+        q, qd, ctrl = (column[::7, None] for column in states(law))
+        jobs.append(grid(compiled.text, joints=[HINGE], q=q, qd=qd, ctrl=ctrl))
+        commands = step_commands(law)
+        start = [commands[0]]
+        jobs.append(time(compiled.text, joints=[HINGE], ctrl=commands[:, None], q=[HELD], start=start))
+        laws.append(law)
     said = engine.run(jobs)
     for index, law in enumerate(laws):
         states_, steps = jobs[2 * index].inputs, jobs[2 * index + 1].inputs
@@ -489,7 +494,7 @@ def test_keyframe_with_filter_and_line_loads(engine: Engine) -> None:
 
 # -- in time -----------------------------------------------------------------------------------
 
-PERIODS = (0.001, 0.002, 0.0025, 0.005, 0.01)
+PERIODS = (0.001, 0.0025, 0.01)
 """Steps [s]."""
 LENGTH = 300
 """Steps of a sequence."""

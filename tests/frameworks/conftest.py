@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 from actspec.verify.environments import EngineUnavailableError
-from tests.frameworks.forking import forking
 from tests.frameworks.prepare import PYTHONS, Frameworks, prepare
 
 HERE = Path(__file__).parent
 
 
 @pytest.fixture(scope="session")
-def frameworks() -> Iterator[Frameworks]:
+def frameworks(forked: None) -> Frameworks:
     """The prepared environment, whose packages are imported once; skips where it cannot be had."""
     import sys
 
@@ -26,9 +24,7 @@ def frameworks() -> Iterator[Frameworks]:
         # In CI a framework that silently stops being tested is a failure, unless no release is for this Python.
         usable = PYTHONS[0] <= sys.version_info[:2] <= PYTHONS[1]
         (pytest.fail if os.environ.get("CI") and usable else pytest.skip)(f"no frameworks: {err}")
-        return
-    with forking():
-        yield made
+    return made
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -28,6 +28,8 @@ from typing import Any
 ISAACLAB = ("torch", "warp", "trimesh", "pxr.Usd", "pxr.UsdGeom")
 """What Isaac Lab's own package imports, of which there are several releases."""
 MJLAB = ("torch", "mujoco", "mujoco_warp", "mjlab.actuator", "mjlab.entity", "mjlab.sim.sim")
+MUJOCO = ("numpy", "mujoco")
+"""A process for each release, which PYTHONPATH names."""
 NEWTON = ("numpy", "warp", "newton")
 """Without torch: a probe of Newton runs as if there were none."""
 PACKAGES: dict[str, tuple[str, ...]] = {
@@ -40,6 +42,7 @@ PACKAGES: dict[str, tuple[str, ...]] = {
     "probe_newton.py": NEWTON,
     "randomization_isaaclab_probe.py": ISAACLAB,
     "randomization_mjlab_probe.py": MJLAB,
+    "rollout_probe.py": MUJOCO,
 }
 """Probe to what is imported before it, any other runs as it always does."""
 
@@ -110,17 +113,19 @@ class _Subprocess:
     TimeoutExpired = subprocess.TimeoutExpired
 
     def __init__(self) -> None:
-        self.forkers: dict[tuple[str, tuple[str, ...]], Forker] = {}
+        self.forkers: dict[tuple[str, tuple[str, ...], str], Forker] = {}
 
     def run(self, command: Sequence[str], **more: Any) -> subprocess.CompletedProcess[str]:
         """As `subprocess.run` with these arguments."""
         packages = _packages(command[1], str(more.get("cwd")))
         if not packages:
             return subprocess.run(command, **more)
-        key = command[0], packages
+        # Its first folder is that of one probe; behind it is what the probes of a release share.
+        path = more["env"]["PYTHONPATH"].partition(os.pathsep)[2]
+        key = command[0], packages, path
         try:
             if key not in self.forkers:
-                self.forkers[key] = Forker(*key, more["env"])
+                self.forkers[key] = Forker(command[0], packages, {**more["env"], "PYTHONPATH": path})
             return self.forkers[key].run(command, str(more["cwd"]), more["env"], more["timeout"])
         except subprocess.TimeoutExpired:
             del self.forkers[key]
