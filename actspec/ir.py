@@ -147,6 +147,21 @@ class AsymmetricCurve:
 
 
 @dataclass(frozen=True, slots=True)
+class MotorLine:
+    """A motor's torque-speed line as its datasheet has it, joint side, whatever the level of its joint.
+
+    Attributes:
+        stall_torque: At zero speed [N*m or N]; None: the motor has none.
+        no_load_speed: At zero torque [rad/s or m/s]; likewise.
+        curve: Asymmetric curve in place of the line; None without one.
+    """
+
+    stall_torque: Quantity | None
+    no_load_speed: Quantity | None
+    curve: AsymmetricCurve | None
+
+
+@dataclass(frozen=True, slots=True)
 class Delay:
     """Delay of the command.
 
@@ -239,6 +254,7 @@ class JointActuator:
         stall_torque: Torque-speed line at zero speed [N*m or N]; None without a line.
         no_load_speed: Torque-speed line at zero torque [rad/s or m/s]; None without a line.
         curve: Asymmetric curve in place of the line; None without one.
+        motor_line: The motor's torque-speed line, acting at `dc_motor` alone; None without a motor; information.
         peak_torque: The motor's short-time torque [N*m or N]; information.
         continuous_torque: The motor's thermal torque [N*m or N]; information.
         armature: Inertia added to the joint [kg*m^2 or kg].
@@ -277,6 +293,7 @@ class JointActuator:
     stall_torque: Quantity | None = None
     no_load_speed: Quantity | None = None
     curve: AsymmetricCurve | None = None
+    motor_line: MotorLine | None = None
     peak_torque: Quantity
     continuous_torque: Quantity
     armature: Quantity

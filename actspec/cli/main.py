@@ -20,6 +20,7 @@ COMMANDS = {
     "validate": "check specs, without a simulator",
     "show": "show every value with unit, origin, source and formula",
     "verify": "show by numbers that every target agrees",
+    "compare": "show what each part of an actuator's model changes",
     "audit": "audit robot files, with or without a spec",
     "rule": "explain a rule of the audit",
     "diff": "show what changed in effective dynamics",

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import argparse
+import math
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from actspec.diagnostics import Collector, Diagnostic
     from actspec.ir import ActuatorSet, JointActuator
     from actspec.readings.versions import Versions
+    from actspec.units import Kind
 
 
 class Lines(argparse.HelpFormatter):
@@ -82,6 +85,50 @@ def add_format(command: argparse.ArgumentParser, *more: str) -> None:
     """Add the form of the output: text, json and what else there is."""
     formats = ("text", "json", *more)
     command.add_argument("--output-format", choices=formats, default="text", help="default: text")
+
+
+FAIL_ON = ("error", "warning", "info", "never")
+"""From which severity on a command exits with 1."""
+
+
+def add_fail_on(command: argparse.ArgumentParser) -> None:
+    """Add from which severity on findings make the exit code 1."""
+    command.add_argument(
+        "--fail-on", choices=FAIL_ON, default="warning", help="exit 1 from this severity on; default: warning"
+    )
+
+
+def failing(findings: Iterable[Diagnostic], fail_on: str) -> bool:
+    """Whether a finding is at or above a severity of `--fail-on`."""
+    from actspec.diagnostics import SEVERITIES, Severity
+
+    if fail_on == "never":
+        return False
+    least = SEVERITIES.index(Severity(fail_on))
+    return any(SEVERITIES.index(item.severity) >= least for item in findings)
+
+
+def quantity_of(text: str, kind: Kind, option: str, code: str, out: Collector) -> float | None:
+    """A number above 0 of an option, in SI; None: it is none, which `out` is given.
+
+    Args:
+        text: With its unit, `30Hz`.
+        kind: Of quantity.
+        option: For messages.
+        code: Of the diagnostic.
+        out: Takes it.
+    """
+    from actspec.units import UnitError, parse_quantity
+
+    try:
+        value = parse_quantity(text, kind).value
+    except UnitError as err:
+        out.error(code, err.message, where=option, help=err.help)
+        return None
+    if not 0.0 < value < math.inf:
+        out.error(code, f"must be above 0, got {text}", where=option)
+        return None
+    return value
 
 
 def configured_versions(targets: Sequence[str]) -> Versions:

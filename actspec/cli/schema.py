@@ -21,6 +21,7 @@ WRITTEN = (
     "diff",
     "lock",
     "verify",
+    "compare",
     "sysid",
     "net-data",
     "net-train",
@@ -35,8 +36,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Print a JSON Schema: of files that people write (spec, results, network, log for its sidecar), or of "
-        "what actspec writes: the JSON of compile, show (actuators), validate, verify, sysid, net, audit (report), "
-        "rule (rules) and diff, and files.",
+        "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, sysid, net, audit "
+        "(report), rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )

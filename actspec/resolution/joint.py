@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
-from actspec.ir import InertiaRange, JointActuator, Level, Network, Origin, Quantity, unknown
+from actspec.ir import InertiaRange, JointActuator, Level, MotorLine, Network, Origin, Quantity, unknown
 from actspec.resolution.command_path import command_range, delay, filter_cutoff, randomizations
 from actspec.resolution.gains import stiffness, velocity_gain
 from actspec.resolution.motor import JointMotor
@@ -74,6 +74,7 @@ def actuator_of(
         stall_torque=line.stall_torque if line is not None else None,
         no_load_speed=line.no_load_speed if line is not None else None,
         curve=line.curve if line is not None else None,
+        motor_line=None if motor is None else MotorLine(motor.stall_torque, motor.no_load_speed, motor.curve),
         peak_torque=motor.peak_torque if motor is not None else unknown(inputs.unit(Kind.TORQUE)),
         continuous_torque=motor.continuous_torque if motor is not None else unknown(inputs.unit(Kind.TORQUE)),
         armature=armature,

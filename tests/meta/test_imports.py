@@ -25,7 +25,7 @@ LAYERS = (
     {"readings", "logs"},
     {"resolution", "lift"},
     {"targets", "audit", "sysid", "learn", "sampling"},
-    {"draft", "verify", "output"},
+    {"draft", "verify", "output", "study"},
     {"report"},
     {"api", "runtime"},
     {"live"},

@@ -64,7 +64,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector.raise_if_failed(EmitError)
     bare = replace(bare, integrator=integrator_for(actuators, robot, document, collector))
 
-    original = _compiled(robot.files)
+    original = compiled_model(robot.files)
     plan = with_keys(bare, robot, original, unchanged_controls(bare, robot))
     anchors = find_anchors(document, robot, plan, collector)
     unlimited = [
@@ -174,7 +174,8 @@ def _emit_fragment(
     return Emission(emitted, lost, collector.sorted())
 
 
-def _compiled(files: Sequence[ModelFile]) -> mujoco.MjModel:
+def compiled_model(files: Sequence[ModelFile]) -> mujoco.MjModel:
+    """An MJCF compiled with stand-ins for meshes, as all checks here see it."""
     return compile_spec(open_spec(files, format=ModelFormat.MJCF), files)
 
 
@@ -238,7 +239,7 @@ def check_written(
 def _check_text(files: tuple[ModelFile, ...], edited: mujoco.MjModel, collector: Collector) -> None:
     """The written text must be the edited model, in every field."""
     try:
-        written = _compiled(files)
+        written = compiled_model(files)
     except RobotError as err:
         for item in err.diagnostics:
             collector.error("MJC091", f"the written model does not compile: {item.message}", help=REPORT)
