@@ -86,6 +86,10 @@ def compile(
     actuators = resolve(loaded, robot)
     for item in actuators.diagnostics:
         collector.add(item)
+    if actuators.delta_action is not None:
+        from actspec.learn.delta.files import check_named
+
+        check_named(actuators, robot, collector)
     emissions = []
     explicit: dict[str, frozenset[str]] = {}
     for options in chosen:

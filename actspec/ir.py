@@ -227,11 +227,9 @@ class Network:
 
 @dataclass(frozen=True, slots=True)
 class DeltaAction:
-    """A delta-action network that corrects the policy's action; it concerns the whole robot."""
+    """A network that corrects the policy's commands, by its manifest; it concerns the whole robot."""
 
-    network: str
-    max_delta: Quantity
-    state: tuple[str, ...]
+    manifest: str
     span: Span | None = None
 
 

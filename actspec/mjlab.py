@@ -2,14 +2,29 @@
 
 from actspec.mjlab import articulation
 EntityCfg(spec_fn=get_spec, articulation=articulation("robots/a1.yaml"))
+
+and what a delta action needs to know of a running environment: `delta_state`.
 """
 
 from __future__ import annotations
 
 import os
-from typing import Any
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
-__all__ = ["articulation", "module"]
+if TYPE_CHECKING:
+    from actspec.learn.delta.runtime import DeltaAction
+
+__all__ = ["articulation", "delta_state", "module"]
+
+_JOINT = {"position": "joint_pos", "velocity": "joint_vel"}
+_BASE = {
+    "position": "root_link_pos_w",
+    "orientation": "root_link_quat_w",
+    "linear_velocity": "root_link_lin_vel_w",
+    "angular_velocity": "root_link_ang_vel_b",
+}
+"""Signal of a log to the entity's data: a gyroscope's axes are the base's."""
 
 
 def articulation(path: str | os.PathLike[str]) -> Any:
@@ -52,6 +67,42 @@ def module(path: str | os.PathLike[str]) -> dict[str, Any]:
         if hasattr(cfg, "network_file"):
             cfg.network_file = files[os.path.basename(cfg.network_file)]
     return names
+
+
+def delta_state(env: Any, delta: DeltaAction, entity: str = "robot") -> Callable[[], Any]:
+    """What a delta action sees of a running environment, for `delta.wrap(env, state=...)`.
+
+    Args:
+        env: A `ManagerBasedRlEnv`, or a wrapper of one; anything whose `scene` has the entity.
+        delta: The delta action.
+        entity: Name of the robot in the scene.
+
+    Returns: A function to the columns `delta.measured`, shape (envs, n_column), on the environment's device.
+
+    Raises:
+        ValueError: the entity has no joint of a column's name.
+    """
+    from actspec.laws.arrays import array_namespace
+
+    robot = getattr(env, "unwrapped", env).scene[entity]
+    names = list(robot.joint_names)
+    columns: list[tuple[str, int]] = []
+    for column in delta.measured:
+        rest, _, last = column.rpartition(".")
+        owner, _, signal = rest.rpartition(".")
+        if owner == "base" and signal in _BASE:
+            columns.append((_BASE[signal], ("wxyz" if signal == "orientation" else "xyz").index(last)))
+        elif rest in names:
+            columns.append((_JOINT[last], names.index(rest)))
+        else:
+            raise ValueError(f"the entity {entity!r} has no joint {rest!r}; its joints are {names}")
+
+    def state() -> Any:
+        data = {name: getattr(robot.data, name) for name, _ in columns}
+        parts = [data[name][:, k] for name, k in columns]
+        return array_namespace(parts[0]).stack(parts, -1)
+
+    return state
 
 
 def _installed_release() -> str:

@@ -26,6 +26,7 @@ COMMANDS = {
     "diff": "show what changed in effective dynamics",
     "sysid": "identify actuators from logs",
     "net": "train actuator networks on logs",
+    "delta": "train corrections of a policy's actions on logs",
     "lock": "record effective dynamics, and show what changes",
     "import": "write a spec from files that you have",
     "init": "write a starting spec",

@@ -6,11 +6,10 @@ import argparse
 import os
 from typing import Any
 
-from actspec import api
 from actspec.cli.options import Lines, add_format, describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Severity, Span
+from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span
 from actspec.report.terminal import Progress, print_diagnostics, print_json
-from actspec.units import Kind, UnitError, parse_quantity
 
 MOST_HIDDEN = 4096
 """Largest hidden layer. Chosen: an actuator network runs for thousands of joints in each physics step."""
@@ -36,13 +35,6 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         add(parts.add_parser(name, help=words, formatter_class=Lines))
 
 
-def _add_logs(command: argparse.ArgumentParser) -> None:
-    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
-    command.add_argument(
-        "log", nargs="+", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
-    )
-
-
 def _add_samples(command: argparse.ArgumentParser) -> None:
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--taps", type=int, default=6, metavar="N", help="samples of a history; default 6")
@@ -62,7 +54,7 @@ def _add_data(command: argparse.ArgumentParser) -> None:
         "actspec net data robots/a1.yaml walk.csv --policy policy.csv",
         "0 nothing found; 1 findings; 2 the logs cannot be used",
     )
-    _add_logs(command)
+    add_logs(command)
     _add_samples(command)
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
     add_format(command)
@@ -78,7 +70,7 @@ def _add_train(command: argparse.ArgumentParser) -> None:
         'actspec net train robots/a1.yaml walk.csv chirp.csv -o nets/legs --hidden 128,128 --max-time "60 s"',
         "0 written; 1 written, with a warning; 2 nothing was written",
     )
-    _add_logs(command)
+    add_logs(command)
     command.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="of the three files")
     _add_samples(command)
     command.add_argument(
@@ -115,7 +107,7 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
         "actspec net evaluate robots/a1.yaml other.csv --network nets/legs.json",
         "0 good or fair; 1 poor; 2 could not run",
     )
-    _add_logs(command)
+    add_logs(command)
     command.add_argument("--network", required=True, metavar="MANIFEST", help="NAME.json")
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
@@ -134,29 +126,6 @@ def run(arguments: argparse.Namespace) -> int:
     return parts[arguments.part](arguments)
 
 
-def _read(arguments: argparse.Namespace) -> tuple[list[Any], Any, Any]:
-    """Logs, spec and robot; all faults of the logs at once."""
-    from actspec.logs import LogError, load_log
-
-    logs, out = [], Collector()
-    for path in (*arguments.log, *getattr(arguments, "policy", ())):
-        try:
-            logs.append(load_log(path))
-        except LogError as err:
-            for item in err.diagnostics:
-                out.add(item)
-    seen: dict[str, str] = {}
-    for log in logs[: len(arguments.log)]:
-        if (other := seen.setdefault(log.sha256, log.path)) != log.path or [x.path for x in logs].count(
-            log.path
-        ) > 1:
-            out.error("LRN014", f"the same bytes as {other}", span=Span(log.path), help="name each log once")
-    out.raise_if_failed(LogError)
-    spec = api.load(arguments.spec)
-    robot = api.load_robot(spec)
-    return logs, api.resolve(spec, robot), robot
-
-
 def _samples(arguments: argparse.Namespace) -> dict[str, Any]:
     """Options of the samples."""
     from actspec.logs import LogError
@@ -166,7 +135,7 @@ def _samples(arguments: argparse.Namespace) -> dict[str, Any]:
     return {
         "group": arguments.group,
         "taps": tuple(range(arguments.taps)),
-        "period": _seconds(arguments.tap_period, "--tap-period"),
+        "period": seconds_of(arguments.tap_period, "--tap-period"),
         "torque_of": arguments.torque_of,
     }
 
@@ -179,7 +148,7 @@ def _data(arguments: argparse.Namespace) -> int:
 
     options = _samples(arguments)
     require("scipy")
-    logs, actuators, _ = _read(arguments)
+    logs, actuators, _ = read_all(arguments)
     logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
     out = Collector()
     torque = any(joint.torque is not None for log in logs for joint in log.joints.values())
@@ -194,7 +163,7 @@ def _data(arguments: argparse.Namespace) -> int:
     else:
         print_diagnostics(out.sorted())
         print("\n".join(data_lines(data, found)))
-    return _exit(out)
+    return warned(out)
 
 
 def _train(arguments: argparse.Namespace) -> int:
@@ -212,7 +181,7 @@ def _train(arguments: argparse.Namespace) -> int:
         arguments.seed,
         arguments.seeds,
         arguments.epochs,
-        _seconds(arguments.max_time, "--max-time"),
+        seconds_of(arguments.max_time, "--max-time"),
     )
     for name, least in (("seeds", 1), ("epochs", 1), ("seed", 0)):
         value = getattr(arguments, name)
@@ -220,7 +189,7 @@ def _train(arguments: argparse.Namespace) -> int:
             raise LogError.of("LRN015", f"--{name} must be at least {least}, got {value}", where=f"--{name}")
     check_output(arguments.output, force=arguments.force)
     require("scipy", "torch", "onnx")
-    logs, actuators, robot = _read(arguments)
+    logs, actuators, robot = read_all(arguments)
     out = Collector()
     infer = arguments.torque == "inferred"
     data = dataset(actuators, logs, out, **options, measured=not infer)
@@ -244,7 +213,7 @@ def _train(arguments: argparse.Namespace) -> int:
         print_diagnostics(out.sorted())
         print("\n".join(train_lines(data, parts, trained, judged)))
         print("wrote " + ", ".join(paths.values()))
-    return _exit(out)
+    return warned(out)
 
 
 def _add_file(command: argparse.ArgumentParser) -> None:
@@ -335,7 +304,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     from actspec.report.net import evaluate_lines, evaluate_record
 
     require("scipy", "onnx")
-    logs, actuators, robot = _read(arguments)
+    logs, actuators, robot = read_all(arguments)
     if not os.path.isfile(arguments.network):
         raise LogError.of(
             "LRN013", "there is no such file", Span(arguments.network), help="--network NAME.json"
@@ -376,11 +345,6 @@ def _check_kind(manifest: Any, logs: list[Any], out: Collector) -> None:
             out.error("LRN007", message, span=Span(log.path), help="judge it on logs of the same torque")
 
 
-def _exit(out: Collector) -> int:
-    warned = any(item.severity is Severity.WARNING for item in out)
-    return EXIT_FINDINGS if warned else EXIT_CLEAN
-
-
 def _hidden(text: str) -> tuple[int, ...]:
     from actspec.logs import LogError
 
@@ -392,18 +356,3 @@ def _hidden(text: str) -> tuple[int, ...]:
         message = f"--hidden takes sizes from 1 to {MOST_HIDDEN} with commas between them, got '{text[:40]}'"
         raise LogError.of("LRN015", message, where="--hidden", help="write --hidden 128,128")
     return sizes
-
-
-def _seconds(text: str | None, option: str) -> float | None:
-    """An option's time [s]."""
-    from actspec.logs import LogError
-
-    if text is None:
-        return None
-    try:
-        value = parse_quantity(text, Kind.TIME).value
-    except UnitError as err:
-        raise LogError.of("LRN015", err.message, where=option, help=err.help) from err
-    if not value > 0:
-        raise LogError.of("LRN015", f"must be above 0, got {text}", where=option)
-    return value

@@ -27,6 +27,8 @@ WRITTEN = (
     "net-train",
     "net-evaluate",
     "net-inspect",
+    "delta-train",
+    "delta-validate",
 )
 """Machine output with a schema: `schemas/actspec-NAME-v1.schema.json`."""
 
@@ -35,9 +37,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Print a JSON Schema: of files that people write (spec, results, network, log for its sidecar), or of "
-        "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, sysid, net, audit "
-        "(report), rule (rules) and diff, and files.",
+        "Print a JSON Schema: of files that people write (spec, results, network, delta, log for its sidecar), or of "
+        "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, sysid, net, delta, "
+        "audit (report), rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )
@@ -45,7 +47,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "name",
         nargs="?",
         default="spec",
-        choices=("spec", "results", "network", "log", *WRITTEN),
+        choices=("spec", "results", "network", "delta", "log", *WRITTEN),
         help="default: spec",
     )
 

@@ -94,21 +94,35 @@ def write_network(path: str, layers: Layers, manifest: Mapping[str, Any]) -> dic
     entries |= {"format": "actspec-network/1", "kind": "lstm" if layers.recurrent else "mlp"}
     if layers.recurrent:
         entries |= {"hidden_size": layers.hidden, "num_layers": len(layers.recurrent)}
-    entries["files"] = {
+    entries["files"] = file_entries(paths, data)
+    write_files(path, data, manifest_text(entries))
+    return paths
+
+
+def file_entries(paths: Mapping[str, str], data: Mapping[str, bytes]) -> dict[str, dict[str, str]]:
+    """A manifest's `files`."""
+    return {
         form: {"path": os.path.basename(paths[form]), "sha256": hashlib.sha256(found).hexdigest()}
         for form, found in data.items()
     }
-    text = manifest_text(entries)
+
+
+def write_files(path: str, data: Mapping[str, bytes], manifest: str) -> None:
+    """Write a network's files, the manifest last.
+
+    Raises:
+        LogError: one cannot be written; those from before are whole.
+    """
+    paths = network_paths_of(path)
     try:
         if folder := os.path.dirname(path):
             os.makedirs(folder, exist_ok=True)
         for form, found in data.items():
             replace_file(paths[form], found)
-        replace_file(paths["manifest"], text.encode())
+        replace_file(paths["manifest"], manifest.encode())
     except OSError as err:
         message = f"cannot be written: {err.strerror or err}"
         raise LogError.of("LRN001", message, Span(err.filename or path)) from err
-    return paths
 
 
 def manifest_text(entries: Mapping[str, Any]) -> str:
@@ -227,7 +241,7 @@ def onnx_bytes(layers: Layers) -> bytes:
         now = out
         if active:
             out = "y" if end else f"dense{k}.active"
-            nodes.append(_activation(dense, now, out, helper))
+            nodes.append(onnx_activation(dense, now, out))
             now = out
     graph = helper.make_graph(
         nodes,
@@ -249,7 +263,14 @@ def onnx_bytes(layers: Layers) -> bytes:
     return bytes(model.SerializeToString(deterministic=True))
 
 
-def _activation(dense: Dense, now: str, out: str, helper: Any) -> Any:
+def onnx_activation(dense: Dense, now: str, out: str) -> Any:
+    """A layer's activation as ONNX's node.
+
+    Raises:
+        NetworkFileError: ONNX has none of the name.
+    """
+    from onnx import helper
+
     if dense.activation not in _OPERATIONS:
         raise NetworkFileError(f"ONNX has no operation for the activation {dense.activation}")
     kind, default = _OPERATIONS[dense.activation]
@@ -275,7 +296,7 @@ def torchscript_bytes(layers: Layers) -> bytes:
         program = torch.jit.trace(module, torch.zeros(2, layers.inputs), check_trace=False)
     stream = io.BytesIO()
     torch.jit.save(program, stream)
-    return _bare(stream.getvalue())
+    return bare(stream.getvalue())
 
 
 def torch_module(layers: Layers) -> Any:
@@ -349,7 +370,7 @@ def torch_activation(name: str, alpha: float = 1.0) -> Any:
     return made[name]()
 
 
-def _bare(data: bytes) -> bytes:
+def bare(data: bytes) -> bytes:
     """TorchScript without what tells where and when it was made, such as paths of this machine."""
     out = io.BytesIO()
     with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(out, "w") as new:

@@ -7,7 +7,7 @@ its row and of rows a tap period apart before it; its torque is that of its row.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -197,7 +197,7 @@ def dataset(
             out.error(
                 "LRN005", message, where=joint.joint, span=place, help="log longer, or take fewer --taps"
             )
-    _check_copies(tracks, out)
+    check_copies(((track.log.path, track.joint, track.position) for track in tracks), out)
     out.raise_if_failed(LogError)
     return Dataset(group, mine, tuple(tracks), taps, period, kind, recordings)
 
@@ -384,18 +384,22 @@ def _check_sign(track: Track, out: Collector) -> None:
         out.error("LRN011", message, where=track.joint, span=Span(track.log.path), help=help)
 
 
-def _check_copies(tracks: Sequence[Track], out: Collector) -> None:
-    """One joint's readings in the columns of several."""
+def check_copies(positions: Iterable[tuple[str, str, Array]], out: Collector) -> None:
+    """One joint's readings in the columns of several.
+
+    Args:
+        positions: Path of a log, joint, and its positions [rad or m].
+        out: Takes the errors.
+    """
     import numpy as np
 
     seen: dict[tuple[str, bytes], str] = {}
-    for track in tracks:
-        key = (track.log.path, np.round(track.position, 9).tobytes())
-        other = seen.setdefault(key, track.joint)
-        if other != track.joint:
+    for path, joint, position in positions:
+        other = seen.setdefault((path, np.round(position, 9).tobytes()), joint)
+        if other != joint:
             message = f"all positions are those of {other}, to the last digit"
             help = "one joint's data do not stand for another's"
-            out.error("LRN004", message, where=track.joint, span=Span(track.log.path), help=help)
+            out.error("LRN004", message, where=joint, span=Span(path), help=help)
 
 
 @dataclass(frozen=True, slots=True)

@@ -58,6 +58,21 @@ def read_onnx(data: bytes) -> Layers:
         NetworkUnknown: it holds an operation that is not known.
         OnnxMissing: onnx is not installed.
     """
+    graph = graph_of(data)
+    reader = _Chain(constants_of(graph))
+    inputs = [item.name for item in graph.input if item.name not in reader.constants]
+    if not inputs or not graph.output:
+        raise NetworkFileError("it has no input or no output")
+    reader.now = {inputs[0]}
+    for node in graph.node:
+        reader.take(node)
+    if graph.output[0].name not in reader.now:
+        raise NetworkUnknown("its output does not follow from its input in one chain")
+    return reader.layers()
+
+
+def graph_of(data: bytes) -> Any:
+    """The operations of an ONNX file, as onnx has them; see `read_onnx` for errors."""
     try:
         import onnx
         from google.protobuf.message import DecodeError  # type: ignore[import-untyped]
@@ -74,19 +89,11 @@ def read_onnx(data: bytes) -> Layers:
         raise NetworkFileError("it is no ONNX file, or it holds no operation")
     if len(graph.node) > MOST_NODES:
         raise NetworkFileError(f"it has {len(graph.node)} operations, at most {MOST_NODES} are read")
-    reader = _Chain(_constants(graph))
-    inputs = [item.name for item in graph.input if item.name not in reader.constants]
-    if not inputs or not graph.output:
-        raise NetworkFileError("it has no input or no output")
-    reader.now = {inputs[0]}
-    for node in graph.node:
-        reader.take(node)
-    if graph.output[0].name not in reader.now:
-        raise NetworkUnknown("its output does not follow from its input in one chain")
-    return reader.layers()
+    return graph
 
 
-def _constants(graph: Any) -> dict[str, Array]:
+def constants_of(graph: Any) -> dict[str, Array]:
+    """Its weights and other constants by name, checked; see `read_onnx` for errors."""
     import numpy as np
     from onnx import TensorProto, numpy_helper
 

@@ -104,12 +104,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
         decimation=model.timing.decimation,
         delta_action=None
         if delta is None
-        else DeltaAction(
-            os.path.join(folder, delta.network),
-            written(delta.max_delta, delta.max_delta.unit, spec.span("delta_action", "max_delta")),
-            delta.state,
-            spec.span("delta_action"),
-        ),
+        else DeltaAction(os.path.join(folder, delta.manifest), spec.span("delta_action")),
         accept=tuple(model.accept.items()),
         sources=tuple(
             Source(key, s.title, s.url, None if s.page is None else str(s.page), s.commit, s.accessed, s.note)

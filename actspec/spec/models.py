@@ -347,12 +347,8 @@ class Actuators(Tunable):
 class DeltaAction(Strict):
     """Learned correction of the policy's action, on top of any level."""
 
-    network: str
-    """Network, relative to the spec's folder."""
-    max_delta: Annotated[SpecValue, Number(Kind.POSITION, above=0.0)]
-    """Largest correction [rad or m]."""
-    state: tuple[str, ...] = ()
-    """Names of the state's parts."""
+    manifest: str
+    """Its manifest, relative to the spec's folder: files, columns, limit and period."""
 
 
 class AnyTarget(Strict):

@@ -1,4 +1,4 @@
-"""Manifests of learned files, which a spec names: of an actuator network, and of a delta action.
+"""The manifest of an actuator network, which a spec names.
 
 JSON or YAML, read as strictly as a spec. They hold the conventions that a network file alone does not tell, where
 it comes from and how far it may be trusted.

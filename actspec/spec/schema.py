@@ -28,6 +28,7 @@ FILES = {
     "spec": "actspec-v1.schema.json",
     "results": "actspec-results-v1.schema.json",
     "network": "actspec-network-v1.schema.json",
+    "delta": "actspec-delta-v1.schema.json",
     "log": "actspec-log-v1.schema.json",
 }
 """Name to file in `schemas/`."""
@@ -78,6 +79,10 @@ def _root(name: str) -> type[BaseModel]:
         from actspec.spec.network import NetworkManifest
 
         return NetworkManifest
+    if name == "delta":
+        from actspec.spec.delta import DeltaManifest
+
+        return DeltaManifest
     if name == "log":
         from actspec.spec.sidecar import Sidecar
 

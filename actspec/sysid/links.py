@@ -98,7 +98,7 @@ def bench_model(
 
     model = _model(robot, joints)
     pose = reference_pose(model)
-    _hold_base(model, pose, orientation)
+    hold_base(model, pose, orientation)
     return model, pose
 
 
@@ -188,7 +188,7 @@ def _model(robot: RobotView, joints: Sequence[str]) -> Any:
     return model
 
 
-def _hold_base(model: Any, pose: Array, orientation: Sequence[float] | None) -> None:
+def hold_base(model: Any, pose: Array, orientation: Sequence[float] | None) -> None:
     """Turn gravity into a base that does not move; a free base is put upright first."""
     import mujoco
     import numpy as np

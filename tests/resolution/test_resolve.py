@@ -265,13 +265,13 @@ def test_network_and_delta_action() -> None:
     text = spec_of(
         "legs: {joints: [hip], level: actuator_net, network: {file: nets/a.pt, manifest: nets/a.json}}",
         robot=HIP,
-        more="delta_action: {network: nets/d.pt, max_delta: 0.1 rad, state: [q, qd]}",
+        more="delta_action: {manifest: nets/d.json}",
     )
     found = fit(text)
     network = found.joints[0].network
     assert network is not None and found.delta_action is not None
     assert (network.file, network.manifest) == ("nets/a.pt", "nets/a.json")
-    assert (found.delta_action.max_delta.value, found.delta_action.state) == (0.1, ("q", "qd"))
+    assert found.delta_action.manifest == "nets/d.json"
 
 
 @pytest.mark.parametrize(

@@ -113,7 +113,7 @@ actuators:
     joints: [".*_arm"]
     level: actuator_net
     network: {file: nets/a1.pt, manifest: nets/a1.json}
-delta_action: {network: nets/a1_delta.pt, max_delta: 0.1 rad, state: [q, qd]}
+delta_action: {manifest: nets/a1_delta.json}
 targets:
   mujoco: {version: "3.12"}
   old: {target: mujoco, version: "3.3"}

@@ -274,8 +274,8 @@ def delta_action_loss(actuators: ActuatorSet, target: str, why: str) -> tuple[Ap
     """The robot-wide delta action, which no target holds; empty without one."""
     if actuators.delta_action is None:
         return ()
-    network = os.path.basename(actuators.delta_action.network)
-    return (Approximation(target, "", "delta_action", network, "none", why, None),)
+    asked = os.path.basename(actuators.delta_action.manifest)
+    return (Approximation(target, "", "delta_action", asked, "none", why, None),)
 
 
 def dialect_of(row: Callable[[], T], code: str, options: TargetOptions, collector: Collector) -> T:

@@ -149,13 +149,13 @@ def test_delta_action_does_not_depend_on_the_working_folder(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The text names the network's file, not the way to it: compiled from elsewhere it is the same."""
-    delta = "delta_action: {network: nets/delta.pt, max_delta: 0.1 rad, state: [q]}\n"
+    delta = "delta_action: {manifest: nets/delta.json}\n"
     texts = set()
     for folder, path in ((tmp_path, "s.yaml"), (tmp_path.parent, str(tmp_path / "s.yaml"))):
         monkeypatch.chdir(folder)
         texts.add(compiled(PLAIN + delta, path=path).text)
     (text,) = texts
-    assert "delta_action: delta.pt -> none" in text
+    assert "delta_action: delta.json -> none" in text
 
 
 def written(folder: Path, manifest: dict[str, Any]) -> str:

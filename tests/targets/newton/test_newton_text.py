@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 
-from actspec.ir import DeltaAction, Origin, Quantity, Source
+from actspec.ir import DeltaAction, Source
 from tests.targets.newton.emitting import LEG, REST, THIGH, emitted, group, written
 
 HIP = f"{THIGH}/hip"
@@ -251,10 +251,10 @@ def test_head_says_what_was_run(version: str, run: bool) -> None:
 def test_delta_action_is_not_there() -> None:
     """A residual policy is no actuator's."""
     one = written(group(effort_limit="24 N*m"))
-    delta = DeltaAction("nets/delta.pt", Quantity(0.1, "rad", Origin.AUTHORED), ())
+    delta = DeltaAction("nets/delta.json")
     again = emitted(replace(one.actuators, delta_action=delta), one.robot)
     loss = again.lost("delta_action")
-    assert (loss.joint, loss.asked, loss.emitted, loss.max_torque_error) == ("", "delta.pt", "none", None)
+    assert (loss.joint, loss.asked, loss.emitted, loss.max_torque_error) == ("", "delta.json", "none", None)
 
 
 def test_every_joint_is_explicit() -> None:

@@ -212,13 +212,13 @@ def test_curve(kp: str, sized: bool) -> None:
 def test_networks_are_named() -> None:
     """A network and a robot-wide correction are lost by the names of their files."""
     legs = """  legs: {joints: [j], level: actuator_net, network: {file: nets/j.pt}, effort_limit: 9 N*m}
-delta_action: {network: nets/delta.pt, max_delta: 0.1 rad, state: [q]}
+delta_action: {manifest: nets/delta.json}
 """
     done = compiled(view(urdf(joint(LIMIT))), legs)
     found = [(a.joint, a.field, a.asked) for a in done.approximations]
-    assert found == [("j", "network", "j.pt"), ("", "delta_action", "delta.pt")]
+    assert found == [("j", "network", "j.pt"), ("", "delta_action", "delta.json")]
     assert (
-        b"  delta_action: delta.pt -> none (a URDF describes joints, not their drives)\n"
+        b"  delta_action: delta.json -> none (a URDF describes joints, not their drives)\n"
         in done.files[0].data
     )
 
