@@ -10,7 +10,10 @@ from pathlib import Path
 
 import pytest
 
+from actspec.processes import IsolatedCall, Pool
+from actspec.robot.usda import read_usda
 from tests.frameworks.forking import forking
+from tests.in_process import in_process
 
 MJLAB = "1.6.0"
 """The release whose robots the tests read."""
@@ -51,3 +54,18 @@ def forked() -> Iterator[None]:
     """Probes of simulators are forks of processes that have imported them."""
     with forking():
         yield
+
+
+@pytest.fixture(scope="session", autouse=True)
+def _in_process() -> Iterator[None]:
+    """Files are read in this process: see `tests/in_process.py`."""
+    with in_process():
+        yield
+
+
+@pytest.fixture
+def processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files are read in other processes, as users have it."""
+    monkeypatch.setattr("actspec.readings.read.Pool", Pool)
+    monkeypatch.setattr("actspec.audit.fix.IsolatedCall", IsolatedCall)
+    monkeypatch.setattr("actspec.verify.readback.read_usda", read_usda)

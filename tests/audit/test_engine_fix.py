@@ -86,6 +86,7 @@ def crashes(path: str, form: ModelFormat, old: Files, new: Files, fields: set[st
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere processes are not forked")
+@pytest.mark.usefixtures("processes")
 def test_a_crash_of_the_engine_loses_only_its_fix(monkeypatch: pytest.MonkeyPatch) -> None:
     """The run goes on, the fix that it died of is told and not made, the other one is."""
     monkeypatch.setattr("actspec.audit.fix._model_fault", crashes)

@@ -115,6 +115,7 @@ def test_a_reading_comes_back_as_it_was() -> None:
     assert read_files(["m.xml", "r.urdf"]) == tuple(map(read_file, ("m.xml", "r.urdf")))
 
 
+@pytest.mark.usefixtures("processes")
 def test_reading_can_be_given_up() -> None:
     """Whoever leaves before the files are read leaves no process behind."""
     from multiprocessing import active_children
@@ -262,6 +263,7 @@ def dies(path: str, keep_matrices: bool = False, refusal: str | None = None) -> 
 
 
 @forks
+@pytest.mark.usefixtures("processes")
 @pytest.mark.parametrize("jobs", [1, 2], ids=["one-job", "two-jobs"])
 def test_a_crash_loses_only_its_file(jobs: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """It is read once more with the reason, a file of which that is the end too is lost; a fault is not tried again."""

@@ -7,17 +7,10 @@ from pathlib import Path
 
 import pytest
 
-from actspec.robot.usda import layer_of
 from actspec.verify.run import verify
 from tests.verify.making import SPEC, Built, Edit, both, build, matched, replaced, swapped
 
 pytest.importorskip("pxr", reason="usd-core is not installed")
-
-
-@pytest.fixture(autouse=True)
-def _read_in_this_process(monkeypatch: pytest.MonkeyPatch) -> None:
-    """What actspec has written is read here: another process for each of many files takes half a second."""
-    monkeypatch.setattr("actspec.verify.readback.read_usda", layer_of)
 
 
 TARGETS = """targets:
