@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import re
-from typing import Any
+from functools import cache
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import one_line
 from actspec.ir import Quantity, tidy
 from actspec.robot.xml_edit import exact_number
 from actspec.targets.kit.yaml_quoted import double_quoted
 from actspec.units import Kind, UnitError, parse_quantity
+
+if TYPE_CHECKING:
+    from jinja2 import Template
 
 _PLAIN = re.compile(r"[A-Za-z_][A-Za-z0-9_]*(?:[./-]+[A-Za-z0-9_]+)*")
 _WORDS = frozenset(
@@ -48,16 +52,21 @@ def render(template: str, **values: Any) -> str:
         template: Its file name.
         values: What it uses.
     """
+    return _template(template).render(**values)
+
+
+@cache
+def _template(name: str) -> Template:
     import jinja2
 
     from actspec.resources import data_path
 
-    source = data_path("templates", f"init/{template}").read_text(encoding="utf-8")
+    source = data_path("templates", f"init/{name}").read_text(encoding="utf-8")
     # Not HTML: values come ready, from `scalar` and `comment`.
     environment = jinja2.Environment(
         undefined=jinja2.StrictUndefined, autoescape=False, keep_trailing_newline=True, trim_blocks=False
     )
-    return environment.from_string(source).render(**values)
+    return environment.from_string(source)
 
 
 _WRITTEN_DIGITS = 14

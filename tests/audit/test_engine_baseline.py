@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from actspec.audit.baseline import baseline_text, read_baseline, write_baseline
@@ -14,8 +13,8 @@ from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import AuditError
-from actspec.resources import data_path
 from tests.audit.making import case_of, finding, rule_of
+from tests.schemas import fits
 
 
 @pytest.fixture(autouse=True)
@@ -111,10 +110,9 @@ def test_text_is_stable_and_valid(folder: Path) -> None:
     text = baseline_text(judged(*found).findings, "base.json")
     assert text == baseline_text(judged(*reversed(found)).findings, "base.json")
     data = json.loads(text)
-    schema = json.loads(data_path("schemas", "actspec-baseline-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(data, schema)
+    fits("baseline", data)
     assert [(entry["joint"], entry["count"]) for entry in data["findings"]] == [("hip", 2), ("knee", 2)]
-    jsonschema.validate(json.loads(baseline_text((), "base.json")), schema)
+    fits("baseline", json.loads(baseline_text((), "base.json")))
 
 
 @pytest.mark.parametrize(

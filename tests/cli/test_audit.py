@@ -9,12 +9,11 @@ import sys
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 
 from actspec.cli.main import main
 from actspec.report.terminal import Progress
-from actspec.resources import data_path
+from tests.schemas import fits
 
 ROOT = Path(__file__).resolve().parents[2]
 LEG = """<mujoco model="leg">
@@ -242,7 +241,7 @@ def test_failure_in_json(capsys: pytest.CaptureFixture[str]) -> None:
     assert run("audit", "leg.xml", "--select", "LIN101", "--output-format", "json") == 2
     out = capsys.readouterr()
     record = json.loads(out.out)
-    jsonschema.validate(record, _schema("report"))
+    fits("report", record)
     assert (record["format"], [item["code"] for item in record["diagnostics"]]) == (
         "actspec-report/1",
         ["AUD003"],
@@ -276,7 +275,7 @@ def test_json_validates(capsys: pytest.CaptureFixture[str]) -> None:
     """Of a real file too, every figure has its form."""
     assert run("audit", "leg.xml", "--output-format", "json") == 0
     record = json.loads(capsys.readouterr().out)
-    jsonschema.validate(record, _schema("report"))
+    fits("report", record)
     assert [(row["joint"], row["effort_limit"]) for row in record["ledger"]] == [
         ("hip", "Infinity"),
         ("knee", "Infinity"),
@@ -458,12 +457,12 @@ def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     """All rules for programs, in the form of the schema; an error too."""
     assert run("rule", "--all", "--output-format", "json") == 0
     record = json.loads(capsys.readouterr().out)
-    jsonschema.validate(record, _schema("rules"))
+    fits("rules", record)
     found = {rule["code"]: rule for rule in record["rules"]}
     assert found["LIM101"]["options"] == {"least": 1e5}
     assert list(found["LIM101"]["sections"])[:3] == ["What it does", "Why it matters", "Example"]
     assert run("rule", "LIN101", "--output-format", "json") == 2
-    jsonschema.validate(json.loads(capsys.readouterr().out), _schema("rules"))
+    fits("rules", json.loads(capsys.readouterr().out))
 
 
 def test_rule_errors(capsys: pytest.CaptureFixture[str]) -> None:
@@ -481,10 +480,3 @@ def test_rule_docs(folder: Path) -> None:
     assert {"README.md", "lim101.md", "dmp101.md"} <= names
     (folder / "file").write_text("")
     assert run("rule", "--docs", "file") == 2
-
-
-def _schema(name: str) -> dict[str, Any]:
-    schema: dict[str, Any] = json.loads(
-        data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8")
-    )
-    return schema

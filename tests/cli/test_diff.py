@@ -8,12 +8,11 @@ import shutil
 import subprocess
 from pathlib import Path
 
-import jsonschema
 import pytest
 
 from actspec.cli.main import main
-from actspec.resources import data_path
 from tests.audit.robots import CFG, LEG, SPEC
+from tests.schemas import fits
 
 KNEE = LEG.replace(
     'name="knee" range="-1 1" limited="true" damping="1"',
@@ -80,8 +79,7 @@ def test_json(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (folder / "b.xml").write_text(KNEE.replace('forcerange="-30 30" forcelimited="true"', ""))
     assert main(["diff", "a.xml", "b.xml", "--output-format", "json"]) == 1
     record = json.loads(capsys.readouterr().out)
-    schema = json.loads(data_path("schemas", "actspec-diff-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(record, schema)
+    fits("diff", record)
     (robot,) = record["robots"]
     assert robot["old"] == {"file": "a.xml", "kind": "mjcf", "robot": "leg"}
     found = {(change["joint"], change["field"]): change for change in robot["changes"]}

@@ -7,12 +7,11 @@ import os
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 
 from actspec.cli.main import main
-from actspec.resources import data_path
 from tests.audit.robots import CFG, LEG, SPEC
+from tests.schemas import fits
 
 SINCE = "leg.xml (leg) since actspec.lock:\n"
 LAST = "policies trained before need re-evaluation; `actspec lock` records the new dynamics\n"
@@ -39,8 +38,7 @@ def test_the_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert capsys.readouterr().err == "actspec.lock: 6 joints of 3 files\n"
     first = Path("actspec.lock").read_bytes()
     found = lock()
-    schema = json.loads(data_path("schemas", "actspec-lock-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(found, schema)
+    fits("lock", found)
     assert list(found["files"]) == ["leg.xml", "leg.yaml", "leg_cfg.py"]
     knee = found["files"]["leg.xml"]["robots"]["leg"]["joints"]["knee"]
     assert (knee["kp"], knee["kd"], knee["joint_damping"], knee["total_damping"]) == (100.0, 3.0, 1.0, 4.0)
@@ -75,8 +73,7 @@ def test_check_as_json(capsys: pytest.CaptureFixture[str]) -> None:
     capsys.readouterr()
     assert main(["lock", "--check", "--output-format", "json"]) == 1
     record = json.loads(capsys.readouterr().out)
-    schema = json.loads(data_path("schemas", "actspec-diff-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(record, schema)
+    fits("diff", record)
     changes = record["robots"][0]["changes"]
     assert [(c["joint"], c["field"], c["old"], c["new"], c["unit"]) for c in changes] == [
         ("hip", "armature", 0.01, 0.02, "kg*m^2"),

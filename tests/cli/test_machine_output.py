@@ -10,19 +10,11 @@ import jsonschema
 import pytest
 
 from actspec.cli.main import main
-from actspec.resources import data_path
+from tests.schemas import fits
 
 ROOT = Path(__file__).resolve().parents[2]
 A1 = str(ROOT / "robots" / "a1.yaml")
 SCHEMAS = sorted((ROOT / "schemas").iterdir())
-
-
-def _schema(name: str) -> dict[str, Any]:
-    schema: dict[str, Any] = json.loads(
-        data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8")
-    )
-    jsonschema.Draft202012Validator.check_schema(schema)
-    return schema
 
 
 @pytest.mark.parametrize(
@@ -42,7 +34,7 @@ def test_output_validates(
     monkeypatch.chdir(tmp_path)
     assert main([*arguments, "--output-format", "json"]) == 0
     record = json.loads(capsys.readouterr().out)
-    jsonschema.validate(record, _schema(name))
+    fits(name, record)
     assert record["format"] == f"actspec-{name}/1"
 
 
@@ -59,7 +51,7 @@ def test_failure_is_json_too(
     assert main([command, str(bad), "--output-format", "json"]) == 2
     out = capsys.readouterr()
     record = json.loads(out.out)
-    jsonschema.validate(record, _schema(command))
+    fits(command, record)
     found = record["diagnostics"] if command == "compile" else record["files"][0]["diagnostics"]
     assert [(item["code"], item["line"]) for item in found] == [("SPEC105", 3)]
     assert out.err == ""
@@ -73,7 +65,7 @@ def test_manifest_validates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     assert main(["compile", A1]) == 0
     folder = tmp_path / "build" / "unitree_a1" / "mujoco"
     record = json.loads((folder / "manifest.json").read_text("utf-8"))
-    jsonschema.validate(record, _schema("manifest"))
+    fits("manifest", record)
     for entry in record["files"]:
         assert entry["sha256"] == hashlib.sha256((folder / entry["path"]).read_bytes()).hexdigest()
 

@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from jsonschema import Draft202012Validator
 
 from actspec.cli.main import main
 from actspec.laws.network import NetworkLaw
 from actspec.learn.evaluate import errors_of, graded
 from actspec.readings.onnx_network import read_onnx
-from actspec.resources import data_path
 from tests.learn.pendulums import KD, KP, SPEC, folder, log
+from tests.schemas import fits
 
 pytest.importorskip("torch")
 pytestmark = pytest.mark.slow
@@ -24,9 +23,7 @@ pytestmark = pytest.mark.slow
 def checked(name: str, text: str) -> dict[str, Any]:
     """Output that its schema takes."""
     found: dict[str, Any] = json.loads(text)
-    schema = json.loads(data_path("schemas", f"actspec-{name}-v1.schema.json").read_text("utf-8"))
-    Draft202012Validator.check_schema(schema)
-    Draft202012Validator(schema).validate(found)
+    fits(name, found)
     return found
 
 

@@ -6,13 +6,13 @@ import json
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
 from actspec.cli.main import main
 from actspec.logs import load_log
 from actspec.resources import data_path
+from tests.schemas import fits
 from tests.sysid.test_fit import MODEL, SPEC
 
 pytest.importorskip("scipy")
@@ -57,9 +57,7 @@ def test_fit_compiles(
     monkeypatch.chdir(bench)
     assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", "r.yaml", "--output-format", "json"]) == 0
     record = json.loads(capsys.readouterr().out)
-    schema = json.loads(data_path("schemas", "actspec-sysid-v1.schema.json").read_text("utf-8"))
-    jsonschema.Draft202012Validator.check_schema(schema)
-    jsonschema.validate(record, schema)
+    fits("sysid", record)
     found = {item["field"]: item for item in record["joints"][0]["parameters"]}
     assert found["kp"]["value"] == pytest.approx(40.0, rel=0.01)
     assert found["kp"]["low"] < 40.0 < found["kp"]["high"]

@@ -7,15 +7,14 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 
 from actspec import api
 from actspec.cli.main import main
 from actspec.report.verify import text as report
-from actspec.resources import data_path
 from actspec.verify.agreement import Agreement, Row
 from actspec.verify.response import SOFT
+from tests.schemas import fits
 from tests.verify.making import MODEL, SPEC
 
 TARGETS = 'targets: {mujoco: {version: "3.12"}, isaaclab: {version: "2.3"}, deploy: {}}\n'
@@ -39,8 +38,7 @@ def run(*arguments: str) -> int:
 def record(capsys: pytest.CaptureFixture[str]) -> dict[str, Any]:
     """The JSON that was printed, which its schema describes."""
     found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    schema = json.loads(data_path("schemas", "actspec-verify-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(found, schema)
+    fits("verify", found)
     return found
 
 

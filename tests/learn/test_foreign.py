@@ -7,13 +7,13 @@ import pickle
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import numpy as np
 import pytest
 
 from actspec.cli.main import main
 from actspec.readings.onnx_network import read_onnx
 from tests.network_files import onnx_mlp
+from tests.schemas import fits
 
 torch = pytest.importorskip("torch")
 
@@ -48,9 +48,7 @@ def linear(weights: list[float]) -> Any:
 def said(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
     code = main(["net", "inspect", *arguments, "--output-format", "json"])
     found = json.loads(capsys.readouterr().out)
-    jsonschema.validate(
-        found, json.loads((ROOT / "schemas" / "actspec-net-inspect-v1.schema.json").read_text())
-    )
+    fits("net-inspect", found)
     return code, found
 
 

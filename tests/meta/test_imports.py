@@ -73,6 +73,7 @@ def imports(name: str, tree: ast.Module, known: set[str]) -> Iterator[tuple[int,
 
 
 MODULES = modules()
+IMPORTS = {name: list(imports(name, tree, set(MODULES))) for name, tree in MODULES.items()}
 
 
 def part(name: str) -> str:
@@ -92,7 +93,7 @@ def test_imports_point_down(name: str) -> None:
     """A module imports only its own layer and lower ones, wherever in the file the import stands."""
     assert part(name) in RANK, f"actspec/{part(name)} is in no layer: give it one in LAYERS"
     wrong = []
-    for line, target in imports(name, MODULES[name], set(MODULES)):
+    for line, target in IMPORTS[name]:
         mine = own(target)
         # The version is all that lower layers may take from the package itself.
         if mine and RANK.get(part(mine), len(LAYERS)) > RANK[part(name)]:
@@ -103,8 +104,8 @@ def test_imports_point_down(name: str) -> None:
 def test_parts_form_no_circle() -> None:
     """Parts of one layer may use each other in one direction only."""
     graph: dict[str, set[str]] = {}
-    for name, tree in MODULES.items():
-        targets = (own(target) for _, target in imports(name, tree, set(MODULES)))
+    for name, found in IMPORTS.items():
+        targets = (own(target) for _, target in found)
         graph.setdefault(part(name), set()).update(part(t) for t in targets if t and part(t) != part(name))
     try:
         TopologicalSorter(graph).prepare()
@@ -121,7 +122,7 @@ def test_pure_parts_import_no_engine(where: str) -> None:
     wrong = [
         f"{name}:{line}: {target}"
         for name in mine
-        for line, target in imports(name, MODULES[name], set(MODULES))
+        for line, target in IMPORTS[name]
         if target.split(".")[0] in FORBIDDEN[where]
     ]
     assert not wrong
@@ -134,9 +135,9 @@ def test_a_library_stays_in_one_place(library: str, home: str) -> None:
     """Everybody else takes the arrays or views that they are given."""
     wrong = [
         f"{name}:{line}"
-        for name, tree in MODULES.items()
+        for name, found in IMPORTS.items()
         if name != home and not name.startswith(home + ".")
-        for line, target in imports(name, tree, set(MODULES))
+        for line, target in found
         if target.split(".")[0] == library
     ]
     assert not wrong

@@ -7,7 +7,6 @@ import math
 from dataclasses import replace
 from pathlib import Path
 
-import jsonschema
 import numpy as np
 import pytest
 
@@ -15,7 +14,6 @@ from actspec import api
 from actspec.diagnostics import Severity
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.report.sysid import sysid_lines, sysid_record
-from actspec.resources import data_path
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
 from actspec.sysid.identified import Identification, State
@@ -23,6 +21,7 @@ from actspec.sysid.methods import fit_by
 from actspec.sysid.results import results_text
 from actspec.sysid.step import unit_step
 from actspec.sysid.work import FitOptions
+from tests.schemas import fits
 from tests.sysid.test_fit import MODEL, SPEC
 from tests.sysid.test_frequency import DAMPING, DELAY, NATURAL, PERIOD, command, linear
 from tests.sysid.truth import truth
@@ -113,9 +112,7 @@ def test_json_and_results(tmp_path: Path) -> None:
     )
     found = fitted(tmp_path, "step", cut)
     record = json.loads(json.dumps(sysid_record(found, None)))
-    jsonschema.validate(
-        record, json.loads(data_path("schemas", "actspec-sysid-v1.schema.json").read_text("utf-8"))
-    )
+    fits("sysid", record)
     shown = {item["name"]: item["value"] for item in record["joints"][0]["diagnostics"]}
     assert shown["settling_time"] is None and shown["rise_time"] is None
     assert shown["damping_ratio"] == pytest.approx(0.4, rel=0.05)

@@ -10,6 +10,7 @@ import math
 import re
 import textwrap
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from functools import cache
 from keyword import iskeyword
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -27,6 +28,7 @@ WIDTH = 120
 """Columns of the text, as the frameworks' own code has."""
 
 
+@cache
 def environment(kind: str) -> Environment:
     """The templates of `templates/<kind>`: a value that is missing is an error, `py` writes literals."""
     import jinja2

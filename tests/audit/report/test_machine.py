@@ -19,8 +19,8 @@ from actspec.report import ReportOptions, render
 from actspec.report.ledger import COLUMNS, JSON_FIELDS, JSON_FLAGS
 from actspec.report.sarif import location
 from actspec.report.terminal import json_number as number
-from actspec.resources import data_path
 from tests.audit.report.reporting import EVIL, report
+from tests.schemas import fits, validator
 
 # --- the forms -----------------------------------------------------------------------------------
 
@@ -188,8 +188,7 @@ def made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Report:
 def test_json(made: Report) -> None:
     """It has the form of its schema, one finding a joint, null for unknown, Infinity for no limit."""
     data = json.loads(render(made, "json", ReportOptions()), parse_constant=pytest.fail)
-    schema = json.loads(data_path("schemas", "actspec-report-v1.schema.json").read_text("utf-8"))
-    jsonschema.validate(data, schema)
+    fits("report", data)
     assert list(data) == ["format", "files", "ledger", "findings", "skipped", "diagnostics"]
     assert data["findings"][0] == {
         "code": "LIM901",
@@ -234,8 +233,7 @@ def test_figures_in_json(value: float | None, written: object) -> None:
 
 def test_the_schema_knows_every_figure() -> None:
     """Ledger entries, the schema and the table's columns speak of the same fields."""
-    schema = json.loads(data_path("schemas", "actspec-report-v1.schema.json").read_text("utf-8"))
-    entry = schema["properties"]["ledger"]["items"]["properties"]
+    entry = validator("report").schema["properties"]["ledger"]["items"]["properties"]
     assert list(entry) == [
         "file",
         "line",

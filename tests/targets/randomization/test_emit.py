@@ -8,7 +8,6 @@ import re
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import pytest
 
 from actspec.diagnostics import EmitError, Severity
@@ -20,6 +19,7 @@ from actspec.targets.base import Emission, TargetOptions
 from actspec.targets.randomization.emit import STACKS, emit
 from tests.compiling import target_options, view_of
 from tests.fitting import spec_of
+from tests.schemas import fits
 
 ROOT = Path(__file__).resolve().parents[3]
 
@@ -335,11 +335,7 @@ def test_json_is_the_spec() -> None:
         "kp: {scale: [1, 0.1], distribution: gaussian, per: env}, delay: {add: [0 ms, 2 ms]}", "json"
     )
     found = json.loads(emission.files[0].data)
-    schema = json.loads(
-        (ROOT / "schemas" / "actspec-randomization-v1.schema.json").read_text(encoding="utf-8")
-    )
-    jsonschema.Draft202012Validator.check_schema(schema)
-    jsonschema.Draft202012Validator(schema).validate(found)
+    fits("randomization", found)
     assert '"kp": {"value": 20.0, "unit": "N*m/rad"},\n' in emission.files[0].data.decode("utf-8")
     hip = found["joints"][0]
     assert hip["nominal"]["kp"] == {"value": 20.0, "unit": "N*m/rad"}
