@@ -106,6 +106,11 @@ def compile(
             collector.add(item)
     for item in check_actuators(actuators, explicit):
         collector.add(item)
+    if any(actuator.network is not None for actuator in actuators.joints):
+        from actspec.learn.notes import network_notes
+
+        for item in network_notes(actuators, robot):
+            collector.add(item)
     collector.raise_if_failed(EmitError)
     check_accepted(loaded, actuators, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())

@@ -195,10 +195,11 @@ def _train(arguments: argparse.Namespace) -> int:
     data = dataset(actuators, logs, out, **options, measured=not infer)
     model = None
     if infer:
-        from actspec.learn.labels import dynamics_hash, inferred
+        from actspec.learn.dynamics import dynamics_entries
+        from actspec.learn.labels import inferred
 
         data = inferred(data, robot, logs, arguments.base, out)
-        model = dynamics_hash(robot, data.actuators)
+        model = dynamics_entries(robot, data.actuators)
     parts = split(data)
     if not sum(map(len, parts.train)) or not sum(map(len, parts.validate)):
         message = "too few rows with a whole history to train and to validate on"

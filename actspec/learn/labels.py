@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
-from actspec.ir import JointActuator
 from actspec.learn.windows import Dataset, with_rows
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
@@ -110,27 +108,3 @@ def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None
         message = "the model's base is free, and nothing says that it was held"
         help = "a robot that was hung up: --base fixed, or `base: {orientation: [1, 0, 0, 0]}` beside the log"
         raise LogError.of("LRN024", message, Span(logs[0].path), help=help)
-
-
-def dynamics_hash(robot: RobotView, actuators: Sequence[JointActuator]) -> str:
-    """Hash of what the torques were inferred with: links, springs, gravity, and the spec's armature and friction."""
-    import numpy as np
-
-    model, pose = bench_model(robot, [], None)
-    digest = hashlib.sha256()
-    for array in (
-        *(
-            model.body_mass,
-            model.body_inertia,
-            model.body_ipos,
-            model.body_iquat,
-            model.body_pos,
-            model.body_quat,
-        ),
-        *(model.jnt_axis, model.jnt_pos, model.jnt_stiffness, model.qpos_spring, model.opt.gravity, pose),
-    ):
-        digest.update(np.asarray(array, dtype=float).round(12).tobytes())
-    for actuator in actuators:
-        figures = (actuator.armature, actuator.friction_coulomb, actuator.friction_viscous)
-        digest.update(repr((actuator.joint, *(figure.value for figure in figures))).encode())
-    return digest.hexdigest()

@@ -76,7 +76,7 @@ def data_record(data: Dataset, found: Sequence[JointData], findings: Sequence[Di
 
 
 def manifest_entries(
-    data: Dataset, parts: Split, trained: Trained, logs: Sequence[Any], model: str | None
+    data: Dataset, parts: Split, trained: Trained, logs: Sequence[Any], model: Mapping[str, Any] | None
 ) -> tuple[dict[str, Any], list[tuple[str, Errors]]]:
     """What a trained network's manifest holds beside its files, and the errors on held-out rows of each joint."""
     import numpy as np
@@ -103,7 +103,7 @@ def manifest_entries(
         "joints": [a.joint for a in data.actuators],
         "torque": data.kind,
         "logs": [{"path": log.path, "sha256": log.sha256} for log in logs],
-        "model": model,
+        **(model or {}),
         "range": input_ranges(
             data, [np.concatenate(both) for both in zip(parts.train, parts.validate, strict=True)]
         ),

@@ -78,6 +78,30 @@ class NetworkValidation(Strict):
     """Recordings, by path."""
 
 
+class TrainedJoint(Strict):
+    """What the model with which torques were inferred had of a joint; null: unknown, which counts as 0."""
+
+    armature: float | None = None
+    """[kg*m^2 or kg]."""
+    coulomb: float | None = None
+    """[N*m or N]."""
+    viscous: float | None = None
+    """[N*m*s/rad or N*s/m]."""
+    inertia: float | None = None
+    """With the other joints held in the reference pose, armature included [kg*m^2 or kg]."""
+
+
+class TrainedModel(Strict):
+    """Figures of that model."""
+
+    mass: float
+    """Of the whole robot [kg]."""
+    gravity: float
+    """[m/s^2]."""
+    joints: dict[str, TrainedJoint]
+    """By name."""
+
+
 class NetworkManifest(Strict):
     """Inputs, scales, order and period of an actuator network.
 
@@ -122,6 +146,8 @@ class NetworkManifest(Strict):
     """Recordings that it was trained on."""
     model: Sha256 | None = None
     """Hash of the compiled dynamics with which its torques were inferred."""
+    dynamics: TrainedModel | None = None
+    """Figures of them, which tell what has changed since."""
     range: InputRanges | None = None
     """What the training data held."""
     validation: NetworkValidation | None = None

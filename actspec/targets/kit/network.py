@@ -17,7 +17,7 @@ from actspec.ir import Command, JointActuator, Level, Network
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
-    from actspec.laws.network import NetworkLaw
+    from actspec.laws.network import Layers, NetworkLaw
     from actspec.spec.network import NetworkManifest
 
 MAX_NETWORK = 64 * 1024 * 1024
@@ -49,22 +49,23 @@ class NetworkWithManifest:
         """Which input is first, in the words of the simulators: `pos_vel` or `vel_pos`."""
         return "pos_vel" if self.manifest.inputs == "position_velocity" else "vel_pos"
 
+    def layers(self) -> Layers | None:
+        """Layers of an ONNX file; None where they are not known, which reading it has said."""
+        from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
+
+        try:
+            return read_onnx(self.data)
+        except (OnnxMissing, NetworkFileError):
+            return None
+
     def law(self, step: float) -> NetworkLaw | None:
         """Its law, taps in physics steps; None after an error, or without layers that are known.
 
         Args:
             step: Physics step h [s].
         """
-        from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
-
-        stride = self.stride(step)
-        if stride is None:
-            return None
-        try:
-            return self.manifest.law(read_onnx(self.data), stride)
-        except (OnnxMissing, NetworkFileError):
-            # Reading it has said so.
-            return None
+        stride, layers = self.stride(step), self.layers()
+        return None if stride is None or layers is None else self.manifest.law(layers, stride)
 
     def check_command(self, group: str, command: Command, code: str, takes: str) -> None:
         """Refuse a command that is no position.

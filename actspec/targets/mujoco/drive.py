@@ -122,13 +122,15 @@ def drive_of(
         collector: Takes errors of this joint alone.
         reports: Takes errors that other joints of its group may have too.
     """
-    if actuator.level is Level.ACTUATOR_NET:
-        return _network_drive(actuator, step), _network_losses(actuator, target)
-    known = _with_own_gains(actuator, reading, reports)
+    learned = actuator.level is Level.ACTUATOR_NET
+    known = actuator if learned else _with_own_gains(actuator, reading, reports)
     if known is None:
         return None
     try:
         emission = JointEmission(known, dialect, step, target, collector)
+        if learned:
+            _lose_network(emission)
+            return _network_drive(actuator, step), tuple(emission.lost)
         drive = _law_drive(known, emission.law, joint, dialect, step)
         _lose(emission, drive)
         return drive, tuple(emission.lost)
@@ -312,9 +314,9 @@ def _lose_passive(joint: JointLosses) -> None:
     joint.no_velocity_limit("MuJoCo has no speed limit of a joint")
 
 
-def _network_losses(actuator: JointActuator, target: str) -> tuple[Approximation, ...]:
-    """What a plain motor loses of an actuator network."""
-    joint = JointLosses(actuator, target)
+def _lose_network(joint: JointEmission[MujocoDialect]) -> None:
+    """What a plain motor and the runtime lose of an actuator network."""
+    actuator = joint.actuator
     joint.approximate(
         "network",
         actuator.network.name if actuator.network is not None else "a network",
@@ -325,9 +327,7 @@ def _network_losses(actuator: JointActuator, target: str) -> tuple[Approximation
     own = "a network holds what the logged drive did, its delay and filter too; the runtime adds none"
     if actuator.delay is not None and actuator.delay.nominal.value:
         asked = format_quantity(actuator.delay.nominal.value * 1e3, "ms")
-        joint.approximate("delay", asked, "none", own, None)
-    if actuator.filter_cutoff is not None and actuator.filter_cutoff.value is not None:
-        asked = format_quantity(actuator.filter_cutoff.value, "Hz")
-        joint.approximate("command_filter", asked, "none", own, None)
+        joint.approximate("delay", asked, "none", own, joint.late)
+    joint.no_filter(own)
+    joint.no_range("the runtime takes any command")
     _lose_passive(joint)
-    return tuple(joint.lost)
