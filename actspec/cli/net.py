@@ -248,7 +248,8 @@ def _add_convert(command: argparse.ArgumentParser) -> None:
     command.add_argument("--force", action="store_true", help="replace files that are there")
 
 
-def _manifest_of(path: str) -> Any:
+def _manifest_of(path: str, network: str) -> Any:
+    """The manifest of a network file, which must be the one that it describes, if it says."""
     from actspec.logs import LogError
     from actspec.targets.kit.network import read_manifest
 
@@ -258,7 +259,20 @@ def _manifest_of(path: str) -> Any:
     found = read_manifest(path, out.at("--manifest", Span(path)))
     out.raise_if_failed(LogError)
     assert found is not None
+    if found.hashes and _sha256(network) not in found.hashes:
+        message = (
+            f"'{os.path.basename(network)}' is not the network that the manifest describes, by its sha256"
+        )
+        raise LogError.of("LRN013", message, Span(path), help="name the manifest that was written with it")
     return found
+
+
+def _sha256(path: str) -> str:
+    import hashlib
+
+    from actspec.learn.foreign import network_bytes
+
+    return hashlib.sha256(network_bytes(path)).hexdigest()
 
 
 def _inspect(arguments: argparse.Namespace) -> int:
@@ -268,7 +282,7 @@ def _inspect(arguments: argparse.Namespace) -> int:
     from actspec.report.net import inspect_lines, inspect_record
 
     require("onnx", *(["torch"] if arguments.trust else []))
-    manifest = None if arguments.manifest is None else _manifest_of(arguments.manifest)
+    manifest = None if arguments.manifest is None else _manifest_of(arguments.manifest, arguments.file)
     found = inspect(read_network_file(arguments.file, trust=arguments.trust), manifest)
     if arguments.output_format == "json":
         print_json(inspect_record(found, arguments.file))
@@ -287,7 +301,7 @@ def _convert(arguments: argparse.Namespace) -> int:
 
     require("torch", "onnx")
     check_output(arguments.output, force=arguments.force)
-    manifest = _manifest_of(arguments.manifest)
+    manifest = _manifest_of(arguments.manifest, arguments.file)
     layers, entries = converted(read_network_file(arguments.file, trust=arguments.trust), manifest)
     try:
         paths = write_network(arguments.output, layers, entries)

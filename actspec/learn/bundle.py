@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
@@ -9,10 +10,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import ActspecError, Span
+from actspec.diagnostics import ActspecError, Span, shortened
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.laws.network import NetworkLaw
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
+from actspec.spec.network import NetworkManifest
 
 if TYPE_CHECKING:
     import numpy as np
@@ -99,8 +101,13 @@ def read_bundle(folder: str | os.PathLike[str]) -> Bundle:
         found = json.loads(_bytes(path))
         if not isinstance(found, dict) or found.get("format") != FORMAT:
             raise ValueError(f"its format is not {FORMAT}")
-        groups = tuple(_group(folder, entry) for entry in found["networks"])
-        return Bundle(folder, float(found["physics_dt"]), groups)
+        physics_dt = float(found["physics_dt"])
+        if not (math.isfinite(physics_dt) and physics_dt > 0.0):
+            raise ValueError(f"a physics step of {physics_dt:g} s")
+        groups = tuple(_group(folder, physics_dt, entry) for entry in found["networks"])
+        if not groups:
+            raise ValueError("it names no network")
+        return Bundle(folder, physics_dt, groups)
     except FileNotFoundError as err:
         help = (
             "`actspec compile SPEC -t mujoco` writes it where a group of level actuator_net names a manifest"
@@ -113,48 +120,64 @@ def read_bundle(folder: str | os.PathLike[str]) -> Bundle:
         raise RuntimeFault.of("LRN040", f"a network cannot be read: {err}", Span(path)) from err
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as err:
         help = "compile the spec again"
-        raise RuntimeFault.of(
-            "LRN040", f"the file is not what compile wrote: {err}", Span(path), help=help
-        ) from err
+        said = shortened(" ".join(str(err).split()), 300)
+        message = f"the file is not what compile wrote: {said}"
+        raise RuntimeFault.of("LRN040", message, Span(path), help=help) from err
 
 
 def _bytes(path: str) -> bytes:
     return read_regular(path, MAX_BYTES)
 
 
-def _group(folder: str, entry: Mapping[str, Any]) -> DrivenGroup:
-    name = entry["file"]
-    if os.path.basename(name) != name or name in ("", ".", ".."):
-        raise ValueError(f"'{name}' is no file of the folder")
-    law = NetworkLaw(
-        read_onnx(_bytes(os.path.join(folder, name))),
-        tuple(int(tap) for tap in entry["taps"]),
-        float(entry["sample_steps"]),
-        entry["inputs"] == "velocity_position",
-        float(entry["position_scale"]),
-        float(entry["velocity_scale"]),
-        float(entry["torque_scale"]),
-        entry["initial_history"] == "first_sample",
-    )
-    if law.inputs != law.layers.inputs or not law.taps or min(law.taps) < 0:
+def _group(folder: str, physics_dt: float, entry: Mapping[str, Any]) -> DrivenGroup:
+    manifest = NetworkManifest.model_validate(entry["manifest"])
+    if manifest.files is None or manifest.files.onnx is None:
+        raise ValueError("a network has no ONNX file")
+    name = manifest.files.onnx.path
+    data = _bytes(os.path.join(folder, name))
+    if hashlib.sha256(data).hexdigest() != manifest.files.onnx.sha256:
+        raise ValueError(f"'{name}' is another file than compile wrote")
+    scales = (manifest.position_scale, manifest.velocity_scale, manifest.torque_scale)
+    if not all(map(math.isfinite, scales)):
+        raise ValueError(f"a scale of '{name}' is not finite")
+    stride = manifest.stride(physics_dt)
+    if stride is None:
+        raise ValueError(f"the samples of '{name}' do not fall on steps of {physics_dt:g} s")
+    law = manifest.law(read_onnx(data), stride)
+    kind = "lstm" if law.layers.recurrent else "mlp"
+    if (law.inputs, 1, kind) != (law.layers.inputs, law.layers.outputs, manifest.kind):
         raise ValueError(f"'{name}' has {law.layers.inputs} inputs, its taps give {law.inputs}")
-    stated = entry["range"]
     ends = None
-    if stated is not None:
-        ends = tuple(
-            (float(stated[key]["least"]), float(stated[key]["most"])) for key in ("error", "velocity")
-        )
+    if manifest.range is not None:
+        ends = tuple((part.least, part.most) for part in (manifest.range.error, manifest.range.velocity))
     return DrivenGroup(name, law, tuple(_joint(joint) for joint in entry["joints"]), ends)  # type: ignore[arg-type]
 
 
 def _joint(entry: Mapping[str, Any]) -> DrivenJoint:
-    limit, stall, no_load = (entry[key] for key in ("effort_limit", "stall_torque", "no_load_speed"))
-    curve = entry["curve"]
+    joint, actuator = entry["joint"], entry["actuator"]
+    if not (isinstance(joint, str) and isinstance(actuator, str)):
+        raise ValueError("a joint or actuator is no name")
+    limit, stall, no_load = (_number(entry, key) for key in ("effort_limit", "stall_torque", "no_load_speed"))
+    if (limit or 0.0) < 0.0 or any(part is not None and part <= 0.0 for part in (stall, no_load)):
+        raise ValueError(f"limit or torque-speed line of '{joint}' is negative")
+    curve = None
+    if entry["curve"] is not None:
+        drive, brake, knee, most = (float(part) for part in entry["curve"])
+        if not (min(drive, brake) >= 0.0 and 0.0 <= knee <= most < math.inf):
+            raise ValueError(f"the curve of '{joint}' is none")
+        curve = drive, brake, knee, most
     return DrivenJoint(
-        str(entry["joint"]),
-        str(entry["actuator"]),
-        math.inf if limit is None else float(limit),
-        None if stall is None or no_load is None else (float(stall), float(no_load)),
-        None if curve is None else (float(curve[0]), float(curve[1]), float(curve[2]), float(curve[3])),
-        float(entry["encoder_bias"]),
+        joint,
+        actuator,
+        math.inf if limit is None else limit,
+        None if stall is None or no_load is None else (stall, no_load),
+        curve,
+        _number(entry, "encoder_bias") or 0.0,
     )
+
+
+def _number(entry: Mapping[str, Any], key: str) -> float | None:
+    value = None if entry[key] is None else float(entry[key])
+    if value is not None and not math.isfinite(value):
+        raise ValueError(f"{key} is {value}")
+    return value

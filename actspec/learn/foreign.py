@@ -37,12 +37,7 @@ def read_network_file(path: str, *, trust: bool) -> Layers:
     Raises:
         LogError: it is no network, is not known, or may not run.
     """
-    try:
-        data = read_regular(path, MAX_BYTES)
-    except (FileNotFoundError, NotADirectoryError) as err:
-        raise LogError.of("LRN013", "there is no such file", Span(path)) from err
-    except (NotRegular, TooLarge, OSError, ValueError) as err:
-        raise LogError.of("LRN013", f"cannot be read: {err}", Span(path)) from err
+    data = network_bytes(path)
     if data[:1] == b"\x80":
         help = (
             "its owner exports it: torch.jit.save(torch.jit.script(network), 'net.pt'), or torch.onnx.export"
@@ -62,6 +57,20 @@ def read_network_file(path: str, *, trust: bool) -> Layers:
     except NetworkFileError as err:
         name = os.path.basename(path)
         raise LogError.of("LRN013", f"'{name}' cannot be read: {err}", Span(path)) from err
+
+
+def network_bytes(path: str) -> bytes:
+    """Bytes of a network file.
+
+    Raises:
+        LogError: it cannot be read.
+    """
+    try:
+        return read_regular(path, MAX_BYTES)
+    except (FileNotFoundError, NotADirectoryError) as err:
+        raise LogError.of("LRN013", "there is no such file", Span(path)) from err
+    except (NotRegular, TooLarge, OSError, ValueError) as err:
+        raise LogError.of("LRN013", f"cannot be read: {err}", Span(path)) from err
 
 
 def _by_torch(data: bytes) -> Layers:

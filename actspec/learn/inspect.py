@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
@@ -200,6 +199,10 @@ def converted(layers: Layers, manifest: NetworkManifest) -> tuple[Layers, dict[s
             f"{layers.outputs} outputs is not what the manifest describes: {manifest.kind}, {n} taps"
         )
         raise LogError.of("LRN013", message, help="`actspec net inspect FILE` shows what it is")
+    if manifest.tap_period.value is None:
+        raise LogError.of(
+            "LRN013", "tap_period of the manifest is unknown", help="write the time between two samples"
+        )
     scales = np.repeat([manifest.position_scale, manifest.velocity_scale], n)
     order = np.arange(2 * n)
     if manifest.inputs == "velocity_position":
@@ -223,11 +226,9 @@ def converted(layers: Layers, manifest: NetworkManifest) -> tuple[Layers, dict[s
         dense.append(
             replace(last, weight=np.array([[manifest.torque_scale]]), bias=np.zeros(1), activation="identity")
         )
-    entries = manifest.model_dump(mode="json", exclude_none=True)
+    entries = manifest.entries()
     for key in ("sha256", "files", "format", "kind"):
         entries.pop(key, None)
-    period = manifest.tap_period.value
-    assert period is not None and math.isfinite(period)
-    entries |= {"inputs": "position_velocity", "tap_period": f"{period * 1e3:.12g} ms"}
+    entries |= {"inputs": "position_velocity"}
     entries |= {"position_scale": 1.0, "velocity_scale": 1.0, "torque_scale": 1.0}
     return Layers(tuple(recurrent), tuple(dense)), entries

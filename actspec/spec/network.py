@@ -6,7 +6,7 @@ it comes from and how far it may be trusted.
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
@@ -15,6 +15,15 @@ from actspec.spec.results import FitFile
 from actspec.spec.values import Number, SpecValue, Strict
 from actspec.units import Kind
 
+MOST_STEPS = 1000
+"""Most physics steps between two samples, so that a stranger's history cannot fill the memory. Chosen."""
+MOST_TAPS = 1000
+"""Most samples of a history, and the oldest of them. Chosen: actuator networks have some ten."""
+
+LONGEST = 10.0
+"""Longest time between two samples [s]. Chosen: a thousand times that of known networks."""
+
+Finite = Annotated[float, Field(allow_inf_nan=False)]
 Sha256 = Annotated[str, Field(pattern="^[0-9a-f]{64}$")]
 
 
@@ -39,13 +48,13 @@ class NetworkFiles(Strict):
 class InputRange(Strict):
     """How far an input goes in the training data."""
 
-    low: float
+    low: Finite
     """Quantile 0.001 [rad or m, rad/s or m/s]."""
-    high: float
+    high: Finite
     """Quantile 0.999."""
-    least: float
+    least: Finite
     """Smallest value that there was."""
-    most: float
+    most: Finite
     """Largest value that there was."""
 
     @property
@@ -81,22 +90,22 @@ class NetworkValidation(Strict):
 class TrainedJoint(Strict):
     """What the model with which torques were inferred had of a joint; null: unknown, which counts as 0."""
 
-    armature: float | None = None
+    armature: Finite | None = None
     """[kg*m^2 or kg]."""
-    coulomb: float | None = None
+    coulomb: Finite | None = None
     """[N*m or N]."""
-    viscous: float | None = None
+    viscous: Finite | None = None
     """[N*m*s/rad or N*s/m]."""
-    inertia: float | None = None
+    inertia: Finite | None = None
     """With the other joints held in the reference pose, armature included [kg*m^2 or kg]."""
 
 
 class TrainedModel(Strict):
     """Figures of that model."""
 
-    mass: float
+    mass: Finite
     """Of the whole robot [kg]."""
-    gravity: float
+    gravity: Finite
     """[m/s^2]."""
     joints: dict[str, TrainedJoint]
     """By name."""
@@ -117,9 +126,11 @@ class NetworkManifest(Strict):
     """Which block of inputs comes first."""
     error: Literal["target_minus_measured"] = "target_minus_measured"
     """Sign of the position error; scales carry a minus where the network was trained the other way."""
-    taps: Annotated[tuple[Annotated[int, Field(ge=0)], ...], Field(min_length=1)]
+    taps: Annotated[
+        tuple[Annotated[int, Field(ge=0, le=MOST_TAPS)], ...], Field(min_length=1, max_length=MOST_TAPS)
+    ]
     """Which past samples, in order; 0 is now."""
-    tap_period: Annotated[SpecValue, Number(Kind.TIME, above=0.0)]
+    tap_period: Annotated[SpecValue, Number(Kind.TIME, above=0.0, at_most=LONGEST)]
     """Time between samples, T [s]."""
     position_scale: float
     """Factor on the position error [1/rad or 1/m]."""
@@ -154,6 +165,31 @@ class NetworkManifest(Strict):
     """How well it does on recordings that it was not trained on."""
     note: str | None = None
     """Remark."""
+
+    @property
+    def hashes(self) -> tuple[str, ...]:
+        """Of the network files that it describes, as far as it says."""
+        files = () if self.files is None else (self.files.onnx, self.files.torchscript)
+        named = (self.sha256, *(None if file is None else file.sha256 for file in files))
+        return tuple(value for value in named if value is not None)
+
+    def entries(self) -> dict[str, Any]:
+        """What a file of it holds, as JSON has it; the period is known."""
+        assert self.tap_period.value is not None
+        found = self.model_dump(mode="json", exclude_none=True)
+        return found | {"tap_period": f"{self.tap_period.value * 1e3:.12g} ms"}
+
+    def stride(self, step: float) -> int | None:
+        """Physics steps between two samples; None: no whole number, or the period is unknown.
+
+        Args:
+            step: Physics step h > 0 [s].
+        """
+        period = self.tap_period.value
+        if period is None or not 0.5 <= period / step <= MOST_STEPS:
+            return None
+        count = round(period / step)
+        return None if abs(count * step - period) > 1e-6 * period else count
 
     def law(self, layers: Layers, stride: int = 1) -> NetworkLaw:
         """A network by these conventions.

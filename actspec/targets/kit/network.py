@@ -89,6 +89,8 @@ class NetworkWithManifest:
         Args:
             step: Physics step h [s].
         """
+        from actspec.spec.network import MOST_STEPS
+
         # The period T at which the network was trained.
         period = self.manifest.tap_period.value
         if period is None:
@@ -98,15 +100,14 @@ class NetworkWithManifest:
                 "write the time between two samples of the training log",
             )
             return None
-        stride = round(period / step)
-        if stride < 1 or abs(stride * step - period) > 1e-6 * period:
-            near = max(1, stride) * step
+        stride = self.manifest.stride(step)
+        if stride is None:
+            near = max(1, round(min(period / step, MOST_STEPS))) * step
             self.place.error(
                 "NET007",
                 f"tap_period {period * 1e3:g} ms is not a whole number of physics steps of {step * 1e3:g} ms",
                 f"train at {near * 1e3:g} ms, or set timing.physics_dt to {period * 1e3:g} ms or a whole part of it",
             )
-            return None
         return stride
 
 

@@ -1,11 +1,12 @@
 """Files that the runtime needs beside a MuJoCo model: the networks as ONNX, and what each joint gives and takes.
 
-`networks.json` holds what no MJCF can: which actuator a network drives, the samples that it takes in physics steps, and
-the clamp of its torque, joint by joint, in SI.
+`networks.json` holds what no MJCF can: each network's manifest, with the hash of its file here, and joint by joint
+which actuator it drives and the clamp of its torque, in SI.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Iterable, Sequence
 from typing import Any
@@ -47,11 +48,10 @@ def runtime_files(
     for members in groups.values():
         known = onnx_of(members[0])
         found = None if known is None else read_network(known, "onnx", collector)
-        stride = None if found is None else found.stride(step)
-        if found is None or stride is None:
+        if found is None or found.stride(step) is None:
             continue
         found.check_command(members[0].group, members[0].command, "MJC030", "a network takes position errors")
-        entries.append(_entry(found, stride, members, names))
+        entries.append(_entry(found, members, names))
         files += [(member, (found.name, found.data)) for member in members]
     if not entries or collector.failed:
         return []
@@ -63,20 +63,11 @@ def runtime_files(
 
 
 def _entry(
-    found: NetworkWithManifest, stride: int, members: Sequence[JointActuator], names: dict[str, str]
+    found: NetworkWithManifest, members: Sequence[JointActuator], names: dict[str, str]
 ) -> dict[str, Any]:
-    manifest = found.manifest
+    file = {"path": found.name, "sha256": hashlib.sha256(found.data).hexdigest()}
     return {
-        "file": found.name,
-        "kind": manifest.kind,
-        "inputs": manifest.inputs,
-        "taps": [tap * stride for tap in manifest.taps],
-        "sample_steps": stride,
-        "position_scale": manifest.position_scale,
-        "velocity_scale": manifest.velocity_scale,
-        "torque_scale": manifest.torque_scale,
-        "initial_history": manifest.initial_history,
-        "range": None if manifest.range is None else manifest.range.model_dump(),
+        "manifest": found.manifest.entries() | {"files": {"onnx": file}},
         "joints": [
             {
                 "joint": actuator.joint,
