@@ -16,8 +16,8 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
 from actspec.learn.delta.network import DeltaLayers, onnx_of, torchscript_of
+from actspec.learn.dynamics import dynamics_entries
 from actspec.learn.files import SAME, file_entries, network_paths_of, write_files
-from actspec.learn.labels import dynamics_hash
 from actspec.logs import BASE, Log
 from actspec.readings.onnx_graph import Graph
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing
@@ -68,7 +68,7 @@ class DeltaNetwork:
 
 def model_hash(actuators: ActuatorSet, robot: RobotView) -> str:
     """Hash of what a delta action corrects: links, friction, the drives' laws, and the rates."""
-    digest = hashlib.sha256(dynamics_hash(robot, actuators.joints).encode())
+    digest = hashlib.sha256(dynamics_entries(robot, actuators.joints)["model"].encode())
     for joint in actuators.joints:
         digest.update(repr((joint.joint, law_of(joint))).encode())
     digest.update(repr((actuators.physics_dt.value, actuators.decimation)).encode())
