@@ -102,7 +102,7 @@ def test_every_number_has_its_unit(name: str) -> None:
     }  # fmt: skip
     for path, node in properties(name):
         for reference in re.findall(r"#/\$defs/([a-z_0-9]+)", json.dumps(node.get("$ref", ""))):
-            kind = re.sub(r"^(positive_|nonnegative_)|(_to_1)?(_or_(unknown|identified))*$", "", reference)
+            kind = re.sub(r"^(positive_|nonnegative_)|(_to_\d+)?(_or_(unknown|identified))*$", "", reference)
             assert units[kind] in node["description"], path
 
 
