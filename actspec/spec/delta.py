@@ -51,10 +51,10 @@ class DeltaManifest(Strict):
     """The network, beside the manifest."""
     per: Literal["joint", "robot"] | None = None
     """Whether one network serves every joint by its own columns, or one the whole robot."""
-    action_scale: tuple[float | None, ...] = ()
-    """Of each output: command [rad] per unit of a policy's action, by the spec; null: it does not state one."""
-    default_position: tuple[float | None, ...] = ()
-    """Of each output: command at action 0 [rad], by the spec."""
+    action_scale: dict[str, float] = Field(default_factory=dict)
+    """Joint to its command [rad] per unit of a policy's action, where the spec states one."""
+    default_position: dict[str, float] = Field(default_factory=dict)
+    """Joint to its command at action 0 [rad], likewise."""
     model: Sha256 | None = None
     """Hash of the compiled dynamics that it corrects."""
     logs: tuple[FitFile, ...] = ()

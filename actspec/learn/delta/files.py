@@ -199,10 +199,8 @@ def _contradictions(manifest: DeltaManifest) -> list[str]:
     if strange:
         wrong.append(f"unknown columns: {listed(strange)}")
     for key in ("action_scale", "default_position"):
-        if len(getattr(manifest, key)) not in (0, len(outputs)):
-            wrong.append(
-                f"{key} has {len(getattr(manifest, key))} figures, and there are {len(outputs)} outputs"
-            )
+        if others := [name for name in getattr(manifest, key) if name not in joints]:
+            wrong.append(f"{key} has joints that are not corrected: {listed(others)}")
     if not all(math.isfinite(value) for value in (manifest.max_delta, manifest.period)):
         wrong.append("max_delta and period must be finite")
     return wrong
@@ -246,9 +244,9 @@ def manifest_entries(
 ) -> dict[str, Any]:
     """What a trained delta action's manifest holds beside its columns and files."""
 
-    def figures(name: str) -> list[float | None]:
-        found = (getattr(joint, name) for joint in actuators.joints)
-        return [None if figure is None else figure.value for figure in found]
+    def figures(name: str) -> dict[str, float]:
+        found = ((joint.joint, getattr(joint, name)) for joint in actuators.joints)
+        return {joint: figure.value for joint, figure in found if figure is not None and figure.known}
 
     return {
         "period": float(f"{samples.plants[0][0].step:.9g}"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import io
 from dataclasses import dataclass
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from actspec.laws.network import Dense
@@ -69,21 +70,23 @@ class DeltaLayers:
         return len(self.picked) * len(self.dense[-1].bias)
 
 
-def module_of(layers: DeltaLayers) -> Any:
-    """The network as torch's module, of columns (n, n_column) to corrections (n, n_output); single precision."""
+@cache
+def _module_class() -> Any:
+    """The class of the network as a module, made where torch is first needed."""
     import torch
 
-    class Module(torch.nn.Module):  # type: ignore[misc]
-        def __init__(self) -> None:
+    class DeltaAction(torch.nn.Module):  # type: ignore[misc]
+        def __init__(self, layers: DeltaLayers) -> None:
             super().__init__()
             self.parts, self.picks = layers.picked.shape
+            self.max_delta = layers.max_delta
             turn = layers.turn
             self.turns = turn is not None
-            pairs = [[(turn or (0, 0, 0, 0))[k] for k in side] for side in zip(*PAIRS, strict=True)]
+            sides = [[(turn or (0, 0, 0, 0))[k] for k in side] for side in zip(*PAIRS, strict=True)]
             for name, value in (
                 ("picked", torch.as_tensor(layers.picked.reshape(-1))),
-                ("one", torch.as_tensor(pairs[0])),
-                ("other", torch.as_tensor(pairs[1])),
+                ("one", torch.as_tensor(sides[0])),
+                ("other", torch.as_tensor(sides[1])),
                 ("down", torch.tensor(DOWN)),
                 ("first", torch.as_tensor(layers.first, dtype=torch.float32)),
                 ("bias", torch.as_tensor(layers.bias, dtype=torch.float32)[:, None]),
@@ -105,16 +108,16 @@ def module_of(layers: DeltaLayers) -> Any:
                 x = torch.cat([x, (x[:, self.one] * x[:, self.other]) @ self.down], dim=1)
             parts = x[:, self.picked].reshape(-1, self.parts, self.picks).transpose(0, 1)
             out = self.rest(torch.matmul(parts, self.first) + self.bias)
-            return layers.max_delta * torch.tanh(out.transpose(0, 1).reshape(x.shape[0], -1))
+            return self.max_delta * torch.tanh(out.transpose(0, 1).reshape(x.shape[0], -1))
 
-    return Module()
+    return DeltaAction
 
 
 def torchscript_of(layers: DeltaLayers) -> bytes:
-    """The network as TorchScript, which no actspec is needed to run."""
+    """The network as TorchScript, of columns (n, n_column) to corrections (n, n_output), in single precision."""
     import torch
 
-    module = module_of(layers).eval()
+    module = _module_class()(layers).eval()
     for parameter in module.parameters():
         parameter.requires_grad_(False)
     traced = torch.jit.trace(module, torch.ones(2, len(layers.columns)), check_trace=False)

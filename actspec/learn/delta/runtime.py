@@ -109,25 +109,17 @@ class DeltaAction:
 
     def _figures(self, name: str, given: Any, joints: Sequence[str]) -> list[float]:
         """One of each joint, in the environment's order."""
-        stated: Sequence[float | None] = getattr(self._network.manifest, name) or [None] * len(self.joints)
-        if given is not None:
-            by_name = given if isinstance(given, Mapping) else None
-            if by_name is None:
-                row = (
-                    [float(given)] * len(joints)
-                    if isinstance(given, int | float)
-                    else [float(x) for x in given]
-                )
-                if len(row) != len(joints):
-                    raise self._fault(f"{name} has {len(row)} figures, there are {len(joints)} joints")
-                return row
-            stated = [by_name.get(joint) for joint in self.joints]
-        found = dict(zip(self.joints, stated, strict=True))
-        if unknown := [joint for joint in joints if found[joint] is None]:
+        if given is not None and not isinstance(given, Mapping):
+            row = [given] * len(joints) if isinstance(given, int | float) else list(given)
+            if len(row) != len(joints):
+                raise self._fault(f"{name} has {len(row)} figures, there are {len(joints)} joints")
+            return [float(value) for value in row]
+        found: Mapping[str, float] = getattr(self._network.manifest, name) if given is None else given
+        if unknown := [joint for joint in joints if joint not in found]:
             raise self._fault(
                 f"{name} is unknown of {listed(unknown)}", f"state it in the spec, or give {name}="
             )
-        return [float(found[joint] or 0.0) for joint in joints]
+        return [float(found[joint]) for joint in joints]
 
     def _fault(self, message: str, help: str | None = None) -> DeltaFault:
         return DeltaFault.of("LRN062", message, Span(self._network.path), help=help)
