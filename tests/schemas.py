@@ -1,4 +1,4 @@
-"""Records for programs, held against the committed schemas, which tests/cli/test_machine_output.py holds against theirs."""
+"""Records for programs held against the committed schemas; tests/cli/test_machine_output.py holds these to theirs."""
 
 from __future__ import annotations
 

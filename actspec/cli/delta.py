@@ -93,7 +93,7 @@ def _train(arguments: argparse.Namespace) -> int:
     from actspec.learn.delta.files import manifest_entries, write_delta
     from actspec.learn.delta.samples import collect
     from actspec.learn.delta.train import TrainOptions, split, train
-    from actspec.learn.delta.validate import check_limit
+    from actspec.learn.delta.validate import check_gain, check_limit
     from actspec.learn.files import check_output
     from actspec.learn.libraries import require
     from actspec.report.delta import train_lines, train_record
@@ -115,6 +115,7 @@ def _train(arguments: argparse.Namespace) -> int:
     with Progress("training") as progress:
         trained = train(samples, parts, options, progress.step)
     errors = trained.judged
+    check_gain(trained.judged, out)
     entries = manifest_entries(actuators, robot, samples, logs, options.per, errors, parts)
     paths = write_delta(arguments.output, trained.layers, entries)
     if arguments.output_format == "json":

@@ -109,6 +109,14 @@ def test_a_wide_limit_is_a_warning(inside: Path, capsys: Any) -> None:
     assert Path("wide.json").exists()
 
 
+def test_a_correction_that_does_harm_is_a_warning(inside: Path, capsys: Any) -> None:
+    """A robot whose fault turns its sign after the rows to train on."""
+    sign = iter([1.0] * 160 + [-1.0] * 40)
+    walk(inside, "turns.npz", lambda q, qd, c: next(sign) * 0.05, rows=200)
+    assert main(["delta", "train", "spec.yaml", "turns.npz", "-o", "harm", "--epochs", "20"]) == 1
+    assert "LRN063" in capsys.readouterr().err
+
+
 def test_a_spec_that_names_it(inside: Path) -> None:
     """`compile` counts what no target holds, and says when model, joints, rate or file are others."""
     spec = SPEC + "delta_action: {manifest: nets/delta.json}\n"
@@ -218,6 +226,7 @@ def test_logs_that_are_refused(inside: Path, capsys: Any, change: Any, code: str
         (["--max-delta", "0.1 m"], "is a correction of slides"),
         (["--seed", "-1"], "--seed must be at least 0"),
         (["--epochs", "0"], "--epochs must be at least 1"),
+        (["--max-time", "1 us"], "the time is over before the first epoch"),
         (["-o", "nets/delta"], "the file is there already"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",

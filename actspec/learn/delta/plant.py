@@ -72,6 +72,7 @@ class Plant:
     Attributes:
         free: Whether the base is free.
         held_free: Whether it would be, and is held.
+        floor: Whether the world has anything that robots stand on.
         step: Control period [s].
     """
 
@@ -100,6 +101,8 @@ class Plant:
         self.step = self.parts * float(model.opt.timestep)
         free = model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)
         self.free, self.held_free = bool(free.any()) and not held, bool(free.any()) and held
+        world = (model.geom_bodyid == 0) & ((model.geom_contype != 0) | (model.geom_conaffinity != 0))
+        self.floor = bool(world.any())
         self.base_q = int(model.jnt_qposadr[free][0]) if self.free else -1
         self.base_v = int(model.jnt_dofadr[free][0]) if self.free else -1
         moving = {int(model.jnt_dofadr[model.joint(joint.joint).id]) for joint in joints}

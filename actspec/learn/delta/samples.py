@@ -196,6 +196,10 @@ def collect(
             )
             out.error("LRN054", message, span=Span(log.path, 1), help=help)
         parts.append((log, plant, _motion(log, names, period, free[log.path] if plant.free else None)))
+    if any(plant.free and not plant.floor for plant in plants.values()):
+        message = "the base is free, and nothing in the model's world can be stood on: the robot falls"
+        help = "name a model with a floor in `robot.model`, such as the scene that includes the robot"
+        out.warning("LRN061", message, where="robot.model", span=Span(robot.path), help=help)
     if len({plant.free for plant in plants.values()}) > 1:
         message = "the base is held in some of the logs, and free in others"
         out.error("LRN054", message, span=Span(logs[0].path), help="train on one or the other")

@@ -19,6 +19,7 @@ from actspec.learn.delta.samples import Samples
 from actspec.learn.delta.validate import Judged, judged
 from actspec.learn.files import torch_activation
 from actspec.learn.windows import HELD_OUT
+from actspec.logs import LogError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -43,6 +44,8 @@ STEP = 0.25
 torque are felt on average, not at one place."""
 MOST_ROWS = 20_000
 """Most rows to train on, evenly taken: slopes are simulated for each. Chosen."""
+LEAST_ROWS = 200
+"""Fewest that are left where time is short."""
 CLIP = 1.0
 """Largest norm of the gradient."""
 EASE = 1e-3
@@ -142,15 +145,24 @@ def train(
         parts: Its rows, apart.
         options: How.
         progress: Called with epochs done, of how many.
+
+    Raises:
+        LogError: the time does not suffice for one epoch.
     """
     import numpy as np
     import torch
 
     begun = clock.perf_counter()
     seen, unseen = parts.seen, parts.unseen
-    if len(seen) > MOST_ROWS:
-        seen = seen[np.linspace(0, len(seen) - 1, MOST_ROWS).astype(int)]
     bare = samples.errors()
+    most = MOST_ROWS
+    if options.max_time is not None:
+        # Half of the time is for the simulation: slopes cost one of a row for each joint.
+        of_a_row = (clock.perf_counter() - begun) / len(samples)
+        cost = of_a_row * (SLOPES * len(samples.joints) + ROUNDS + 1)
+        most = int(min(max(0.5 * options.max_time / cost, LEAST_ROWS), most))
+    if len(seen) > most:
+        seen = seen[np.linspace(0, len(seen) - 1, most).astype(int)]
     sound = np.flatnonzero(np.isfinite(bare).all(axis=1))
     seen, unseen = np.intersect1d(seen, sound), np.intersect1d(unseen, sound)
     size = np.sqrt(np.mean(bare[seen] ** 2, axis=0))
@@ -179,7 +191,7 @@ def train(
                 errors = samples.errors(delta, seen)
                 if slopes is None or number < SLOPES:
                     slopes = samples.slopes(delta, errors, STEP * options.max_delta, seen)
-                    slopes = np.nan_to_num(slopes / size[:, None])
+                    slopes = np.nan_to_num(slopes / size[:, None].astype(np.float32))
                 tensors = tuple(
                     torch.tensor(np.asarray(a, dtype=np.float32))
                     for a in (delta, np.nan_to_num(errors / size), slopes)
@@ -198,6 +210,11 @@ def train(
                     best, kept, at, remains = loss, _state(network), epoch, left
                 if course.over:
                     break
+            if not epoch:
+                message = (
+                    f"the time is over before the first epoch: simulating {len(seen)} rows took all of it"
+                )
+                raise LogError.of("LRN050", message, where="--max-time", help="give more")
             network.load_state_dict(kept)
     finally:
         torch.set_num_threads(threads)

@@ -110,6 +110,13 @@ def check_limit(limit: float, out: Collector) -> None:
         out.warning("LRN058", message, where="max_delta", help=help)
 
 
+def check_gain(errors: Judged, out: Collector) -> None:
+    """Warn of a delta action that takes nothing away on rows that it was not trained on."""
+    if min(errors.improvement.position, errors.improvement.velocity) <= 0.0:
+        message = "on held-out rows the error is larger with the correction than without"
+        out.warning("LRN063", message, help="log longer, or give --max-time and --epochs more room")
+
+
 def judged(bare: Array, left: Array) -> Judged:
     """Errors without and with correction, shapes (n, 2 n_joint): positions, then velocities."""
     import numpy as np
