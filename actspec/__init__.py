@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from actspec.api import Compilation, compile, load, resolve, sample
+    from actspec.recorder import Recorder
 
 __version__ = "0.1.0"
 
-__all__ = ["Compilation", "__version__", "compile", "load", "resolve", "sample"]
+__all__ = ["Compilation", "Recorder", "__version__", "compile", "load", "resolve", "sample"]
 
 
 def __getattr__(name: str) -> Any:
@@ -17,5 +18,5 @@ def __getattr__(name: str) -> Any:
     if name in __all__:
         from importlib import import_module
 
-        return getattr(import_module("actspec.api"), name)
+        return getattr(import_module("actspec.recorder" if name == "Recorder" else "actspec.api"), name)
     raise AttributeError(f"module 'actspec' has no attribute {name!r}")

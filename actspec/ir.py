@@ -148,17 +148,19 @@ class AsymmetricCurve:
 
 @dataclass(frozen=True, slots=True)
 class MotorLine:
-    """A motor's torque-speed line as its datasheet has it, joint side, whatever the level of its joint.
+    """A motor's torque-speed line and bandwidth as its datasheet has them, joint side, whatever the joint's level.
 
     Attributes:
         stall_torque: At zero speed [N*m or N]; None: the motor has none.
         no_load_speed: At zero torque [rad/s or m/s]; likewise.
         curve: Asymmetric curve in place of the line; None without one.
+        bandwidth: Frequency that the drive follows [Hz]; None: none is stated.
     """
 
     stall_torque: Quantity | None
     no_load_speed: Quantity | None
     curve: AsymmetricCurve | None
+    bandwidth: Quantity | None
 
 
 @dataclass(frozen=True, slots=True)

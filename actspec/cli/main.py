@@ -21,6 +21,7 @@ COMMANDS = {
     "show": "show every value with unit, origin, source and formula",
     "verify": "show by numbers that every target agrees",
     "compare": "show what each part of an actuator's model changes",
+    "diagnose": "judge a spec by logs, and say what to do",
     "audit": "audit robot files, with or without a spec",
     "rule": "explain a rule of the audit",
     "diff": "show what changed in effective dynamics",

@@ -17,6 +17,7 @@ from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
 from actspec.files import FAULTS, replace_file, why
 from actspec.report.terminal import print_json
 from actspec.spec.plausible import CHECKS, Check
+from actspec.study import findings as diagnosis
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -64,8 +65,12 @@ def run(arguments: argparse.Namespace) -> int:
         ]
         texts += [
             f"# {check.code} {check.name}\n\n{check.judges}\n\n{check.because}\n\n"
-            "`validate`, `show` and `compile` report it (docs/checks.md). `sure: true` beside a value keeps it,\n"
-            f"`accept: {{spec.{check.code}: reason}}` all that the check reports.\n"
+            + (
+                "`diagnose` reports it (docs/diagnose.md).\n"
+                if check in diagnosis.CHECKS
+                else "`validate`, `show` and `compile` report it (docs/checks.md). `sure: true` beside a value keeps "
+                f"it,\n`accept: {{spec.{check.code}: reason}}` all that the check reports.\n"
+            )
             for check in checks
         ]
         sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
@@ -73,10 +78,10 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _checks(selectors: list[str]) -> tuple[Check, ...]:
-    """The checks of a spec's numbers that selectors name."""
+    """The checks of a spec's numbers, and of a diagnosis, that selectors name."""
     return tuple(
         check
-        for check in CHECKS
+        for check in (*CHECKS, *diagnosis.CHECKS)
         if any(strength(selector, check.code, check.name) > 1 for selector in selectors)
     )
 

@@ -22,6 +22,7 @@ WRITTEN = (
     "lock",
     "verify",
     "compare",
+    "diagnosis",
     "sysid",
     "net-data",
     "net-train",
@@ -38,8 +39,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Print a JSON Schema: of files that people write (spec, results, network, delta, log for its sidecar), or of "
-        "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, sysid, net, delta, "
-        "audit (report), rule (rules) and diff, and files.",
+        "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, diagnose (diagnosis), "
+        "sysid, net, delta, audit (report), rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, one_line
-from actspec.ir import Command, JointActuator, JointKind, Level
-from actspec.laws import law_of
+from actspec.ir import Command, JointKind, Level
 from actspec.report.plot import COMMAND, Axis, Chart, Line, Points
 from actspec.report.tables import escaped, markdown_table, table
 from actspec.report.terminal import diagnostic_record, json_number
 from actspec.study.compare import Compared, Comparison, Trace
+from actspec.study.measures import bounds_at
 from actspec.study.metrics import Metrics
 from actspec.study.variants import NAMES, NO_NETWORK
 from actspec.units import format_number
@@ -32,8 +31,6 @@ SPEEDS = 200
 
 SHOWN = 1.6
 """Of the longest settling time, what a picture shows."""
-HUGE = 1e12
-"""Torque that no drive gives [N*m or N]."""
 
 _HEAD = (
     "variant",
@@ -271,12 +268,11 @@ def _envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     row = next(of[name]["swing"] for name in ("spec", *NAMES) if name in of)
     hinge = row.actuator.kind is JointKind.HINGE
     shown = [name for name in ("ideal_pd", "spec") if name in of]
-    bounding = of["dc_motor" if "dc_motor" in of else row.variant]["swing"].actuator
     fastest = max(float(np.abs(of[name]["swing"].law.speed).max()) for name in shown)
     speeds = np.linspace(-fastest, fastest, SPEEDS)
     marks: list[Any] = []
-    bounds = envelope(bounding, speeds)
-    if bounds is not None:
+    if row.actuator.effort_limit.known:
+        bounds = bounds_at(row.actuator, speeds)
         marks += [Line(speeds, bounds[0], "motor", COMMAND), Line(speeds, bounds[1], "", COMMAND)]
     for name in shown:
         at = of[name]["swing"].law
@@ -287,15 +283,3 @@ def _envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
         Axis("torque", "N*m" if hinge else "N"),
         marks,
     )
-
-
-def envelope(actuator: JointActuator, speeds: Array) -> tuple[Array, Array] | None:
-    """Least and greatest torque of a drive at speeds [N*m or N], shapes as `speeds`; None: nothing bounds it."""
-    import numpy as np
-
-    law = law_of(actuator)
-    if math.isinf(law.effort_limit) and law.stall_torque is None and law.curve is None:
-        return None
-    drive = replace(law, command=Command.EFFORT, kp=0.0, kd=0.0)
-    low, high = (drive.torque(np.full_like(speeds, ask), 0.0 * speeds, speeds) for ask in (-HUGE, HUGE))
-    return low, high

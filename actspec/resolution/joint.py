@@ -74,7 +74,9 @@ def actuator_of(
         stall_torque=line.stall_torque if line is not None else None,
         no_load_speed=line.no_load_speed if line is not None else None,
         curve=line.curve if line is not None else None,
-        motor_line=None if motor is None else MotorLine(motor.stall_torque, motor.no_load_speed, motor.curve),
+        motor_line=None
+        if motor is None
+        else MotorLine(motor.stall_torque, motor.no_load_speed, motor.curve, motor.bandwidth),
         peak_torque=motor.peak_torque if motor is not None else unknown(inputs.unit(Kind.TORQUE)),
         continuous_torque=motor.continuous_torque if motor is not None else unknown(inputs.unit(Kind.TORQUE)),
         armature=armature,

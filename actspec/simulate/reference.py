@@ -23,8 +23,6 @@ from actspec.laws import (
     clip_command,
     delay_steps,
     filter_gain,
-    initial_command_state,
-    step_command,
 )
 from actspec.laws.network import NetworkDrive, sequence
 
@@ -144,11 +142,12 @@ def effective_commands(law: TorqueLaw, command: Array, step: float, lag: int) ->
 
     low, high = law.command_range or (-math.inf, math.inf)
     given = np.asarray(clip_command(command, low=low, high=high))
-    alpha = None if law.filter_cutoff is None else filter_gain(law.filter_cutoff, step)
-    state = initial_command_state(given[0], lag)
-    found = np.empty_like(given)
-    for k in range(len(given)):
-        found[k], state = step_command(state, given[k], steps=lag, alpha=alpha)
+    late: Array = np.concatenate([np.repeat(given[:1], lag, axis=0), given])[: len(given)]
+    if law.filter_cutoff is None:
+        return late
+    alpha, state, found = filter_gain(law.filter_cutoff, step), given[0], np.empty_like(late)
+    for k, now in enumerate(late):
+        found[k], state = state, state + alpha * (now - state)
     return found
 
 

@@ -462,19 +462,22 @@ AUDIT = ["ACT", "AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
 SYSID = ["LOG", "SYS"]
 LEARN = ("LRN",)
-"""Families of docs/sysid.md."""
+COMPARE, DIAGNOSE = ("CMP",), ("DGN",)
+"""Families of docs/sysid.md, networks.md, compare.md and diagnose.md."""
 RULES = {rule.code for rule in all_rules()}
 FORMER = {code for rule in all_rules() for code in rule.aliases} - RULES
 
 
-@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN])
+@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN, *COMPARE, *DIAGNOSE])
 def test_every_check_has_its_line(family: str) -> None:
     """docs/checks.md, for the audit docs/audit.md, names exactly the codes that the source gives and no rule has."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
     given = set(re.findall(rf'"({family}\d{{3}})"', sources)) - RULES - FORMER
     pages = ((AUDIT, "audit.md"), (SYSID, "sysid.md"), (LEARN, "networks.md"), (LEARN, "delta-action.md"))
+    pages += ((COMPARE, "compare.md"), (DIAGNOSE, "diagnose.md"))
     names = [page for families, page in pages if family in families] or ["checks.md"]
-    page = "\n".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in names)
+    page = "
+".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in names)
     # As an entry, a heading or the first cell of a row: a code that a sentence mentions is not explained by it.
     entries = re.findall(rf"^(?:## |\| )({family}\d{{3}})\b", page, re.MULTILINE)
     assert sorted(entries) == sorted(given)

@@ -27,7 +27,7 @@ LAYERS = (
     {"targets", "audit", "sysid", "learn", "sampling"},
     {"draft", "verify", "output", "study"},
     {"report"},
-    {"api", "runtime"},
+    {"api", "recorder", "runtime"},
     {"live"},
     {"mjlab", "isaaclab", "testing"},
     {"cli", "__main__", ""},

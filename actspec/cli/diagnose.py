@@ -1,0 +1,76 @@
+"""`actspec diagnose`: is the simulated actuator good enough, by logs, and what to do about it."""
+
+from __future__ import annotations
+
+import argparse
+
+from actspec.cli.options import add_fail_on, add_format, add_variant, describe, failing
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.study.level import TASKS
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Judge a spec by logs of a rollout or a robot: how near to the motor's bounds each joint works, which law "
+        "gives the logged torque, what to do next and what it costs, and which model level is enough.",
+        "actspec diagnose robots/a1.yaml rollout.csv --task run --robot yes --torque-sensor no",
+        "0 nothing at or above --fail-on; 1 findings; 2 could not run",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument(
+        "log", nargs="*", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
+    )
+    add_variant(command)
+    command.add_argument(
+        "--against", metavar="LOG", help="another log of the same commands: a robot's beside a simulation's"
+    )
+    command.add_argument("--task", choices=TASKS, help="what the policy is to do")
+    command.add_argument("--robot", choices=("yes", "no"), help="whether there is a robot")
+    command.add_argument(
+        "--torque-sensor", choices=("yes", "no"), help="whether it measures torque, or motor current"
+    )
+    command.add_argument(
+        "--transfer",
+        type=float,
+        metavar="SHARE",
+        help="score on the robot over that in simulation, such as 0.7",
+    )
+    add_fail_on(command)
+    add_format(command)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Read, judge, print."""
+    from actspec import api
+    from actspec.logs import LogError, load_log
+    from actspec.report.diagnosis import lines, record
+    from actspec.report.terminal import print_diagnostics, print_json
+    from actspec.spec.variants import named
+    from actspec.study.diagnose import diagnose
+    from actspec.study.level import Answers
+
+    transfer = arguments.transfer
+    if transfer is not None and not 0.0 <= transfer < 100.0:
+        raise LogError.of("DGN011", f"must be from 0 on, such as 0.7, got {transfer:g}", where="--transfer")
+    if arguments.against is not None and len(arguments.log) != 1:
+        raise LogError.of(
+            "DGN011", f"needs one log to hold it to, got {len(arguments.log)}", where="--against"
+        )
+    spec = api.load(named(arguments.spec, arguments.variant))
+    logs = [load_log(path) for path in arguments.log]
+    against = None if arguments.against is None else load_log(arguments.against)
+    actuators = api.resolve(spec, api.load_robot(spec))
+    answers = Answers(arguments.task, _said(arguments.robot), _said(arguments.torque_sensor), transfer)
+    found = diagnose(actuators, arguments.spec, logs, against, answers)
+    if arguments.output_format == "json":
+        print_json(record(found))
+    else:
+        print_diagnostics((*found.notes, *found.findings))
+        print("\n".join(lines(found)))
+    return EXIT_FINDINGS if failing(found.findings, arguments.fail_on) else EXIT_CLEAN
+
+
+def _said(answer: str | None) -> bool | None:
+    return None if answer is None else answer == "yes"

@@ -1,0 +1,138 @@
+"""From logs and answers to what is wrong with a simulated actuator, and what to do about it."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Sequence
+from dataclasses import dataclass
+
+from actspec.diagnostics import Collector, Diagnostic, Span, listed
+from actspec.ir import ActuatorSet
+from actspec.logs import Log, LogError
+from actspec.study.advice import Advice, advise
+from actspec.study.findings import enough, findings
+from actspec.study.level import LADDER, Answers, LevelChoice, choose_level
+from actspec.study.measures import Gap, JointMeasures, Track, gap_between, measured, track_of
+
+
+@dataclass(frozen=True, slots=True)
+class Skipped:
+    """A joint that could not be judged.
+
+    Attributes:
+        joint: Its name.
+        reason: Why.
+    """
+
+    joint: str
+    reason: str
+
+
+@dataclass(frozen=True, slots=True)
+class Diagnosis:
+    """What was found.
+
+    Attributes:
+        joints: Those that the logs tell of, in the spec's order.
+        skipped: The others, of spec and logs.
+        findings: What is wrong, as warnings.
+        notes: What the logs were taken for.
+        advice: The cheapest first.
+        level: What is recommended.
+        enough: Whether the model is good enough by these logs; None: between good and bad, or no log.
+    """
+
+    joints: tuple[JointMeasures, ...]
+    skipped: tuple[Skipped, ...]
+    findings: tuple[Diagnostic, ...]
+    notes: tuple[Diagnostic, ...]
+    advice: tuple[Advice, ...]
+    level: LevelChoice
+    enough: bool | None
+
+
+def diagnose(
+    actuators: ActuatorSet, spec: str, logs: Sequence[Log], against: Log | None, answers: Answers
+) -> Diagnosis:
+    """Judge a spec by logs of a rollout or a robot.
+
+    Args:
+        actuators: The spec, resolved.
+        spec: Its path, for commands.
+        logs: May be empty: then spec and answers alone count.
+        against: Another log of the same commands, such as a robot's beside a simulation's.
+        answers: Of the user.
+
+    Raises:
+        LogError: no joint of a log is one of the spec.
+    """
+    out = Collector()
+    known = {actuator.joint: actuator for actuator in actuators.joints}
+    everything = [*logs, *([against] if against is not None else [])]
+    for log in everything:
+        if not known.keys() & log.joints.keys():
+            out.error(
+                "DGN010",
+                f"no joint of the log is one of the spec: {listed(list(log.joints), 4)}",
+                span=Span(log.path),
+                help=f"joints of the spec: {listed(list(known), 4)}; `columns` in the sidecar gives theirs other names",
+            )
+    out.raise_if_failed(LogError)
+    found: list[JointMeasures] = []
+    skipped = [Skipped(name, "the spec does not have it") for name in _foreign(everything, known)]
+    for actuator in actuators.joints if logs else ():
+        tracks, reasons = _tracks(actuator.joint, logs, actuators, out)
+        if not tracks:
+            skipped.append(Skipped(actuator.joint, reasons[0] if reasons else "no log has it"))
+            continue
+        gap: Gap | None = None
+        if against is not None:
+            others, _ = _tracks(actuator.joint, [against], actuators, out)
+            gap = gap_between(tracks[0], others[0]) if others else None
+        result = measured(actuator, tracks, gap)
+        if isinstance(result, str):
+            skipped.append(Skipped(actuator.joint, result))
+        else:
+            found.append(result)
+    early = [one.joint for one in found if one.torque_late == 0]
+    if early:
+        message = (
+            f"the torque is taken as that of the row's own command, which fits better: {listed(early, 4)}"
+        )
+        help = "by the form of logs a row holds what was read before its command was sent"
+        out.info("DGN012", message, span=Span(logs[0].path), help=help)
+    wrong = [item for one in found for item in findings(one, known[one.joint])]
+    codes: dict[str, list[str]] = {}
+    for item in wrong:
+        codes.setdefault(item.code, []).append(item.where)
+    current = max((a.level.value for a in actuators.joints), key=LADDER.index, default="ideal_pd")
+    if actuators.delta_action is not None:
+        current = "delta_action"
+    level = choose_level(current, answers, codes)
+    good: bool | None = None
+    if found:
+        good = False if wrong else True if all(enough(one) for one in found) else None
+    steps = advise(spec, [log.path for log in logs], actuators.joints, found, codes, level, answers)
+    notes = tuple(item for item in out.sorted())
+    return Diagnosis(tuple(found), tuple(skipped), tuple(wrong), notes, steps, level, good)
+
+
+def _foreign(logs: Sequence[Log], known: Container[str]) -> list[str]:
+    """Joints of logs that the spec does not have."""
+    return [name for name in dict.fromkeys(name for log in logs for name in log.joints) if name not in known]
+
+
+def _tracks(
+    joint: str, logs: Sequence[Log], actuators: ActuatorSet, out: Collector
+) -> tuple[list[Track], list[str]]:
+    """A joint's part of each log that has it, and why others say nothing."""
+    tracks, reasons = [], []
+    actuator = actuators.joint(joint)
+    assert actuator is not None
+    for log in logs:
+        if joint in log.joints:
+            found = track_of(log, log.joints[joint], actuator, out)
+            if isinstance(found, str):
+                reasons.append(found)
+            else:
+                tracks.append(found)
+    return tracks, reasons
