@@ -476,8 +476,7 @@ def test_every_check_has_its_line(family: str) -> None:
     pages = ((AUDIT, "audit.md"), (SYSID, "sysid.md"), (LEARN, "networks.md"), (LEARN, "delta-action.md"))
     pages += ((COMPARE, "compare.md"), (DIAGNOSE, "diagnose.md"))
     names = [page for families, page in pages if family in families] or ["checks.md"]
-    page = "
-".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in names)
+    page = "\n".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in names)
     # As an entry, a heading or the first cell of a row: a code that a sentence mentions is not explained by it.
     entries = re.findall(rf"^(?:## |\| )({family}\d{{3}})\b", page, re.MULTILINE)
     assert sorted(entries) == sorted(given)
