@@ -6,6 +6,7 @@ files. An `Artifact` is one robot as one file has it. Nothing here was executed.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -16,6 +17,9 @@ from actspec.robot.view import ModelFile, RobotView
 
 if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
+
+
+_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
 
 
 class FileKind(str, Enum):
@@ -236,8 +240,9 @@ class Artifact:
         return self.robot is not None and b"<mujocoinclude" in self.robot.files[0].data
 
     def states(self, tag: bytes) -> bool:
-        """Whether a robot file or one of its includes has an element; one in a comment counts too."""
-        return self.robot is not None and any(tag in file.data for file in self.robot.files)
+        """Whether a robot file or one of its includes has an element; what is in a comment does not count."""
+        files = () if self.robot is None else self.robot.files
+        return any(tag in file.data and tag in _COMMENT.sub(b"", file.data) for file in files)
 
 
 NAMES_NOTHING = ("AUD014", "AUD016")

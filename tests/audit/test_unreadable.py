@@ -11,6 +11,7 @@ from actspec.audit.engine import audit
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Severity
+from actspec.report import ReportOptions, render
 from actspec.report.findings import for_people
 
 BROKEN = "<mujoco>\n  <worldbody>\n</mujoco>\n"
@@ -47,6 +48,19 @@ def test_in_a_folder_it_is_a_warning() -> None:
     assert found(report) == [("AUD008", "robots/leg.xml", 3, Severity.WARNING)]
     assert report.complete
     assert [item.code for item in report.diagnostics() if item.severity is Severity.ERROR] == []
+
+
+def test_an_include_that_is_not_there_is_a_note_in_a_folder() -> None:
+    """It may be whole where it is installed, and whoever loads it is told; the last line counts it all the same."""
+    Path("robots/leg.xml").write_text('<mujoco>\n  <include file="arm.xml"/>\n</mujoco>\n')
+    report = audit(["robots"], Settings())
+    assert found(report) == [("AUD008", "robots/leg.xml", 2, Severity.INFO)]
+    text = render(report, "concise", ReportOptions(least=Severity.WARNING))
+    assert (
+        text
+        == "1 note (AUD008): --notes shows it\nno errors or warnings in 1 file; 1 file could not be read\n"
+    )
+    assert [item[3] for item in found(audit(["robots/leg.xml"], Settings()))] == [Severity.ERROR]
 
 
 def test_named_it_is_an_error() -> None:

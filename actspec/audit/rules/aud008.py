@@ -6,6 +6,9 @@ from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileReading
 
+_NOT_THERE = "ROBOT006"
+"""Code of an include that is not there."""
+
 
 class Unreadable(Rule):
     code = "AUD008"
@@ -21,16 +24,20 @@ class Unreadable(Rule):
     def _of(self, file: FileReading) -> Iterator[Finding]:
         """What is wrong with the file, each at its place; the reader's reason where nothing has one."""
         errors = [item for item in file.diagnostics if item.severity is Severity.ERROR]
+        named = not file.in_folder
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
-        severity = Severity.WARNING if file.in_folder and not lost else None
         reasons = [item for item in errors if item.code != self.code]
+        severity = None if named or lost else Severity.WARNING
+        if severity and reasons and all(item.code == _NOT_THERE for item in reasons):
+            # Whoever loads it is told at once; put together at its destination, it may be whole.
+            severity = Severity.INFO
         # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
-        for item in reasons[:1] if file.in_folder else reasons:
+        for item in reasons if named else reasons[:1]:
             where = f"{item.where}: " if item.where else ""
             count = len(reasons) - 1
             more = f"{count} more reason{'s' * (count != 1)}: audit the file by its name"
-            help = item.help if not file.in_folder or len(reasons) == 1 else more
+            help = item.help if named or len(reasons) == 1 else more
             yield Finding(
                 self.code,
                 f"the file cannot be read: {where}{item.message} ({item.code})",

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
+from actspec.audit.rules.sym101 import doubted_limits
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
@@ -48,4 +49,8 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             help=f"is it in m{unit(row, 'frictionloss')} ({shown(row, 'frictionloss', friction / 1000.0)}), or a "
             "dimensionless coefficient?",
             related=(limiting.place("effort_limit"),),
+            # It is the limit that is wrong then, which SYM101 tells.
+            severity=Severity.INFO
+            if (limiting.artifact, limiting.joint) in case.once(doubted_limits)
+            else None,
         )

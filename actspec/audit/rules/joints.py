@@ -128,8 +128,17 @@ def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
 def top_speed(row: LedgerRow) -> float | None:
     """The joint's top speed: its limit or the end of its torque-speed line, what comes first; no placeholder."""
     limit = finite(row.velocity_limit)
-    speeds = (None if limit is None or limit >= PLACEHOLDER_SPEED else limit, finite(row.no_load_speed))
+    nobodys = limit is None or limit >= PLACEHOLDER_SPEED or _is_default(row, limit)
+    speeds = (None if nobodys else limit, finite(row.no_load_speed))
     return min(filter(None, speeds), default=None)
+
+
+def _is_default(row: LedgerRow, speed: float) -> bool:
+    """Whether a speed is the number of the effort as well, and 1 or 10: what exporters write where nobody stated it.
+
+    Source: onshape-to-robot writes `effort="10" velocity="10"` to every joint.
+    """
+    return speed == row.effort_limit and speed in (1.0, 10.0)
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:

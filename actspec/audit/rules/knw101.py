@@ -2,13 +2,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import finite, shown, unit
+from actspec.audit.rules.joints import finite, partner_rows, shown, unit
+from actspec.audit.rules.source_pairs import GRAVE
 from actspec.diagnostics import listed
 from actspec.fields import is_placeholder
+from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
 
@@ -35,7 +38,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 subject, row, names, limit, times
             )
             if found is not None:
-                yield found
+                # One number is told once: that two files of the robot cannot both be right.
+                yield replace(found, severity=Severity.INFO) if _is_disputed(case, row, limit) else found
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
@@ -93,6 +97,12 @@ def _most(subject: Likeness, name: str) -> KnownJoint:
     return max(
         (subject.robot.variants[variant][name] for variant in subject.variants), key=lambda j: j.effort
     )
+
+
+def _is_disputed(case: Case, row: LedgerRow, limit: float) -> bool:
+    """Whether another model of the robot has a limit so far from this one that SRC101 has an error."""
+    limits = (finite(other.effort_limit) for other in partner_rows(case, row, FileKind.MJCF, FileKind.URDF))
+    return any(max(limit / other, other / limit) >= GRAVE for other in limits if other is not None)
 
 
 def _alike(joints: Mapping[str, KnownJoint], limit: float) -> tuple[str, ...]:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
@@ -28,6 +29,11 @@ _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
     "joint that can give nothing and is held"
 )
+_UNDRIVEN = re.compile(
+    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|dummy|virtual|passive|fake", re.IGNORECASE
+)
+"""Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
+
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
@@ -62,10 +68,12 @@ class NoEffectiveLimit(RuleInParts):
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
+            undriven = _UNDRIVEN.search(row.joint) is not None
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
-                yield (self._zero(row, "effort_limit", _BOTH_ZERO),)
+                nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
+                yield (replace(nothing, severity=Severity.INFO) if undriven else nothing,)
                 continue
             if self._are_placeholders(case, limits):
                 yield (self._placeholders(row, limits),)

@@ -86,6 +86,8 @@ class NotTheServoMeant(RuleInParts):
             if joint is not None and _converts(joint, view.control_range, view.gear, scale):
                 continue
             plain = joint is not None and _is_range(joint, view.control_range, 1.0 / view.gear)
+            # A control from -1 to 1 is an action that the gain scales, also where the joint happens to have that range.
+            scaled = view.control_range == (-1.0, 1.0)
             yield Finding(
                 self.code,
                 f"gainprm is {format_number(view.gain, 3)} and the stiffness in biasprm "
@@ -96,8 +98,8 @@ class NotTheServoMeant(RuleInParts):
                 "N*m/rad" if joint is None or joint.kind is not JointKind.SLIDE else "N/m",
                 kp,
                 "gainprm and the second number of biasprm are kp and -kp",
-                severity=Severity.ERROR if plain else None,
-                confidence=Confidence.HIGH if plain else self.confidence,
+                severity=Severity.INFO if scaled else Severity.ERROR if plain else None,
+                confidence=Confidence.LOW if scaled else Confidence.HIGH if plain else self.confidence,
             )
 
     def _ignored(self, case: Case) -> Iterator[Finding]:

@@ -52,6 +52,9 @@ _SHARED = 0.8
 _SEVERAL = 3
 """Pairs of joints from which a file shows whether each joint was identified by itself."""
 
+_ABSURD = 10.0
+"""From here one of two limits is no motor's. Chosen: gears and motors of one joint differ by less."""
+
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
 
@@ -149,6 +152,16 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             severity=Severity.INFO,
             confidence=Confidence.LOW,
         )
+
+
+def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
+    """Joints, each with its artifact, whose effort limit is far from that of the other side: evidence of nothing."""
+    found = set()
+    for left, right in _pairs(case):
+        one, other = left[0].effort_limit, right[0].effort_limit
+        if one and other and max(one / other, other / one) >= _ABSURD:
+            found |= {(rows[0].artifact, rows[0].joint) for rows in (left, right)}
+    return frozenset(found)
 
 
 def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:

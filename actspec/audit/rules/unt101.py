@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.finding import Fix, Safety, TextEdit
@@ -46,7 +47,8 @@ class RangeInDegrees(RuleInParts):
         for row in found:
             assert row.command_range is not None and row.position_range is not None
             if _turns(row):
-                yield (self._of_control(row, row.command_range, row.position_range, fixes.get(row.span)),)
+                found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
+                yield (_of_a_part(found_here) if case.artifacts[row.artifact].is_part else found_here,)
             elif not case.artifacts[row.artifact].is_part:
                 yield (self._of_range(row, row.command_range, row.position_range),)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
@@ -138,6 +140,11 @@ _SEVERAL = 3
 
 _TURN = 2.0 * math.pi
 """Chosen: a target beyond a full turn is in degrees; below it is the joint's range that is not."""
+
+
+def _of_a_part(found: Finding) -> Finding:
+    """The same of a part, whose joints are in degrees or radians as its includer has it: a note without a fix."""
+    return replace(found, severity=Severity.INFO, confidence=Confidence.LOW, fix=None)
 
 
 def _turns(row: LedgerRow) -> bool:

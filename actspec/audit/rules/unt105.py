@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.joints import joint_pairs, shared_joints, shown, unit
+from actspec.audit.rules.sym101 import doubted_limits
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 
@@ -33,7 +34,9 @@ class MilliOrGram(RuleInParts):
                 continue
             slow = effort > 0.0 and effort / armature < self.option(case, "least")
             yield (
-                self._beside_effort(row, armature, effort) if slow and row.kind is not JointKind.SLIDE else ()
+                self._beside_effort(case, row, armature, effort)
+                if slow and row.kind is not JointKind.SLIDE
+                else ()
             )
 
     def _between_files(self, case: Case) -> Iterator[Finding]:
@@ -54,7 +57,7 @@ class MilliOrGram(RuleInParts):
                     (small.place(field),),
                 )
 
-    def _beside_effort(self, row: LedgerRow, armature: float, effort: float) -> Iterator[Finding]:
+    def _beside_effort(self, case: Case, row: LedgerRow, armature: float, effort: float) -> Iterator[Finding]:
         yield Finding(
             self.code,
             f"an armature of {shown(row, 'armature', armature)} leaves the joint's whole torque of "
@@ -65,6 +68,8 @@ class MilliOrGram(RuleInParts):
             armature,
             unit(row, "armature"),
             help="1 g*cm^2 is 1e-07 kg*m^2, 1 kg*cm^2 is 0.0001 kg*m^2; at the joint, times gear squared",
+            # It is the limit that is wrong then, which SYM101 tells.
+            severity=Severity.INFO if (row.artifact, row.joint) in case.once(doubted_limits) else None,
         )
 
 

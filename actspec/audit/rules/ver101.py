@@ -20,8 +20,8 @@ from actspec.robot.xml_tree import Element
 from actspec.simulators.mujoco import DAMPRATIO_FREE
 from actspec.units import format_number, format_quantity
 
-_FELT = 0.1
-"""Change of damping from which it is a warning. Chosen: friction is seldom known better."""
+_FELT = 0.25
+"""Change of damping from which it is a warning. Chosen: policies are trained with gains drawn from 0.8 to 1.2."""
 
 
 class RatioChangedMeaning(RuleInParts):
