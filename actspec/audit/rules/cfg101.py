@@ -50,13 +50,13 @@ class DictMissesJoint(RuleInParts):
             config = artifact.config
             if config is None or config.framework is not Framework.LEGGED_GYM:
                 continue
-            model = _model(case, index, config)
-            if model is None:
-                continue
-            for cfg in config.groups:
+            models = _models(case, index, config)
+            for cfg in config.groups if models else ():
                 keys = _keys(cfg.settings.get("stiffness"))
                 if keys is not None and cfg.cls in ("P", "V"):
-                    yield self._legged_gym(model, cfg, keys)
+                    missed = [tuple(self._legged_gym(model, cfg, keys)) for model in models]
+                    # Where several may be meant, it is the one that the keys fit best.
+                    yield min(missed, key=len)
 
     def _missed(self, group: Group, name: str, keys: Sequence[str]) -> Iterator[Finding]:
         setting = group.cfg.settings[name]
@@ -133,7 +133,7 @@ def _tokens(pattern: str) -> list[str | None] | None:
     return found
 
 
-def _model(case: Case, index: int, config: RobotConfig) -> Artifact | None:
-    """The URDF or MJCF of a configuration's robot that it names, or any where it names none."""
+def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:
+    """URDFs and MJCFs of a configuration's robot that it names, or all where it names none."""
     artifacts = (case.artifacts[other] for other in case.robot_of(index).artifacts)
-    return next((one for one in artifacts if one.robot is not None and names_model(config, one)), None)
+    return [one for one in artifacts if one.robot is not None and names_model(config, one)]

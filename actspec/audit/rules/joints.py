@@ -134,11 +134,11 @@ def top_speed(row: LedgerRow) -> float | None:
 
 
 def _is_default(row: LedgerRow, speed: float) -> bool:
-    """Whether a speed is the number of the effort as well, and 1 or 10: what exporters write where nobody stated it.
+    """Whether effort and speed are those that an exporter writes to every joint where nobody stated any.
 
-    Source: onshape-to-robot writes `effort="10" velocity="10"` to every joint.
+    Source: onshape-to-robot writes 10 and 10, 1 and 20 in earlier releases.
     """
-    return speed == row.effort_limit and speed in (1.0, 10.0)
+    return (row.effort_limit, speed) in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0))
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:

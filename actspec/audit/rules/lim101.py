@@ -54,11 +54,14 @@ class NoEffectiveLimit(RuleInParts):
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         written = _ranges_not_in_force(case)
+        held: set[Span] = set()
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
             for row in case.rows_of(index):
                 if row.control != "none" and row.joint:
+                    if self._is_held(case, row, views.get(row.span)):
+                        held.add(row.span)
                     free = row.effort_limit == math.inf and row.joint not in limited
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
@@ -80,7 +83,19 @@ class NoEffectiveLimit(RuleInParts):
                 continue
             for field, limit in limits.items():
                 if limit is not None:
-                    yield self._stated(case, row, field, limit, idle)
+                    found = self._stated(case, row, field, limit, idle)
+                    # The clamped command bounds it before the placeholder does.
+                    yield (
+                        (replace(one, severity=Severity.INFO) for one in found) if row.span in held else found
+                    )
+
+    def _is_held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
+        """Whether the clamped command of a servo bounds its torque below a limit that is a placeholder."""
+        limit = row.effort_limit
+        if view is None or limit is None or not self.option(case, "least") <= limit < math.inf:
+            return False
+        bound, _ = _bound(row, view)
+        return bound is not None and bound < limit
 
     def _missing(
         self, case: Case, row: LedgerRow, view: ActuatorView | None, written: tuple[float, float] | None

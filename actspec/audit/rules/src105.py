@@ -1,9 +1,15 @@
 from __future__ import annotations
 
 from actspec.audit.case import Case
+from actspec.audit.finding import Confidence
+from actspec.audit.rules.joints import limiting_row
 from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
+from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import angle_slip
+
+_UNFELT = 0.005
+"""Share of the effort limit below which nobody feels dry friction. Chosen: half of the A1's 0.2 of 33.5 N*m is felt."""
 
 
 class Friction(SourceRule):
@@ -19,6 +25,14 @@ class Friction(SourceRule):
             if urdf and (found.field == "joint_damping" or not figure.value):
                 return True
         return found.field == "joint_damping" and angle_slip(found.ratio, tolerance)
+
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """A note where the difference is nothing beside what the motor gives."""
+        limiting = limiting_row(case, found.rows[0])
+        change = abs((found.mine.value or 0.0) - (found.theirs.value or 0.0))
+        limit = None if limiting is None else limiting.effort_limit
+        small = found.field == "frictionloss" and limit is not None and change < _UNFELT * limit
+        return Severity.INFO if small else self.severity, self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

@@ -43,12 +43,15 @@ class RangeInDegrees(RuleInParts):
                 yield ()
                 if _is_degrees_of(command, joint) and index not in locked:
                     found.append(row)
+        least = self.option(case, "least")
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
             if _turns(row):
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
-                yield (_of_a_part(found_here) if case.artifacts[row.artifact].is_part else found_here,)
+                # Included by a file in radians, both would be the same few turns.
+                few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least
+                yield (_of_a_part(found_here) if few else found_here,)
             elif not case.artifacts[row.artifact].is_part:
                 yield (self._of_range(row, row.command_range, row.position_range),)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
