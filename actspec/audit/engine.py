@@ -91,7 +91,7 @@ def judge(
     baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
     real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
-    resolved = _resolve(found, everything, settings, real_path, case.robot_by_path())
+    resolved = _resolve(found, everything, settings, real_path, case.robot_by_path(), case.files)
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
     called = {rule.code: (rule.code, *rule.names()) for rule in everything}
@@ -199,15 +199,28 @@ def _resolve(
     settings: Settings,
     real_path: Callable[[str], str],
     robots: Mapping[str, int],
+    readings: Iterable[FileReading],
 ) -> tuple[Reported, ...]:
-    """Findings with name, severity and confidence; the same one of two files that share a part counts once."""
+    """Findings with name, severity and confidence; the same one of two files that share a part counts once.
+
+    What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it.
+    """
     by_code = {rule.code: rule for rule in rules}
     unique: dict[tuple[object, ...], Reported] = {}
     said = cache(lambda code: _severity_said(by_code[code], settings))
+    aside = {file.path for reading in readings if reading.put_aside for file in reading.files}
+    aside |= {reading.path for reading in readings if reading.put_aside}
     for finding in found:
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
+        if (
+            aside
+            and severity is not Severity.INFO
+            and _is_aside(finding, aside)
+            and said(finding.code) is None
+        ):
+            severity = Severity.INFO
         key = (
             finding.code,
             real_path(span.path),
@@ -219,6 +232,12 @@ def _resolve(
         confidence = finding.confidence or rule.confidence
         unique.setdefault(key, Reported(finding, rule.name, severity, confidence, robots.get(span.path)))
     return _in_order(unique.values())
+
+
+def _is_aside(finding: Finding, aside: Collection[str]) -> bool:
+    """Whether a finding is of files that were put aside, or what one of them alone speaks against."""
+    others = [span.path for span in finding.related if span.path != finding.span.path]
+    return finding.span.path in aside or (bool(others) and all(path in aside for path in others))
 
 
 def _severity_said(rule: type[Rule], settings: Settings) -> Severity | None:

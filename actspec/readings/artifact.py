@@ -261,6 +261,7 @@ class FileReading:
         files: Its bytes and those of its includes, for excerpts, inline remarks and fixes.
         diagnostics: What the reader says about it.
         in_folder: Whether it was found in a folder that was named, and was not named itself.
+        put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
     """
 
     path: str
@@ -270,6 +271,7 @@ class FileReading:
     files: tuple[ModelFile, ...] = ()
     diagnostics: tuple[Diagnostic, ...] = ()
     in_folder: bool = False
+    put_aside: bool = False
 
     @property
     def names_nothing(self) -> bool:

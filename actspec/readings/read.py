@@ -17,6 +17,9 @@ from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
+_ASIDE = re.compile(r"(?<![a-z])(?:old|bak|backup|copy|deprecated|obsolete|unused)(?![a-z])", re.IGNORECASE)
+"""Words by which files and folders say that nobody runs them."""
+
 if TYPE_CHECKING:
     from actspec.robot.xml_tree import XmlDocument
 
@@ -339,7 +342,8 @@ def _chosen(
             reading = found[index]
             if not reading.readable and not os.path.exists(file.path):
                 reading = _nothing_at(file.path)
-            chosen.append(replace(reading, in_folder=file.folder is not None))
+            aside = file.folder is not None and bool(_ASIDE.search(os.path.relpath(file.path, file.folder)))
+            chosen.append(replace(reading, in_folder=file.folder is not None, put_aside=aside))
     for path in dict.fromkeys(paths):
         if path in empty:
             chosen.append(_nothing_in(path, seen[path]))

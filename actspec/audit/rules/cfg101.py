@@ -56,7 +56,7 @@ class DictMissesJoint(RuleInParts):
                 if keys is not None and cfg.cls in ("P", "V"):
                     missed = [tuple(self._legged_gym(model, cfg, keys)) for model in models]
                     # Where several may be meant, it is the one that the keys fit best.
-                    yield min(missed, key=len)
+                    yield sorted(missed, key=len)[0]
 
     def _missed(self, group: Group, name: str, keys: Sequence[str]) -> Iterator[Finding]:
         setting = group.cfg.settings[name]
@@ -134,6 +134,9 @@ def _tokens(pattern: str) -> list[str | None] | None:
 
 
 def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:
-    """URDFs and MJCFs of a configuration's robot that it names, or all where it names none."""
+    """URDFs and MJCFs of a configuration's robot that it names, or all where it does not name one."""
+    if (setting := config.settings.get("model")) is not None and setting.unknown is not None:
+        # It names one, and nobody can tell which.
+        return []
     artifacts = (case.artifacts[other] for other in case.robot_of(index).artifacts)
     return [one for one in artifacts if one.robot is not None and names_model(config, one)]

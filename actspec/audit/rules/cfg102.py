@@ -78,12 +78,13 @@ def _whole(config: RobotConfig) -> bool:
 
 
 def _loose(robot: RobotView) -> set[str]:
-    """Joints that no spring, equality or tendon of an MJCF holds."""
+    """Joints that no spring, equality or tendon of an MJCF holds, and that are in no closed loop."""
     held = {
         found.decode("utf-8", "replace")
         for file in robot.files
         for found in re.findall(rb"""(?:joint[12]|<joint\s+joint)\s*=\s*["']([^"']+)""", file.data)
     }
+    held |= _in_loops(robot)
     return {
         joint.name
         for joint in robot.joints
@@ -91,3 +92,21 @@ def _loose(robot: RobotView) -> set[str]:
         and joint.name not in held
         and joint.stiffness == 0.0
     }
+
+
+def _in_loops(robot: RobotView) -> set[str]:
+    """Joints between the base and a body that a connect or weld ties to another: a linkage moves them."""
+    tied = {
+        found.decode("utf-8", "replace")
+        for file in robot.files
+        for element in re.findall(rb"<(?:connect|weld)\b[^>]*>", file.data)
+        for found in re.findall(rb"""\bbody[12]\s*=\s*["']([^"']+)""", element)
+    }
+    parents = {joint.name: joint.parent for joint in robot.joints}
+    found = set()
+    for joint in robot.joints if tied else ():
+        name = joint.name if joint.body in tied else ""
+        while name and name not in found:
+            found.add(name)
+            name = parents.get(name, "")
+    return found

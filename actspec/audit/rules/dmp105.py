@@ -5,6 +5,7 @@ from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.configs import names_model
 from actspec.audit.rules.damping_parts import first_rows
 from actspec.audit.rules.joints import by_joint, shown, unit
 from actspec.readings.artifact import FileKind, Framework
@@ -23,14 +24,26 @@ class GainBesideModelDamping(RuleOver[_Subject]):
     options: ClassVar[dict[str, float]] = {"share": 0.5}
 
     def subjects(self, case: Case) -> Iterator[_Subject]:
+        """Each model's joint beside each kd once: of configurations that take it from another the first counts."""
+        seen: set[tuple[int, str, float]] = set()
         for rows in by_joint(case, FileKind.CFG, FileKind.DEPLOY).values():
             row = rows[0]
             if row.kd is None:
                 continue
             for model in first_rows(case, row, FileKind.MJCF):
-                if model.joint_damping is None:
+                if model.joint_damping is None or not self._is_its_model(case, row, model):
                     continue
+                key = model.artifact, model.joint, row.kd
+                if key in seen:
+                    continue
+                seen.add(key)
                 yield row, model, row.kd, model.joint_damping
+
+    def _is_its_model(self, case: Case, row: LedgerRow, model: LedgerRow) -> bool:
+        """Whether a configuration runs on this model, as far as it says so."""
+        config = case.artifacts[row.artifact].config
+        own = config is not None and config.framework is Framework.MJLAB
+        return config is None or not own or names_model(config, case.artifacts[model.artifact])
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare kd with the model's damping."""

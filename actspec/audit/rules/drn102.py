@@ -35,4 +35,6 @@ class ScalesZero(RuleOver[_Subject]):
                 row.joint,
                 help="give it a value, or randomise by add",
                 related=(row.span,),
+                # A drive by torque or by speed has no such gain.
+                severity=Severity.INFO if one.field in ("kp", "kd") else None,
             )

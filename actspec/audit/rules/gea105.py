@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown, unit
@@ -42,10 +43,14 @@ class JointSideBehindGear(RuleOver[_Subject]):
         stated = _stated_limit(case, artifact, row, limit)
         gear = abs(actuator.gear)
         if limit is not None and stated is not None:
+            elsewhere = stated.path != row.file
+            whose = f"limit in {basename(stated.path)}" if elsewhere else "own limit"
+            # Which of two files has the wrong side, neither tells.
+            or_else = ": it is counted twice here, or left out there" if elsewhere else ""
             yield Finding(
                 self.code,
-                f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's own limit, and the gear "
-                f"of {format_number(gear, 4)} makes them {shown(row, 'effort_limit', gear * limit)}",
+                f"the actuator's {shown(row, 'effort_limit', limit)} are the joint's {whose}, and the gear "
+                f"of {format_number(gear, 4)} makes them {shown(row, 'effort_limit', gear * limit)}{or_else}",
                 _place(actuator, "forcerange" if actuator.force_range is not None else "ctrlrange"),
                 name,
                 gear * limit,

@@ -9,6 +9,7 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
@@ -34,6 +35,9 @@ _UNDRIVEN = re.compile(
 )
 """Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
 
+_ROBOT = 6
+"""Actuators from which a model is a robot. Chosen: the least arm that reaches a pose."""
+
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
@@ -58,6 +62,7 @@ class NoEffectiveLimit(RuleInParts):
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
+            toy = _is_toy(case, index)
             for row in case.rows_of(index):
                 if row.control != "none" and row.joint:
                     if self._is_held(case, row, views.get(row.span)):
@@ -65,13 +70,19 @@ class NoEffectiveLimit(RuleInParts):
                     free = row.effort_limit == math.inf and row.joint not in limited
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
-                    yield self._missing(case, row, view, written.get(row.span)) if looked else ()
-        mimics = _mimics(case)
+                    missing = self._missing(case, row, view, written.get(row.span)) if looked else ()
+                    yield (
+                        (replace(one, severity=Severity.INFO) for one in missing)
+                        if toy and row.span not in written
+                        else missing
+                    )
+        mimics, doubted = _mimics(case), case.once(doubted_limits)
         for row in case.rows:
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
-            undriven = _UNDRIVEN.search(row.joint) is not None
+            # SYM101 has an error where the other side has a limit.
+            undriven = _UNDRIVEN.search(row.joint) is not None or (row.artifact, row.joint) in doubted
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
@@ -188,6 +199,15 @@ class NoEffectiveLimit(RuleInParts):
             unit(row, field),
             help=f"state the motor's {_noun(field)}",
         )
+
+
+def _is_toy(case: Case, index: int) -> bool:
+    """Whether a model has few actuators, and nobody limits any of them: a pendulum, or a box of a test."""
+    driven = [row for row in case.rows_of(index) if row.control != "none" and row.joint]
+    if len(driven) >= _ROBOT or any((row.effort_limit or math.inf) < math.inf for row in driven):
+        return False
+    others = (other for row in driven for other in partner_rows(case, row))
+    return all((other.effort_limit or math.inf) == math.inf for other in others)
 
 
 def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import ClassVar
 
@@ -48,7 +49,7 @@ class ExplicitDrive(RuleOver[_Subject]):
         row, step, inertia, kd, concerned = subject
         drive = StepDrive(step, row.kp or 0.0, kd, max(row.joint_damping or 0.0, 0.0))
         figure = drive.figure(inertia)
-        if kd <= 0.0 or figure < self.option(case, "near"):
+        if kd <= 0.0 or not math.isfinite(figure) or figure < self.option(case, "near"):
             return
         beyond = figure >= LIMIT
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"

@@ -159,7 +159,12 @@ def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
     found = set()
     for left, right in _pairs(case):
         one, other = left[0].effort_limit, right[0].effort_limit
-        if one and other and max(one / other, other / one) >= _ABSURD:
+        if (
+            one is not None
+            and other is not None
+            and max(one, other) >= _ABSURD * min(one, other)
+            and one != other
+        ):
             found |= {(rows[0].artifact, rows[0].joint) for rows in (left, right)}
     return frozenset(found)
 

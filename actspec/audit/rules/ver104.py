@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
 from actspec.audit.rules.joints import shown
+from actspec.fields import PLACEHOLDER_SPEED
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native
 from actspec.units import format_number
@@ -41,6 +42,10 @@ class ImplicitVelocityLimit(RuleOver[Group]):
                 setting.span,
                 joint,
                 help="write velocity_limit_sim if the solver is to enforce it, or leave it out",
+                # What no joint reaches was no limit before.
+                severity=Severity.INFO
+                if (group.number(setting, joint) or 0.0) >= PLACEHOLDER_SPEED
+                else None,
             )
 
     def _limit(self, group: Group, setting: Setting, joint: str) -> str:
