@@ -61,7 +61,7 @@ class DampingOutsideClamp(RuleInParts):
                 yield ()
                 continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
-                yield (self._known(row, damping, limit, speed),)
+                yield (self._known(row, damping, limit, speed, _has_spring(case, row)),)
             elif (
                 speed is None
                 and unit(row, "velocity_limit") == "rad/s"
@@ -71,7 +71,7 @@ class DampingOutsideClamp(RuleInParts):
             else:
                 yield ()
 
-    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float) -> Finding:
+    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float, sprung: bool) -> Finding:
         left = limit - damping * speed
         effect = (
             f"leaves {shown(row, 'effort_limit', left)} to drive the joint"
@@ -89,7 +89,7 @@ class DampingOutsideClamp(RuleInParts):
             unit(row, "kd"),
             help=_HELP,
             related=(row.span,),
-            severity=None if left <= 0.0 else Severity.INFO,
+            severity=None if left <= 0.0 and not sprung else Severity.INFO,
         )
 
     def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
@@ -116,6 +116,13 @@ _HELP = (
 
 _DAMPED = re.compile(r"wheel|caster|castor|suspension|shock|roller|rotor|propeller", re.IGNORECASE)
 """Names of joints and bodies whose damping brakes them on purpose: they roll, spring or spin in air."""
+
+
+def _has_spring(case: Case, row: LedgerRow) -> bool:
+    """Whether a joint has a stiffness beside its damping: gains of a drive, as Isaac Gym's importer reads them."""
+    robot = case.artifacts[row.artifact].robot
+    joint = None if robot is None else robot.joint(row.joint)
+    return joint is not None and joint.stiffness > 0.0
 
 
 def _brakes_by_intent(case: Case, row: LedgerRow) -> bool:

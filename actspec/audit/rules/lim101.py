@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
 
+from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import partner_rows, shown, unit
@@ -35,9 +36,6 @@ _UNDRIVEN = re.compile(
 )
 """Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
 
-_ROBOT = 6
-"""Actuators from which a model is a robot. Chosen: the least arm that reaches a pose."""
-
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
@@ -62,7 +60,7 @@ class NoEffectiveLimit(RuleInParts):
         for index, artifact in case.of_kind(FileKind.MJCF):
             limited = _limited_elsewhere(case, index)
             views = {} if artifact.robot is None else {view.span: view for view in artifact.robot.actuators}
-            toy = _is_toy(case, index)
+            meant = _is_unlimited_by_intent(case, index)
             for row in case.rows_of(index):
                 if row.control != "none" and row.joint:
                     if self._is_held(case, row, views.get(row.span)):
@@ -73,7 +71,7 @@ class NoEffectiveLimit(RuleInParts):
                     missing = self._missing(case, row, view, written.get(row.span)) if looked else ()
                     yield (
                         (replace(one, severity=Severity.INFO) for one in missing)
-                        if toy and row.span not in written
+                        if meant and row.span not in written
                         else missing
                     )
         mimics, doubted = _mimics(case), case.once(doubted_limits)
@@ -201,10 +199,15 @@ class NoEffectiveLimit(RuleInParts):
         )
 
 
-def _is_toy(case: Case, index: int) -> bool:
-    """Whether a model has few actuators, and nobody limits any of them: a pendulum, or a box of a test."""
+def _is_unlimited_by_intent(case: Case, index: int) -> bool:
+    """Whether nobody limits any actuator of a model: a pendulum, or one whose limits are in the code that drives it.
+
+    A limit of another file, or of a known robot, tells that it was left out.
+    """
     driven = [row for row in case.rows_of(index) if row.control != "none" and row.joint]
-    if len(driven) >= _ROBOT or any((row.effort_limit or math.inf) < math.inf for row in driven):
+    if any((row.effort_limit or math.inf) < math.inf for row in driven):
+        return False
+    if any(row.artifact == index for one in case.once(likenesses) for row, _ in one.joints):
         return False
     others = (other for row in driven for other in partner_rows(case, row))
     return all((other.effort_limit or math.inf) == math.inf for other in others)
