@@ -153,20 +153,26 @@ def _said(group: FindingGroup) -> tuple[object, ...]:
 
 
 def _without_copies(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
-    """Groups, those of one robot's files that say the same at the one that concerns most joints."""
+    """Groups, those of one robot's files that say the same of a joint at the one that concerns most joints."""
     copies: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         robot = group.first.robot
         copies.setdefault((*_said(group), id(group) if robot is None else robot), []).append(group)
     kept: dict[int, FindingGroup] = {}
-    for same in copies.values():
-        main = max(same, key=lambda group: len(group.concerned))
-        others = [group for group in same if group is not main]
-        if all(set(group.concerned) <= set(main.concerned) for group in others):
+    for left in copies.values():
+        while left:
+            main = max(left, key=lambda group: len(group.concerned))
+            # A variant with other hands is one too, but what is said of other joints alone is not the same.
+            others = [group for group in left if group is not main and _is_copy(group, main)]
             kept[id(main)] = _with_copies(main, others)
-        else:
-            kept.update((id(group), group) for group in same)
+            left = [group for group in left if group is not main and group not in others]
     return tuple(kept[id(group)] for group in groups if id(group) in kept)
+
+
+def _is_copy(group: FindingGroup, main: FindingGroup) -> bool:
+    """Whether a group says the same of one of the joints of another, or neither has any."""
+    own, theirs = set(group.concerned), set(main.concerned)
+    return own <= theirs or not own.isdisjoint(theirs)
 
 
 def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingGroup:

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import ClassVar
@@ -176,9 +177,18 @@ def _limited_hinges(artifact: Artifact) -> list[JointView]:
 
 
 def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:
-    """Ranges that slides of the file have too: a base that floats on virtual joints gets one for all."""
+    """Ranges that were written for one that is none.
+
+    Those that slides of the file have too: a base that floats on virtual joints gets one for all. And those of several
+    hinges, the same to both sides, where others of the file have radians: joints without an end.
+    """
     joints = () if artifact.robot is None else artifact.robot.joints
-    return {joint.range for joint in joints if joint.kind is JointKind.SLIDE}
+    hinges = Counter(joint.range for joint in _limited_hinges(artifact))
+    radians = any(0.0 < largest(ends or (0.0, 0.0)) <= _TURN for ends in hinges)
+    endless = {
+        ends for ends, count in hinges.items() if ends and radians and count > 1 and ends[0] == -ends[1]
+    }
+    return {joint.range for joint in joints if joint.kind is JointKind.SLIDE} | endless
 
 
 def _is_degrees_of(command: tuple[float, float], joint: tuple[float, float]) -> bool:
