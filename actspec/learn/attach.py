@@ -173,6 +173,9 @@ class _History:
         # Both inputs in the network's order, so that one look-up finds the samples of both.
         self.past = np.zeros((2, owner.group.reach + 1, n))
         self.one, self.two = (1, 0) if law.velocity_first else (0, 1)
+        length = owner.group.reach + 1
+        # Where the samples are, by where the newest one is.
+        self.rows = (np.arange(length)[:, None] - np.array(law.taps)) % length
         self.at, self.time, self.moved, self.begun = 0, math.nan, False, True
         self.last = 1 << 30
         self.force: list[float] = [0.0] * n
@@ -206,8 +209,7 @@ class _History:
             self.kept, self.time = self.memory, time
         rows: Any = slice(None) if self.begun and law.backfill else self.at
         past[self.one, rows], past[self.two, rows] = error, qd
-        length = past.shape[1]
-        samples = past[:, [(self.at - tap) % length for tap in law.taps]].transpose(2, 0, 1)
+        samples = past.take(self.rows[self.at], axis=1).transpose(2, 0, 1)
         self.by_tap[...] = samples if self.scale is None else samples * self.scale
         if self.forward is not None:
             out = self.forward(self.inputs)

@@ -206,12 +206,12 @@ class _State:
 
 @dataclass(frozen=True, slots=True)
 class Clamp:
-    """Limits and torque-speed lines of the joints, an array each."""
+    """Limits and torque-speed lines of the joints, an array each; of `ends` the upper one and the lower."""
 
-    limit: Any
-    stall: Any
+    high: Any
+    low: Any
+    ends: Any
     slope: Any
-    fastest: Any
     lined: bool
     limited: bool
     curved: Sequence[tuple[int, tuple[float, float, float, float], float]]
@@ -224,16 +224,12 @@ class Clamp:
         # A joint without a line has one that never acts.
         stalls = [1e12 if line is None else line[0] for line in lines]
         speeds = [1e12 if line is None else line[1] for line in lines]
-        fastest = [
-            speed * (1.0 + (limit / stall if math.isfinite(limit) else 1e6))
-            for speed, stall, limit in zip(speeds, stalls, limits, strict=True)
-        ]
         curved = [(i, j.curve, j.effort_limit) for i, j in enumerate(joints) if j.curve is not None]
         return cls(
             array(limits),
-            array(stalls),
+            array([-limit for limit in limits]),
+            array([[stalls], [[-stall for stall in stalls]]]),
             array([stall / speed for stall, speed in zip(stalls, speeds, strict=True)]),
-            array(fastest),
             any(line is not None for line in lines),
             any(math.isfinite(limit) for limit in limits),
             curved,
@@ -254,10 +250,10 @@ class Clamp:
                     no_load_speed=no_load,
                     effort_limit=limit,
                 )
+        high, low = self.high, self.low
         if self.lined:
-            line = xp.minimum(xp.maximum(qd, -self.fastest), self.fastest) * self.slope
-            high, low = xp.minimum(self.limit, self.stall - line), xp.maximum(-self.limit, -self.stall - line)
+            # Beyond the speed at which the law holds the line's end, the line is at the other limit.
+            high, low = xp.maximum(xp.minimum(self.ends - qd * self.slope, high), low)
+        if self.lined or self.limited:
             return xp.minimum(xp.maximum(tau, low), high)
-        if self.limited:
-            return xp.minimum(xp.maximum(tau, -self.limit), self.limit)
         return tau

@@ -27,7 +27,7 @@ def numpy_forward(layers: Layers, dtype: Any) -> Callable[[Any], Any]:
     import numpy as np
 
     parts = [
-        (np.ascontiguousarray(d.weight.T.astype(dtype)), d.bias.astype(dtype), _numpy_activation(d))
+        (np.ascontiguousarray(d.weight.T.astype(dtype)), d.bias.astype(dtype), _numpy_activation(d, dtype))
         for d in layers.dense
     ]
     scratch: list[tuple[Any, Any]] = []
@@ -62,22 +62,24 @@ def _rows(layers: Layers) -> int:
     return max(CACHE // max(len(dense.bias) for dense in layers.dense), 1)
 
 
-def _numpy_activation(dense: Dense) -> Callable[[Any, Any], object] | None:
+def _numpy_activation(dense: Dense, dtype: Any) -> Callable[[Any, Any], object] | None:
     """Of an array in place, with another of its shape for what is between; None: identity."""
     import numpy as np
 
     kind = dense.activation
+    # Numbers of Python are converted anew in each call, which takes as long as the arithmetic.
+    zero, one = np.zeros((), dtype), np.ones((), dtype)
 
     def elu(x: Any, low: Any) -> None:
         # Not expm1, which takes ten times as long; what it would add is below 1e-16.
-        np.exp(np.minimum(x, 0.0, out=low), out=low)
-        low -= 1.0
+        np.exp(np.minimum(x, zero, out=low), out=low)
+        low -= one
         # exp(x) - 1 is nowhere below x, and 0 where x is positive.
         np.maximum(x, low, out=x)
 
     def softsign(x: Any, low: Any) -> None:
         np.abs(x, out=low)
-        low += 1.0
+        low += one
         x /= low
 
     def other(x: Any, _: Any) -> None:
@@ -85,7 +87,7 @@ def _numpy_activation(dense: Dense) -> Callable[[Any, Any], object] | None:
 
     functions: dict[str, Callable[[Any, Any], object] | None] = {
         "identity": None,
-        "relu": lambda x, _: np.maximum(x, 0.0, out=x),
+        "relu": lambda x, _: np.maximum(x, zero, out=x),
         "tanh": lambda x, _: np.tanh(x, out=x),
         "softsign": softsign,
         "elu": elu if dense.alpha == 1.0 else other,
