@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Any
 
@@ -139,3 +140,32 @@ def test_a_strangers_program_by_consent(tmp_path: Path, frameworks: Frameworks) 
     assert {skip.group for skip in kept.skipped if skip.help and "--trust" in skip.help} == {"hip", "knee"}
     _, run = api.verify(tmp_path / "spec.yaml", trust=True)
     assert {group: ok for group, (ok, _) in judged(run).items()} == {"hip": True, "knee": True}
+
+
+def test_a_trained_network_everywhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, frameworks: Frameworks
+) -> None:
+    """docs/networks.md: from a virtual robot's log to one torque in four simulators, 12 joints of the A1."""
+    import shutil
+
+    from actspec import api
+    from actspec.cli.main import main
+
+    shutil.copytree(Path(__file__).resolve().parents[2] / "robots", tmp_path / "robots")
+    monkeypatch.chdir(tmp_path)
+    spec = Path("robots/a1.yaml")
+    commands = (
+        f'sysid design {spec} -o c.csv --experiment random --together --duration "4 s" --rate "200 Hz"',
+        f"sysid simulate {spec} --command c.csv -o log.csv --seed 1",
+        f"net train {spec} log.csv -o robots/nets/legs --torque-of drive --hidden 16 --epochs 2",
+    )
+    for command in commands:
+        assert main(shlex.split(command)) in (0, 1), command
+    network = "{legs: {level: actuator_net, network: {manifest: nets/legs.json}}}"
+    spec.write_text(f"{spec.read_text()}variant: law\nvariants:\n  net: {{actuators: {network}}}\n")
+    _, agreement = api.verify(f"{spec}#net")
+    assert [row.message for row in agreement.faults] == []
+    found = {row.target: row for row in agreement.rows if row.quantity == COURSES}
+    assert set(found) == {"mujoco", "isaaclab", "mjlab", "newton"}
+    for row in found.values():
+        assert row.joints == 12 and row.max_error is not None and row.max_error < 33.5e-5
