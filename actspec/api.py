@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Diagnostic, EmitError, ResolveError
@@ -20,15 +21,20 @@ if TYPE_CHECKING:
     from actspec.verify.agreement import Agreement
 
 
-def load(path: str | os.PathLike[str]) -> Spec:
+def load(path: str | os.PathLike[str], *, packages: Mapping[str, str] = MappingProxyType({})) -> Spec:
     """Read and validate a spec; needs no robot.
+
+    Args:
+        path: Of the spec.
+        packages: ROS package to its folder, beside and before those of `robot.packages`; relative to the working one.
 
     Raises:
         SpecError: with every error of the spec.
     """
     from actspec.spec.validate import load_spec
 
-    return load_spec(os.fspath(path))
+    spec = load_spec(os.fspath(path))
+    return spec.with_packages({name: os.path.abspath(at) for name, at in packages.items()})
 
 
 def load_robot(spec: Spec) -> RobotView:
@@ -77,12 +83,14 @@ def compile(
         SpecError, RobotError, ResolveError, EmitError: with every error of the stage.
     """
     from actspec.audit.rules import check_actuators
+    from actspec.robot.load import check_packages
     from actspec.targets.choose import check_accepted, choose_targets, emitter
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
     collector = Collector()
     chosen = choose_targets(loaded, targets, output, canonical, collector)
     robot = load_robot(loaded)
+    check_packages(loaded)
     actuators = resolve(loaded, robot)
     for item in actuators.diagnostics:
         collector.add(item)

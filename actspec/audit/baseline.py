@@ -12,6 +12,7 @@ from typing import Any
 
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
+from actspec.audit.selection import is_diagnostic
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular, replace_file
 
@@ -19,6 +20,9 @@ FORMAT = "actspec-baseline/1"
 
 MOST_BYTES = 64 << 20
 """Chosen: about 300 000 entries."""
+
+_OF_RUNS = ("AUD007", "AUD011")
+"""What is said of a run, and not of a file."""
 
 SAME = 0.01
 """Chosen: figures that depend on inertia differ by less from one release of MuJoCo to the next."""
@@ -67,6 +71,14 @@ def entry_of(finding: Finding, folder: str) -> Entry:
     )
 
 
+def entry_about(item: Diagnostic, folder: str) -> Entry | None:
+    """The entry of a warning about a file beside its findings, as that only its text is judged; None: it has none."""
+    settable = is_diagnostic(item.code) and item.code not in _OF_RUNS
+    if item.severity is not Severity.WARNING or item.span is None or not settable:
+        return None
+    return Entry(item.code, relative_path(item.span.path, folder), item.where)
+
+
 def relative_path(path: str, folder: str) -> str:
     """A path relative to a folder, with `/`; absolute where they share no drive."""
     try:
@@ -76,15 +88,17 @@ def relative_path(path: str, folder: str) -> str:
     return relative.replace(os.sep, "/")
 
 
-def baseline_text(findings: Iterable[Reported], path: str) -> str:
+def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = ()) -> str:
     """The baseline that hides these findings.
 
     Args:
         findings: To be hidden.
         path: Where it will stand.
+        said: What is said of files beside them; of it the warnings are hidden.
     """
     folder = os.path.dirname(path)
     counts = Counter(entry_of(reported.finding, folder) for reported in findings)
+    counts.update(filter(None, (entry_about(item, folder) for item in said)))
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
     lines = ",\n".join("    " + json.dumps(record, ensure_ascii=False) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
@@ -100,13 +114,13 @@ def _place(entry: Entry) -> tuple[object, ...]:
     return entry.code, entry.file, entry.joint, entry.unit or "", entry.value or 0.0, entry.value is None
 
 
-def write_baseline(findings: Iterable[Reported], path: str) -> None:
-    """Write the baseline that hides these findings.
+def write_baseline(findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = ()) -> None:
+    """Write the baseline that hides these findings; see `baseline_text`.
 
     Raises: AuditError: the file cannot be written.
     """
     try:
-        replace_file(path, baseline_text(findings, path).encode("utf-8", "surrogatepass"))
+        replace_file(path, baseline_text(findings, path, said).encode("utf-8", "surrogatepass"))
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()
         raise _error("AUD006", f"the baseline cannot be written: {reason}", path) from err

@@ -11,7 +11,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import replace
 from functools import cache
 
-from actspec.audit.baseline import Entry, apply_baseline, read_baseline, relative_path
+from actspec.audit.baseline import Entry, apply_baseline, entry_about, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
 from actspec.audit.exclude import Exclude, glob_matches
@@ -116,6 +116,9 @@ def judge(
     kept = _split(kept, suppressed, Means.CONFIDENCE, lambda item: _unsure(item.confidence, settings))
     report = Report(case, asked, kept, tuple(suppressed), skipped, tuple(problems))
     quiet = frozenset(item for item in report.diagnostics() if not _is_wanted(item, settings))
+    if baseline is not None:
+        folder = os.path.dirname(settings.baseline or "")
+        quiet |= {item for item in report.diagnostics() if entry_about(item, folder) in baseline}
     return replace(report, problems=tuple(item for item in problems if item not in quiet), quiet=quiet)
 
 

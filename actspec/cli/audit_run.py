@@ -212,13 +212,15 @@ def _check_spec(report: Report, spec: str | None) -> None:
 
 
 def _write_baseline(report: Report, path: str) -> int:
-    from actspec.audit.baseline import write_baseline
+    from actspec.audit.baseline import entry_about, write_baseline
 
     print_diagnostics(remarks(report, Severity.WARNING))
     _refuse_audited(report, "--write-baseline", path)
-    write_baseline(report.findings, path)
-    count = len(report.findings)
-    print(f"{path}: {count} finding{'s' * (count != 1)} written", file=sys.stderr)
+    said = report.diagnostics()
+    write_baseline(report.findings, path, said)
+    about = sum(entry_about(item, "") is not None for item in said)
+    more = f" and {many(about, 'warning')} about files" if about else ""
+    print(f"{path}: {many(len(report.findings), 'finding')}{more} written", file=sys.stderr)
     return EXIT_CLEAN if report.complete else EXIT_FAILED
 
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
-from actspec.cli.options import add_format, add_specs, add_targets, add_variant, describe
+from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
@@ -30,6 +30,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("-o", "--output", metavar="DIR", help="write below DIR (default: build/ROBOT)")
     add_variant(command)
     add_targets(command)
+    add_packages(command)
     command.add_argument("--check", action="store_true", help="write nothing; exit 1 if a file is stale")
     command.add_argument(
         "--diff", action="store_true", help="write nothing; show what would change, exit 1 if so"
@@ -51,7 +52,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compile each spec; nothing is written before all of them compile."""
     done = [
         api.compile(
-            named(path, arguments.variant),
+            api.load(named(path, arguments.variant), packages=dict(arguments.package)),
             targets=arguments.target,
             output=_folder(arguments, index),
             canonical=arguments.canonical,

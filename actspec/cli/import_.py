@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.cli.options import add_versions, configured_versions, describe
+from actspec.cli.options import add_packages, add_versions, configured_versions, describe
 from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, one_line
 from actspec.output import check_free, write_spec
 from actspec.units import format_quantity
@@ -51,6 +51,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         choices=("as-kd", "as-friction"),
         help="what joint damping is where a drive has no kd: its kd, or friction (default: a comment asks)",
     )
+    add_packages(command)
     command.add_argument("--force", action="store_true", help="replace a file that is there")
     add_versions(command)
 
@@ -66,6 +67,7 @@ def run(arguments: argparse.Namespace) -> int:
         bool(arguments.force),
         joints=arguments.joints,
         damping=arguments.damping,
+        packages=arguments.package,
     )
 
 
@@ -78,6 +80,7 @@ def import_files(
     *,
     joints: str | None = None,
     damping: str | None = None,
+    packages: Sequence[tuple[str, str]] = (),
 ) -> int:
     """Read files of one robot, write its spec, and say what became of what.
 
@@ -89,6 +92,7 @@ def import_files(
         force: Replace a file that is there.
         joints: File or list that names the joints; None: the files do.
         damping: As in `draft`.
+        packages: ROS packages and their folders, which the spec is to name.
     """
     from actspec.draft import draft
     from actspec.draft.combine import combine
@@ -112,11 +116,12 @@ def import_files(
     reference = "none" if combined.model is None else combined.model.reference
     targets = targets_of(readings, combined, versions)
     path = output or "spec.yaml"
-    spec = draft(combined, reference, targets, damping)
+    named = {name: _reference(at, folder) for name, at in packages} if combined.model is not None else {}
+    spec = draft(combined, reference, targets, damping, named)
     served = _served(spec.text, path, targets)
     if served != targets:
         targets = served
-        spec = draft(combined, reference, targets, damping)
+        spec = draft(combined, reference, targets, damping, named)
     # Whatever the files were, what is written is a valid spec.
     validate(document_from_text(spec.text, path))
     print_diagnostics(_warnings(combined.disagreements))

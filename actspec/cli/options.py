@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import os
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
@@ -54,6 +55,32 @@ def add_variant(command: argparse.ArgumentParser) -> None:
         metavar="NAME",
         help="this variant of the spec; the same as SPEC#NAME (default: as it stands)",
     )
+
+
+def add_packages(command: argparse.ArgumentParser) -> None:
+    """Add where ROS packages lie."""
+    command.add_argument(
+        "--package",
+        action="append",
+        default=[],
+        type=_package,
+        metavar="NAME=FOLDER",
+        help="where the meshes lie that a URDF names by package://NAME/path, as `robot.packages` of the spec; may be "
+        "repeated",
+    )
+
+
+def _package(text: str) -> tuple[str, str]:
+    """A package and its folder.
+
+    Raises: argparse.ArgumentTypeError: the text is not that, or there is no such folder.
+    """
+    name, equals, folder = text.partition("=")
+    if not (name and equals and folder):
+        raise argparse.ArgumentTypeError(f"{text!r} is not NAME=FOLDER")
+    if "\0" in folder or not os.path.isdir(folder):
+        raise argparse.ArgumentTypeError(f"there is no folder {folder!r} of the package {name!r}")
+    return name, folder
 
 
 def add_targets(command: argparse.ArgumentParser) -> None:

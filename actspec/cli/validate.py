@@ -7,7 +7,7 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-from actspec.cli.options import add_format, add_specs, add_variant, describe
+from actspec.cli.options import add_format, add_packages, add_specs, add_variant, describe
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FAILED,
@@ -41,6 +41,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     add_specs(command)
     add_variant(command)
+    add_packages(command)
     command.add_argument(
         "--skip-other", action="store_true", help="skip files without the key `actspec`: for hooks"
     )
@@ -54,6 +55,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Check every spec; all of them, whatever is wrong with the first."""
+    from actspec.robot.load import check_packages
     from actspec.spec.validate import load_spec, validate_variants
 
     failed = False
@@ -66,7 +68,10 @@ def run(arguments: argparse.Namespace) -> int:
         summary = ""
         try:
             path = named(path, arguments.variant)
-            spec = load_spec(path)
+            spec = load_spec(path).with_packages(
+                {name: os.path.abspath(at) for name, at in arguments.package}
+            )
+            check_packages(spec)
             diagnostics = (*spec.diagnostics, *validate_variants(spec))
             unchecked, found = _joints_checked(spec)
             model = spec.model

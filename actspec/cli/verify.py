@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api
-from actspec.cli.options import add_format, add_specs, add_targets, add_variant, describe
+from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED, EXIT_FINDINGS, Collector, SpecError
 from actspec.output import loss_record
 from actspec.report.terminal import Progress, diagnostic_record, print_diagnostics, print_json
@@ -31,6 +31,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument("--built", metavar="DIR", help="verify the compiled files below DIR, edited or not")
     add_variant(command)
     add_targets(command)
+    add_packages(command)
     command.add_argument(
         "--fields-only", action="store_true", help="read the files, run no simulator and no Python file"
     )
@@ -96,7 +97,7 @@ def _check(arguments: argparse.Namespace) -> None:
 def _verified(path: str, arguments: argparse.Namespace) -> tuple[api.Compilation, Agreement]:
     with Progress("verifying") as progress, progress.ticking():
         return api.verify(
-            named(path, arguments.variant),
+            api.load(named(path, arguments.variant), packages=dict(arguments.package)),
             targets=arguments.target,
             built=arguments.built,
             engines=not arguments.fields_only,

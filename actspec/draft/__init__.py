@@ -5,6 +5,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import actspec
 from actspec.diagnostics import RobotError, Span, listed
@@ -57,7 +58,11 @@ def starting_spec() -> str:
 
 
 def draft(
-    combined: Combined, model: str, targets: Sequence[DraftTarget], damping: str | None = None
+    combined: Combined,
+    model: str,
+    targets: Sequence[DraftTarget],
+    damping: str | None = None,
+    packages: Mapping[str, str] = MappingProxyType({}),
 ) -> DraftedSpec:
     """Write the spec of a robot.
 
@@ -67,6 +72,7 @@ def draft(
             or `none`.
         targets: What the spec is to compile to, and what it cannot.
         damping: What joint damping of drives without kd is, `as-kd` or `as-friction`; None: a comment asks.
+        packages: ROS packages that the model names and their folders, from the spec's.
 
     Raises:
         RobotError: there is no joint that a spec could describe, or a name is too long.
@@ -96,6 +102,7 @@ def draft(
         version=actspec.__version__,
         name=scalar(actuators.robot),
         model=model if model == "none" else scalar(model),
+        packages=[(scalar(name), scalar(at)) for name, at in packages.items()],
         remarks=[comment(text) for text in combined.notes.get("", ())],
         joints=listed_joints(combined) if model == "none" else [],
         unmanaged=unmanaged,

@@ -70,20 +70,33 @@ def robot_of(spec: Spec) -> RobotView:
     model, folder = spec.model.robot.model, os.path.dirname(spec.document.path)
     if model == "none":
         return listed_robot(spec)
-    packages = {
-        name: os.path.normpath(os.path.join(folder, at)) for name, at in spec.model.robot.packages.items()
-    }
-    for name, at in packages.items():
-        if "\0" in at or not os.path.isdir(at):
-            message = f"there is no folder {spec.model.robot.packages[name]!r} of the package '{name}'"
-            help = "write the package's own folder, relative to the spec's, the one with its package.xml"
-            raise RobotError.of("ROBOT101", message, spec.span("robot", "packages", name), help=help)
     try:
-        return replace(load_robot(find_model(model, folder)), packages=packages)
+        return replace(load_robot(find_model(model, folder)), packages=_packages(spec))
     except RobotError as err:
         place = spec.span("robot", "model")
         placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]
         raise type(err)(placed) from err
+
+
+def check_packages(spec: Spec) -> None:
+    """Check that the folders of `robot.packages` are there: a compiled model has its meshes from them.
+
+    Raises: RobotError: one is not, at its line.
+    """
+    for name, at in _packages(spec).items():
+        if "\0" in at or not os.path.isdir(at):
+            message = f"there is no folder {spec.model.robot.packages[name]!r} of the package '{name}'"
+            help = "write the package's own folder, relative to the spec's, the one with its package.xml; or name it "
+            help += f"with --package {name}=FOLDER"
+            raise RobotError.of("ROBOT101", message, spec.span("robot", "packages", name), help=help)
+
+
+def _packages(spec: Spec) -> dict[str, str]:
+    """ROS packages and their folders."""
+    folder = os.path.dirname(spec.document.path)
+    return {
+        name: os.path.normpath(os.path.join(folder, at)) for name, at in spec.model.robot.packages.items()
+    }
 
 
 def load_robot(path: str) -> RobotView:

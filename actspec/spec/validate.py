@@ -54,6 +54,14 @@ class Spec:
     results: Mapping[str, ResultsFile] = field(default_factory=dict)
     diagnostics: tuple[Any, ...] = ()
 
+    def with_packages(self, packages: Mapping[str, str]) -> Spec:
+        """The spec with these folders of ROS packages beside and before its own."""
+        if not packages:
+            return self
+        robot = self.model.robot
+        robot = robot.model_copy(update={"packages": {**robot.packages, **packages}})
+        return replace(self, model=self.model.model_copy(update={"robot": robot}))
+
     def span(self, *path: str | int) -> Span:
         """Where a value is written (or its nearest parent)."""
         return self.document.spans.value(path)

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from actspec.audit.baseline import baseline_text, read_baseline, write_baseline
-from actspec.audit.engine import judge
+from actspec.audit.engine import audit, judge
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Report
 from actspec.audit.settings import Settings
@@ -156,3 +156,20 @@ def test_a_baseline_that_cannot_be_written(folder: Path) -> None:
     with pytest.raises(AuditError) as caught:
         write_baseline((), "no/base.json")
     assert caught.value.diagnostics[0].message == "the baseline cannot be written: no such file or directory"
+
+
+def test_what_is_said_of_a_file_is_known_too(folder: Path) -> None:
+    """A model that MuJoCo refuses is said once; another file of that kind is still said."""
+    refused = (
+        '<mujoco><compiler angle="radian"/><worldbody><body><joint name="knee"/></body></worldbody></mujoco>'
+    )
+    (folder / "a.xml").write_text(refused)
+    report = audit(["a.xml"], Settings())
+    assert [item.code for item in report.diagnostics()] == ["AUD013"]
+    write_baseline(report.findings, "base.json", report.diagnostics())
+    fits("baseline", json.loads((folder / "base.json").read_text()))
+    (folder / "b.xml").write_text(refused)
+    again = audit(["a.xml", "b.xml"], Settings(baseline="base.json"))
+    assert [(item.code, item.span and item.span.path) for item in again.diagnostics()] == [
+        ("AUD013", "b.xml")
+    ]

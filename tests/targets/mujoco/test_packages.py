@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from actspec import api, output
+from actspec.cli.main import main
 from actspec.diagnostics import RobotError
 from actspec.output import Compilation
+from actspec.spec.validate import load_spec
 from actspec.targets.mujoco.paths import package_file
 
 URDF = """<robot name="r"><link name="a"/>
@@ -108,3 +110,37 @@ def test_only_below_the_package(tmp_path: Path, name: str, found: bool) -> None:
     os.symlink(tmp_path / "secret.obj", own / "link.obj")
     assert (package_file(name, str(own / "urdf"), {}) is not None) is found
     assert (package_file(name, str(tmp_path), {"my_desc": str(own)}) is not None) is found
+
+
+def test_a_package_on_the_command_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """`--package` goes before the spec's folder, in validate and compile, and import writes it into the spec."""
+    import mujoco
+
+    own = package(tmp_path, "clone")
+    package(tmp_path, "elsewhere")
+    (own / "meshes" / "x.obj").unlink()
+    spec = SPEC.replace("urdf/r.urdf}", "urdf/r.urdf, packages: {my_desc: ../nowhere}}")
+    (own / "s.yaml").write_text(spec, encoding="utf-8")
+    assert main(["validate", str(own / "s.yaml")]) == 2
+    assert "--package my_desc=FOLDER" in capsys.readouterr().err
+    there = f"my_desc={tmp_path / 'elsewhere'}"
+    assert main(["validate", str(own / "s.yaml"), "--package", there]) == 0
+    out = own / "out"
+    assert main(["compile", str(own / "s.yaml"), "-t", "mujoco", "-o", str(out), "--package", there]) == 0
+    assert mujoco.MjModel.from_xml_path(str(out / "mujoco" / "r.xml")).nmesh == 1
+    drafted = tmp_path / "specs" / "r.yaml"
+    drafted.parent.mkdir()
+    assert main(["import", str(own / "urdf" / "r.urdf"), "-o", str(drafted), "--package", there]) == 0
+    assert load_spec(str(drafted)).model.robot.packages == {"my_desc": "../elsewhere"}
+    capsys.readouterr()
+
+
+@pytest.mark.parametrize(
+    ("text", "said"), [("my_desc", "is not NAME=FOLDER"), ("my_desc=nowhere", "there is no folder 'nowhere'")]
+)
+def test_a_package_that_is_none(text: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is wrong usage, whatever the spec says."""
+    with pytest.raises(SystemExit) as caught:
+        main(["validate", "s.yaml", "--package", text])
+    assert caught.value.code == 2
+    assert said in capsys.readouterr().err
