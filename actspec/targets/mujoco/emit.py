@@ -57,8 +57,8 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             "MJC029",
             f"{len(lacking)} mesh file{'s' * (len(lacking) > 1)} of a package that is not around the model, and MuJoCo "
             f"cannot open: {listed(lacking, 4)}",
-            "name its folder in `robot.packages: {NAME: folder}` or with --package NAME=FOLDER, or keep the URDF inside "
-            "the folder of its package, which has the package's name or its package.xml",
+            "name its folder in `robot.packages: {NAME: folder}` or with --package NAME=FOLDER, or keep the URDF "
+            "inside the folder of its package, which has the package's name or its package.xml",
         )
     bare, lost = plan_model(actuators, robot, dialect, options.name, collector)
     collector.raise_if_failed(EmitError)
