@@ -71,9 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec.report.figures import drawn
     from actspec.report.terminal import Progress, print_diagnostics, print_json
     from actspec.spec.variants import named
-    from actspec.study.compare import compare
+    from actspec.study.compare import compare, simulator_of
     from actspec.study.variants import Assumed
-    from actspec.targets.choose import choose_targets
 
     out = Collector()
     cutoff, delay, duration = (
@@ -98,14 +97,12 @@ def run(arguments: argparse.Namespace) -> int:
         robot = api.load_robot(spec)
         actuators = api.resolve(spec, robot)
         joints = [joint.joint for joint in joints_named(actuators, arguments.joint, "--joint")]
-        targets = [t for t in choose_targets(spec, (), None, False, out) if t.kind == "mujoco"]
-        targets = targets or list(choose_targets(spec, ("mujoco",), None, False, out))
         with Progress("simulating") as progress:
             found.append(
                 compare(
                     actuators,
                     robot,
-                    targets[0],
+                    simulator_of(spec, out),
                     spec=path,
                     joints=joints,
                     given=Assumed(cutoff, delay),

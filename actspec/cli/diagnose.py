@@ -3,10 +3,15 @@
 from __future__ import annotations
 
 import argparse
+from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_fail_on, add_format, add_variant, describe, failing
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.study.level import TASKS
+
+if TYPE_CHECKING:
+    from actspec.logs import Log
+    from actspec.study.level import Answers
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -44,25 +49,15 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Read, judge, print."""
     from actspec import api
-    from actspec.logs import LogError, load_log
     from actspec.report.diagnosis import lines, record
     from actspec.report.terminal import print_diagnostics, print_json
     from actspec.spec.variants import named
     from actspec.study.diagnose import diagnose
-    from actspec.study.level import Answers
 
-    transfer = arguments.transfer
-    if transfer is not None and not 0.0 <= transfer < 100.0:
-        raise LogError.of("DGN011", f"must be from 0 on, such as 0.7, got {transfer:g}", where="--transfer")
-    if arguments.against is not None and len(arguments.log) != 1:
-        raise LogError.of(
-            "DGN011", f"needs one log to hold it to, got {len(arguments.log)}", where="--against"
-        )
+    answers = answers_of(arguments)
     spec = api.load(named(arguments.spec, arguments.variant))
-    logs = [load_log(path) for path in arguments.log]
-    against = None if arguments.against is None else load_log(arguments.against)
+    logs, against = logs_of(arguments)
     actuators = api.resolve(spec, api.load_robot(spec))
-    answers = Answers(arguments.task, _said(arguments.robot), _said(arguments.torque_sensor), transfer)
     found = diagnose(actuators, arguments.spec, logs, against, answers)
     if arguments.output_format == "json":
         print_json(record(found))
@@ -70,6 +65,35 @@ def run(arguments: argparse.Namespace) -> int:
         print_diagnostics((*found.notes, *found.findings))
         print("\n".join(lines(found)))
     return EXIT_FINDINGS if failing(found.findings, arguments.fail_on) else EXIT_CLEAN
+
+
+def logs_of(arguments: argparse.Namespace) -> tuple[list[Log], Log | None]:
+    """The logs of the command line, and the one that they are held against.
+
+    Raises: LogError: one cannot be read, or none or several are to be held against another.
+    """
+    from actspec.logs import LogError, load_log
+
+    if arguments.against is not None and len(arguments.log) != 1:
+        message = f"needs one log to hold it to, got {len(arguments.log)}"
+        raise LogError.of("DGN011", message, where="--against")
+    logs = [load_log(path) for path in arguments.log]
+    return logs, None if arguments.against is None else load_log(arguments.against)
+
+
+def answers_of(arguments: argparse.Namespace) -> Answers:
+    """What the user says.
+
+    Raises: LogError: `--transfer` is no share.
+    """
+    from actspec.logs import LogError
+    from actspec.study.level import Answers
+
+    transfer = arguments.transfer
+    if transfer is not None and not 0.0 <= transfer < 100.0:
+        raise LogError.of("DGN011", f"must be from 0 on, such as 0.7, got {transfer:g}", where="--transfer")
+    robot, sensor = (_said(answer) for answer in (arguments.robot, arguments.torque_sensor))
+    return Answers(arguments.task, robot, sensor, transfer)
 
 
 def _said(answer: str | None) -> bool | None:

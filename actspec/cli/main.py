@@ -23,6 +23,7 @@ COMMANDS = {
     "compare": "show what each part of an actuator's model changes",
     "diagnose": "judge a spec by logs, and say what to do",
     "audit": "audit robot files, with or without a spec",
+    "report": "write one page: verdict, pictures, what to do",
     "rule": "explain a rule of the audit",
     "diff": "show what changed in effective dynamics",
     "sysid": "identify actuators from logs",

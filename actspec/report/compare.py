@@ -225,15 +225,16 @@ def charts(found: Comparison) -> Iterator[Chart]:
     """A step and an envelope of each distinct actuator."""
     for rows in by_actuator(found):
         of = by_variant(rows)
-        yield _step_chart(of)
-        yield _envelope_chart(of)
+        yield step_chart(of)
+        yield envelope_chart(of)
 
 
 _COLOURS = {"ideal_pd": 1, "filter": 3, "delay": 4, "dc_motor": 2, "spec": 0}
 _DASHES = {"filter": "dashed", "delay": "dashed", "dc_motor": "dashed"}
 
 
-def _step_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
+def step_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
+    """The step of one actuator, each variant by the law, the spec in MuJoCo too."""
     import numpy as np
 
     first = next(iter(of.values()))["step"]
@@ -258,10 +259,12 @@ def _step_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
             seen: Trace = row.simulated
             marks.append(Line(seen.time, seen.answer, "spec, in MuJoCo", 1, "dotted"))
     title = f"{first.actuator.joint}: step worth half of the effort limit"
-    return Chart(title, Axis("time", "s", low=0.0, high=float(seen_until)), Axis(label, unit), marks)
+    return Chart(
+        title, Axis("time", "s", low=0.0, high=float(seen_until)), Axis(label, unit), marks, width=420
+    )
 
 
-def _envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
+def envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     """What the drive gives in a swing, inside of what the motor can."""
     import numpy as np
 

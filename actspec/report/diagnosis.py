@@ -82,7 +82,7 @@ def lines(found: Diagnosis) -> Iterator[str]:
         yield "what to do, the cheapest first:"
         for number, one in enumerate(found.advice, 1):
             yield f"  {number}. {one.action}: {one_line(one.why)} ({listed(list(one.joints), 3)})"
-            yield f"     {_days(one)}; {_gain(one)}"
+            yield f"     {days_of(one)}; {gain_of(one)}"
             yield from (f"     {one_line(command)}" for command in one.commands)
     yield ""
     current = (
@@ -151,14 +151,16 @@ def _gaps(found: Diagnosis) -> Iterator[list[str]]:
             yield [one_line(one.joint), *map(_number, figures), lag]
 
 
-def _days(one: Advice) -> str:
+def days_of(one: Advice) -> str:
+    """How much work a step is."""
     low, high = one.days
     if high == 0.0:
         return "at once"
     return f"{low:g} to {high:g} days" if low != high else f"{low:g} day{'s' * (low > 1)}"
 
 
-def _gain(one: Advice) -> str:
+def gain_of(one: Advice) -> str:
+    """What a step is likely to gain, and who says so."""
     if one.low is None or one.high is None:
         return "nobody reports what it gains"
     shown = f"{one.low:.0%}" if one.low == one.high else f"{one.low:.0%} to {one.high:.0%}"

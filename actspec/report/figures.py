@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import math
 import os
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from typing import Any
 
@@ -49,7 +50,8 @@ def _svg(charts: Sequence[Chart]) -> str:
     pictures = [svg(chart) for chart in charts]
     sizes = [_size(picture) for picture in pictures]
     rows = [max(high for _, high in sizes[k : k + 2]) + 22.0 for k in range(0, len(sizes), 2)]
-    width = 2 * _WIDTH + 3 * _GAP
+    columns = min(2, len(charts))
+    width = columns * _WIDTH + (columns + 1) * _GAP
     height = sum(rows) + _GAP * (len(rows) + 1)
     body, top = [], float(_GAP)
     for row, high in enumerate(rows):
@@ -141,3 +143,33 @@ def _literal(text: str) -> str:
     """Text that matplotlib shows as it is: `$` would begin a formula, and a leading `_` hides a label."""
     shown = one_line(text).replace("$", r"\$")
     return f"\u200b{shown}" if shown.startswith("_") else shown
+
+
+def files_of(charts: Iterable[tuple[str, str, Chart]]) -> Iterator[tuple[str, bytes]]:
+    """Each chart as SVG and what it draws as CSV, under names of kind and joint.
+
+    Args:
+        charts: Kind, a joint's name and picture of each.
+    """
+    taken: set[str] = set()
+    for kind, joint, chart in charts:
+        stem = f"{kind}-{re.sub(r'[^A-Za-z0-9_.-]', '_', joint)[:80]}"
+        name = stem
+        while name.lower() in taken:
+            name = f"{stem}-{len(taken)}"
+        taken.add(name.lower())
+        yield f"{name}.svg", _svg([chart]).encode("utf-8")
+        yield f"{name}.csv", _csv(chart).encode("utf-8")
+
+
+def _csv(chart: Chart) -> str:
+    """Every line and cloud below each other: series, x, y."""
+    axes = [f"{axis.label} [{axis.unit}]" if axis.unit else axis.label for axis in (chart.x, chart.y)]
+    out = io.StringIO()
+    table = csv.writer(out, lineterminator="\n")
+    table.writerow(["series", *axes])
+    for mark in chart.marks:
+        if isinstance(mark, Line | Points):
+            for x, y in zip(mark.x.tolist(), mark.y.tolist(), strict=True):
+                table.writerow([one_line(mark.label) or "bound", f"{x:.7g}", f"{y:.7g}"])
+    return out.getvalue()

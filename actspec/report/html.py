@@ -15,7 +15,7 @@ from actspec.diagnostics import SEVERITIES, Severity, Span, listed
 from actspec.readings.artifact import FileReading
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
-from actspec.report.ledger import Sheet, comparisons, ledger_sheets
+from actspec.report.ledger import comparisons, ledger_sheets, sheet_table
 from actspec.report.page import fold, plain, whole
 from actspec.report.sources import Sources
 from actspec.report.tables import many
@@ -144,7 +144,7 @@ def _comparisons(report: Report) -> Iterator[str]:
             sheet = comparison.sheet(names, differs)
             if sheet is not None:
                 title = sheet.title if differs else f"{sheet.title} ({many(len(sheet.rows), 'line')})"
-                yield from fold(title, _table(sheet, "file", below), shown=differs)
+                yield from fold(title, sheet_table(sheet, "file", below), shown=differs)
 
 
 def _shared_folder(paths: Sequence[str]) -> str:
@@ -161,33 +161,7 @@ def _ledger(report: Report) -> Iterator[str]:
     if sheets:
         yield "<h2>Ledger: what acts on each joint</h2>"
     for sheet in sheets:
-        yield from fold(sheet.title, _table(sheet), shown=len(sheets) <= _MOST_OPEN)
-
-
-def _table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
-    """A table; figures, from the third column on, stand right.
-
-    Args:
-        sheet: The table.
-        css: Class of the headings of figures.
-        above: A line before it.
-    """
-    if above:
-        yield above
-    figure_head = f'<th class="{css}">' if css else "<th>"
-    heads = (
-        ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{plain(title)}</th>"
-        for place, title in enumerate(sheet.titles())
-    )
-    yield f'<div class="wide"><table><tr>{"".join(heads)}</tr>'
-    for number, (row, cells) in enumerate(zip(sheet.rows, sheet.cells(most=6), strict=True)):
-        yield '<tr class="differs">' if number in sheet.differing else "<tr>"
-        for place, (raw, text) in enumerate(zip(row, cells, strict=True)):
-            kind = ' class="long"' if not isinstance(raw, str) else ' class="n"' if place > 1 else ""
-            yield f"<td{kind}>{plain(text)}</td>"
-        yield "</tr>"
-    yield "</table></div>"
-    yield from (f'<p class="faint">{plain(note)}</p>' for note in sheet.notes)
+        yield from fold(sheet.title, sheet_table(sheet), shown=len(sheets) <= _MOST_OPEN)
 
 
 def _rules(report: Report, options: ReportOptions) -> Iterator[str]:

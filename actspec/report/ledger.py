@@ -12,6 +12,7 @@ from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact
 from actspec.readings.ledger import LedgerRow
+from actspec.report.page import plain
 from actspec.report.tables import Style, table
 from actspec.units import format_number
 
@@ -320,3 +321,29 @@ def _ledger_text(sheet: Sheet) -> list[str]:
             for row in (*heads, *rows):
                 row[place] = row[place].rjust(most)
     return table([*heads, *rows], headings=len(heads))
+
+
+def sheet_table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
+    """A sheet as HTML; figures, from the third column on, stand right.
+
+    Args:
+        sheet: The table.
+        css: Class of the headings of figures.
+        above: A line before it.
+    """
+    if above:
+        yield above
+    figure_head = f'<th class="{css}">' if css else "<th>"
+    heads = (
+        ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{plain(title)}</th>"
+        for place, title in enumerate(sheet.titles())
+    )
+    yield f'<div class="wide"><table><tr>{"".join(heads)}</tr>'
+    for number, (row, cells) in enumerate(zip(sheet.rows, sheet.cells(most=6), strict=True)):
+        yield '<tr class="differs">' if number in sheet.differing else "<tr>"
+        for place, (raw, text) in enumerate(zip(row, cells, strict=True)):
+            kind = ' class="long"' if not isinstance(raw, str) else ' class="n"' if place > 1 else ""
+            yield f"<td{kind}>{plain(text)}</td>"
+        yield "</tr>"
+    yield "</table></div>"
+    yield from (f'<p class="faint">{plain(note)}</p>' for note in sheet.notes)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 
-from actspec.diagnostics import one_line
+from actspec.diagnostics import SEVERITIES, Diagnostic, one_line
 from actspec.resources import data_path
 
 
@@ -40,7 +40,29 @@ def fold(title: str, lines: Iterable[str], *, shown: bool) -> Iterator[str]:
     yield "</details>"
 
 
-def figure(picture: str, title: str, words: str = "", table: Iterable[str] = ()) -> Iterator[str]:
+def articles(findings: Sequence[Diagnostic]) -> Iterator[str]:
+    """Diagnostics, the worst first."""
+    for item in sorted(findings, key=lambda item: -SEVERITIES.index(item.severity)):
+        severity = item.severity.value
+        where = f"<strong>{plain(item.where)}</strong>: " if item.where else ""
+        yield f'<article class="{severity}">'
+        if item.span is not None:
+            yield f'<p class="place">{plain(str(item.span))}</p>'
+        yield f'<p><span class="severity">{severity}</span> {plain(item.code)} {where}{plain(item.message)}</p>'
+        if item.help:
+            yield f"<p>Help: {plain(item.help)}</p>"
+        yield "</article>"
+
+
+def figure(
+    picture: str,
+    title: str,
+    words: str = "",
+    table: Iterable[str] = (),
+    *,
+    kind: str = "",
+    joints: Iterable[str] = (),
+) -> Iterator[str]:
     """A picture with its caption.
 
     Args:
@@ -48,9 +70,13 @@ def figure(picture: str, title: str, words: str = "", table: Iterable[str] = ())
         title: What it shows.
         words: What it says, for those who cannot see it too.
         table: Its numbers, as HTML.
+        kind: Of figure, for programs.
+        joints: That it shows, for programs.
     """
     below = f"<p>{plain(words)}</p>" if words else ""
-    yield f"<figure><figcaption>{plain(title)}</figcaption>{picture}{below}"
+    names = " ".join(plain(name) for name in joints)
+    told = f' data-figure="{plain(kind)}" data-joints="{names}"' if kind else ""
+    yield f"<figure{told}><figcaption>{plain(title)}</figcaption>{picture}{below}"
     yield from table
     yield "</figure>"
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from html import escape
 from typing import TYPE_CHECKING
 
@@ -262,6 +262,48 @@ def intervals(
         body.append(
             f'<circle class="k0" cx="{left + wide * placed.share(row.value):.1f}" cy="{y:.1f}" r="3"/>'
         )
+    return _framed(title, width, top + high + 38.0, body)
+
+
+def stacks(
+    title: str,
+    axis: Axis,
+    rows: Sequence[tuple[str, Sequence[float]]],
+    parts: Sequence[str],
+    width: int = 520,
+    named: int = 24,
+) -> str:
+    """Sums of parts above 0, one bar a row, as one `<svg>` element.
+
+    Args:
+        title: What it shows.
+        axis: Below.
+        rows: Name and parts of each, from top to bottom.
+        parts: What the parts are, for the legend; at most five.
+        width: [px].
+        named: Most letters of a name; longer ones are cut.
+    """
+    names = [shortened(one_line(name), named) for name, _ in rows]
+    most = max((sum(values) for _, values in rows), default=0.0)
+    placed = _Placed.of(replace(axis, low=0.0), (0.0, most if most > 0.0 else 1.0))
+    left = 14.0 + LETTER * max((len(name) for name in names), default=1)
+    top, wide, high = 22.0, width - left - 14.0, 20.0 * len(rows) + 4.0
+    body = list(_grid(placed, None, left, top, wide, high))
+    x = left
+    for place, part in enumerate(parts):
+        body.append(f'<rect class="f{place}" x="{x:.0f}" y="6" width="10" height="10"/>')
+        body.append(f'<text x="{x + 14:.0f}" y="15">{_text(part)}</text>')
+        x += 26.0 + LETTER * len(part)
+    for row, ((_, values), name) in enumerate(zip(rows, names, strict=True)):
+        y, at = top + 20.0 * row + 5.0, 0.0
+        body.append(f'<text x="{left - 7:.0f}" y="{y + 11:.0f}" class="end">{_text(name)}</text>')
+        for place, value in enumerate(values):
+            a, b = (left + wide * placed.share(v) for v in (at, at + value))
+            if b - a > 0.05:
+                body.append(
+                    f'<rect class="f{place}" x="{a:.1f}" y="{y:.1f}" width="{b - a:.1f}" height="14"/>'
+                )
+            at += value
     return _framed(title, width, top + high + 38.0, body)
 
 

@@ -8,11 +8,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
-from actspec.diagnostics import SEVERITIES, Diagnostic, listed
+from actspec.diagnostics import Diagnostic, listed
 from actspec.fields import BY_SPEC
 from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
 from actspec.logs import Log
-from actspec.report.page import figure, fold, plain, plain_table, whole
+from actspec.report.page import articles, figure, fold, plain, plain_table, whole
 from actspec.report.plot import Axis, Interval, intervals, plot_style
 from actspec.report.sysid_pictures import pictures
 from actspec.report.tables import many
@@ -97,7 +97,8 @@ def render(shown: Identified) -> str:
     body = [
         f"<h1>{plain(title)}</h1>",
         *_head(shown),
-        *_findings(shown.findings),
+        *(["<h2>Findings</h2>"] if shown.findings else []),
+        *articles(shown.findings),
         *_overview(rows),
         *_not_told(shown, rows),
         *_intervals(rows),
@@ -134,21 +135,6 @@ def _head(shown: Identified) -> Iterator[str]:
             f'<a href="#joint-{place}">{plain(name)}</a>' for place, name in enumerate(results.joints)
         )
         yield f"<nav>{links}</nav>"
-
-
-def _findings(findings: Sequence[Diagnostic]) -> Iterator[str]:
-    if findings:
-        yield "<h2>Findings</h2>"
-    for item in sorted(findings, key=lambda item: -SEVERITIES.index(item.severity)):
-        severity = item.severity.value
-        where = f"<strong>{plain(item.where)}</strong>: " if item.where else ""
-        yield f'<article class="{severity}">'
-        if item.span is not None:
-            yield f'<p class="place">{plain(str(item.span))}</p>'
-        yield f'<p><span class="severity">{severity}</span> {plain(item.code)} {where}{plain(item.message)}</p>'
-        if item.help:
-            yield f"<p>Help: {plain(item.help)}</p>"
-        yield "</article>"
 
 
 def _rows(shown: Identified, name: str, result: JointResult) -> list[_Row]:

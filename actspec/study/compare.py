@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Diagnostic, Severity, listed
+from actspec.diagnostics import Collector, Diagnostic, Severity, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.simulate.excitation import BEFORE, rest_position, torque_scale
@@ -20,6 +20,7 @@ from actspec.study.variants import Assumed, Missing, variants_of
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
     from actspec.robot.view import RobotView
+    from actspec.spec.validate import Spec
     from actspec.targets.base import TargetOptions
 
 LIKE = 1e-3
@@ -209,6 +210,14 @@ def _cases(
     swept = sweep(laws.values(), first.friction_viscous.value or 0.0, _inertia(first), step)
     for name, law in laws.items():
         yield _Case(name, mine[name], law, _inertia(first), swept, commands(law, swept, step, duration))
+
+
+def simulator_of(spec: Spec, out: Collector) -> TargetOptions:
+    """The MuJoCo target of a spec, else MuJoCo as it is compiled for by default."""
+    from actspec.targets.choose import choose_targets
+
+    own = [target for target in choose_targets(spec, (), None, False, out) if target.kind == "mujoco"]
+    return own[0] if own else choose_targets(spec, ("mujoco",), None, False, out)[0]
 
 
 def distinct(actuators: Sequence[JointActuator], missing: list[Missing]) -> list[tuple[JointActuator, ...]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Sequence
+from collections.abc import Container, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Diagnostic, Span, listed
@@ -39,6 +39,7 @@ class Diagnosis:
         advice: The cheapest first.
         level: What is recommended.
         enough: Whether the model is good enough by these logs; None: between good and bad, or no log.
+        tracks: What the logs have of each joint that was judged, for pictures.
     """
 
     joints: tuple[JointMeasures, ...]
@@ -48,6 +49,7 @@ class Diagnosis:
     advice: tuple[Advice, ...]
     level: LevelChoice
     enough: bool | None
+    tracks: Mapping[str, tuple[Track, ...]]
 
 
 def diagnose(
@@ -78,6 +80,7 @@ def diagnose(
             )
     out.raise_if_failed(LogError)
     found: list[JointMeasures] = []
+    kept: dict[str, tuple[Track, ...]] = {}
     skipped = [Skipped(name, "the spec does not have it") for name in _foreign(everything, known)]
     for actuator in actuators.joints if logs else ():
         tracks, reasons = _tracks(actuator.joint, logs, actuators, out)
@@ -93,6 +96,7 @@ def diagnose(
             skipped.append(Skipped(actuator.joint, result))
         else:
             found.append(result)
+            kept[actuator.joint] = tuple(tracks)
     early = [one.joint for one in found if one.torque_late == 0]
     if early:
         message = (
@@ -113,7 +117,7 @@ def diagnose(
         good = False if wrong else True if all(enough(one) for one in found) else None
     steps = advise(spec, [log.path for log in logs], actuators.joints, found, codes, level, answers)
     notes = tuple(item for item in out.sorted())
-    return Diagnosis(tuple(found), tuple(skipped), tuple(wrong), notes, steps, level, good)
+    return Diagnosis(tuple(found), tuple(skipped), tuple(wrong), notes, steps, level, good, kept)
 
 
 def _foreign(logs: Sequence[Log], known: Container[str]) -> list[str]:

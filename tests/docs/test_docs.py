@@ -462,7 +462,7 @@ AUDIT = ["ACT", "AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
 SYSID = ["LOG", "SYS"]
 LEARN = ("LRN",)
-COMPARE, DIAGNOSE = ("CMP",), ("DGN",)
+COMPARE, DIAGNOSE = ("CMP",), ("DGN", "RPT")
 """Families of docs/sysid.md, networks.md, compare.md and diagnose.md."""
 RULES = {rule.code for rule in all_rules()}
 FORMER = {code for rule in all_rules() for code in rule.aliases} - RULES

@@ -13,6 +13,7 @@ from actspec.diagnostics import Diagnostic, Severity, listed
 from actspec.ir import ActuatorSet
 
 if TYPE_CHECKING:
+    from actspec.audit.case import Case
     from actspec.audit.finding import Finding
     from actspec.audit.rule import Rule
 
@@ -50,19 +51,25 @@ def check_actuators(
         explicit: What it is compiled to, in words, to the joints whose drive is explicit there: those of MuJoCo
             under the Euler integrator, and the torque classes of Isaac Lab and mjlab under any.
     """
-    from actspec.audit.case import Case
     from actspec.audit.finding import Finding
     from actspec.audit.rules.dmp101 import DriveAndJointDamping
     from actspec.audit.rules.stb102 import ExplicitDrive
+
+    case = case_of(actuators, explicit)
+    rules = (DriveAndJointDamping, ExplicitDrive)
+    found = [item for rule in rules for item in rule().check(case) if isinstance(item, Finding)]
+    return tuple(_worst(actuators, found))
+
+
+def case_of(actuators: ActuatorSet, explicit: Mapping[str, Collection[str]]) -> Case:
+    """A spec alone as the rules and the ledger see it; arguments as of `check_actuators`."""
+    from actspec.audit.case import Case
     from actspec.readings.artifact import Artifact, FileKind, Robot
     from actspec.readings.ledger import rows_of_spec
 
     artifact = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     robot = Robot(actuators.robot, (0,))
-    case = Case((), (artifact,), rows_of_spec(artifact, 0), (robot,), explicit=explicit)
-    rules = (DriveAndJointDamping, ExplicitDrive)
-    found = [item for rule in rules for item in rule().check(case) if isinstance(item, Finding)]
-    return tuple(_worst(actuators, found))
+    return Case((), (artifact,), rows_of_spec(artifact, 0), (robot,), explicit=explicit)
 
 
 def _worst(actuators: ActuatorSet, found: list[Finding]) -> Iterator[Diagnostic]:

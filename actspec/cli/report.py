@@ -1,0 +1,136 @@
+"""`actspec report`: a spec, what logs say of it and what to do, as one page."""
+
+from __future__ import annotations
+
+import argparse
+import os
+from typing import Any
+
+from actspec.cli.options import add_fail_on, add_variant, describe, failing
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, EmitError, Span, SpecError, one_line
+from actspec.study.level import TASKS
+
+MOST_BYTES = 64 * 1024 * 1024
+"""Of what `verify` wrote. Chosen: that of a humanoid has 200 kB."""
+
+
+def add_arguments(command: argparse.ArgumentParser) -> None:
+    """Add the command's arguments and what its help says."""
+    describe(
+        command,
+        "Write one page about a spec: the verdict of its logs, torque against speed of every joint with the motor's "
+        "bounds, steps, damping by origin, tracking, findings, what to do and at what cost.",
+        "actspec report robots/a1.yaml rollout.csv -o a1.html",
+        "0 written; 1 written, with findings at or above --fail-on; 2 nothing was written",
+    )
+    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
+    command.add_argument(
+        "log", nargs="*", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
+    )
+    command.add_argument("-o", "--output", required=True, metavar="FILE", help="page to write")
+    add_variant(command)
+    command.add_argument("--title", metavar="TEXT", help="default: the robot's name")
+    command.add_argument("--against", metavar="LOG", help="another log of the same commands")
+    command.add_argument("--task", choices=TASKS, help="what the policy is to do")
+    command.add_argument("--robot", choices=("yes", "no"), help="whether there is a robot")
+    command.add_argument("--torque-sensor", choices=("yes", "no"), help="whether it measures torque")
+    command.add_argument(
+        "--transfer", type=float, metavar="SHARE", help="score on the robot over that in simulation"
+    )
+    command.add_argument("--verify", metavar="JSON", help="what `actspec verify --output-format json` wrote")
+    command.add_argument(
+        "--figures", metavar="DIR", help="write each picture as SVG, and what it draws as CSV"
+    )
+    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_fail_on(command)
+    command.add_argument(
+        "--output-format", choices=("html", "markdown"), default="html", help="of the page; default: html"
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Judge, compare, write."""
+    from actspec import api
+    from actspec.audit.rules import case_of, check_actuators
+    from actspec.cli.diagnose import answers_of, logs_of
+    from actspec.files import FAULTS, replace_file, why
+    from actspec.output import check_free
+    from actspec.report.figures import files_of
+    from actspec.report.overview import Overview, figures, markdown, page
+    from actspec.report.terminal import Progress, print_diagnostics
+    from actspec.spec.variants import named
+    from actspec.study.compare import compare, simulator_of
+    from actspec.study.diagnose import diagnose
+
+    answers = answers_of(arguments)
+    agreement = None if arguments.verify is None else _agreement(arguments.verify)
+    out = Collector()
+    spec = api.load(named(arguments.spec, arguments.variant))
+    sources = [arguments.spec, *arguments.log, *filter(None, [arguments.against, arguments.verify])]
+    check_free(arguments.output, sources, arguments.force)
+    logs, against = logs_of(arguments)
+    robot = api.load_robot(spec)
+    actuators = api.resolve(spec, robot)
+    with Progress("simulating") as progress:
+        comparison = compare(
+            actuators,
+            robot,
+            simulator_of(spec, out),
+            spec=arguments.spec,
+            joints=[actuator.joint for actuator in actuators.joints],
+            progress=progress.step,
+        )
+    shown = Overview(
+        arguments.title or actuators.title,
+        arguments.spec,
+        actuators,
+        case_of(actuators, {}),
+        diagnose(actuators, arguments.spec, logs, against, answers),
+        tuple(arguments.log),
+        comparison,
+        (*actuators.diagnostics, *check_actuators(actuators, {})),
+        agreement,
+    )
+    text = page(shown) if arguments.output_format == "html" else markdown(shown)
+    written = [(arguments.output, text.encode("utf-8", "backslashreplace"))]
+    if arguments.figures is not None:
+        drawn = [(one.kind, one.joints[0], one.chart) for one in figures(shown)]
+        for name, data in files_of(drawn):
+            path = os.path.join(arguments.figures, name)
+            check_free(path, sources, arguments.force)
+            written.append((path, data))
+    try:
+        if arguments.figures is not None:
+            os.makedirs(arguments.figures, exist_ok=True)
+        for path, data in written:
+            replace_file(path, data)
+    except FAULTS as err:
+        raise EmitError.of("OUT001", f"cannot be written: {why(err)}", Span(arguments.output)) from err
+    print_diagnostics(shown.diagnosis.notes)
+    print(f"wrote {one_line(arguments.output)}")
+    if arguments.figures is not None:
+        print(f"wrote {len(written) - 1} files in {one_line(arguments.figures)}")
+    return EXIT_FINDINGS if failing(shown.everything, arguments.fail_on) else EXIT_CLEAN
+
+
+def _agreement(path: str) -> dict[str, Any]:
+    """What `verify` wrote.
+
+    Raises: SpecError: it is something else.
+    """
+    import json
+
+    from actspec.files import FAULTS, NotRegular, TooLarge, read_regular, why
+
+    try:
+        found = json.loads(read_regular(path, MOST_BYTES))
+    except (NotRegular, TooLarge, *FAULTS) as err:
+        raise SpecError.of("RPT001", f"cannot be read: {why(err)}", Span(path)) from err
+    except (ValueError, RecursionError) as err:
+        raise SpecError.of("RPT001", f"is no JSON: {one_line(str(err))}", Span(path)) from err
+    if not isinstance(found, dict) or found.get("format") != "actspec-verify/1" or "rows" not in found:
+        message = "is not what `actspec verify --output-format json` writes"
+        raise SpecError.of(
+            "RPT001", message, Span(path), help="actspec verify SPEC --output-format json > verify.json"
+        )
+    return found

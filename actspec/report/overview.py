@@ -1,0 +1,400 @@
+"""A spec, what logs say of it and what to do, as one page or as Markdown."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import actspec
+from actspec.audit.case import Case
+from actspec.diagnostics import Diagnostic, Severity, listed, one_line
+from actspec.ir import ActuatorSet, JointActuator, JointKind, Origin
+from actspec.report import compare as comparing
+from actspec.report.diagnosis import days_of, gain_of, verdict
+from actspec.report.ledger import ledger_sheets, sheet_table
+from actspec.report.overview_figures import Figure, envelopes, steps, trackings
+from actspec.report.page import articles, figure, fold, plain, plain_table, whole
+from actspec.report.plot import Axis, plot_style, stacks, svg
+from actspec.report.tables import escaped, many, markdown_table
+from actspec.resources import data_path
+from actspec.study.advice import Advice
+from actspec.study.compare import Comparison, distinct
+from actspec.study.diagnose import Diagnosis
+from actspec.study.findings import MOST
+from actspec.units import format_number
+
+LONGEST = 60_000
+"""Characters of Markdown. Source: a comment on a pull request takes 65 536."""
+OPEN = 8
+"""So many figures are shown, more are folded away."""
+
+
+@dataclass(frozen=True, slots=True)
+class Overview:
+    """What a page is about.
+
+    Attributes:
+        title: Of the page.
+        spec: Path of the spec.
+        actuators: The spec, resolved.
+        case: The spec as the audit sees it, for the ledger.
+        diagnosis: Of the logs, or of spec and answers alone.
+        logs: Paths of the logs.
+        comparison: Of the variants.
+        findings: Of spec and comparison; those of the diagnosis are in it.
+        agreement: What `verify --output-format json` wrote; None: it was not given.
+    """
+
+    title: str
+    spec: str
+    actuators: ActuatorSet
+    case: Case
+    diagnosis: Diagnosis
+    logs: tuple[str, ...]
+    comparison: Comparison
+    findings: tuple[Diagnostic, ...]
+    agreement: Mapping[str, Any] | None
+
+    @property
+    def everything(self) -> tuple[Diagnostic, ...]:
+        """All findings, the worst of the logs first."""
+        return (*self.diagnosis.findings, *self.comparison.findings, *self.findings)
+
+
+def figures(shown: Overview) -> list[Figure]:
+    """All pictures of charts, in the order of the page."""
+    groups = distinct(shown.actuators.joints, [])
+    # A joint without an inertia has bounds too.
+    grouped = {actuator.joint for group in groups for actuator in group}
+    groups += [(actuator,) for actuator in shown.actuators.joints if actuator.joint not in grouped]
+    tracks = shown.diagnosis.tracks
+    return [
+        *envelopes(shown.actuators, groups, tracks),
+        *steps(shown.comparison),
+        *trackings(tracks, shown.actuators),
+    ]
+
+
+def page(shown: Overview) -> str:
+    """One HTML file."""
+    drawn = figures(shown)
+    body = [
+        f"<h1>{plain(shown.title)}</h1>",
+        *_section("verdict", "", _verdict(shown)),
+        *_nav(),
+        *_section("joints", "Joints", _joints(shown)),
+        *_section("advice", "What to do, the cheapest first", _advice(shown)),
+        *_section("envelopes", "Torque against speed", _figures(drawn, "envelope", "")),
+        *_section(
+            "steps", "Steps", _figures(drawn, "step", "no joint has an inertia: name a model in the spec")
+        ),
+        *_section("damping", "Damping by origin", _damping(shown)),
+        *_section(
+            "tracking",
+            "Tracking",
+            _figures(drawn, "tracking", f"actspec report {shown.spec} LOG.csv -o page.html"),
+        ),
+        *_section("findings", "Findings", _all_findings(shown)),
+        *_section("ledger", "Ledger: what acts on each joint", _ledger(shown)),
+        *_section("randomization", "Randomisation", _randomization(shown)),
+        *_section("identification", "Identified values", _identification(shown)),
+        *_section("agreement", "Agreement of the targets", _agreement(shown)),
+        f'<p class="faint">actspec {plain(actspec.__version__)}; {plain(shown.spec)}'
+        f"{plain('; ' + ', '.join(shown.logs)) if shown.logs else ''}</p>",
+    ]
+    own = data_path("templates", "report/overview.css").read_text(encoding="utf-8")
+    return whole(shown.title, body, (plot_style(), own))
+
+
+SECTIONS = (
+    *("joints", "advice", "envelopes", "steps", "damping", "tracking", "findings", "ledger", "randomization"),
+    *("identification", "agreement"),
+)
+
+
+def _section(name: str, title: str, lines: Iterator[str]) -> Iterator[str]:
+    yield f'<section id="{name}">'
+    if title:
+        yield f"<h2>{plain(title)}</h2>"
+    yield from lines
+    yield "</section>"
+
+
+def _nav() -> Iterator[str]:
+    yield "<nav>" + " ".join(f'<a href="#{name}">{name}</a>' for name in SECTIONS) + "</nav>"
+
+
+def _verdict(shown: Overview) -> Iterator[str]:
+    """What is wrong, what to do, at what cost."""
+    found = shown.diagnosis
+    mood = "" if found.enough is None else "good" if found.enough else "bad"
+    yield f'<p class="verdict {mood}">{plain(verdict(found))}</p>'
+    worst: dict[str, list[Diagnostic]] = {}
+    for item in shown.everything:
+        if item.severity is not Severity.INFO:
+            worst.setdefault(item.code, []).append(item)
+    if worst:
+        yield "<ul>"
+        for code, items in list(worst.items())[:4]:
+            joints = listed([item.where for item in items if item.where], 3)
+            yield (
+                f"<li>{plain(code)}: {plain(items[0].message)}"
+                + (f" ({plain(joints)})" if joints else "")
+                + "</li>"
+            )
+        yield "</ul>"
+    if found.advice:
+        first = found.advice[0]
+        yield f"<p>First: <strong>{plain(first.action)}</strong>, {plain(first.why)}: {plain(_cost(first))}.</p>"
+    level = found.level
+    other = "" if level.recommended == level.current else f"; the spec has {level.current}"
+    yield f"<p>Model level: <strong>{plain(level.recommended)}</strong>{plain(other)}.</p>"
+
+
+def _cost(advice: Advice) -> str:
+    return f"{days_of(advice)}; {gain_of(advice)}"
+
+
+def _joints(shown: Overview) -> Iterator[str]:
+    """A row a joint: bars of what the log has of what the motor has, else its figures."""
+    measures = {one.joint: one for one in shown.diagnosis.joints}
+    if not measures:
+        yield from _told(f"actspec report {shown.spec} LOG.csv -o page.html", "bars of load need a log")
+        heads = ["joint", "level", "kp", "kd", "effort limit", "J", "natural frequency"]
+        yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+        for actuator in shown.actuators.joints:
+            cells = _stated(actuator)
+            yield (
+                f'<tr data-joint="{plain(actuator.joint)}"><td>{plain(actuator.joint)}</td>'
+                + "".join(f'<td class="n">{plain(cell)}</td>' for cell in cells)
+                + "</tr>"
+            )
+        yield "</table></div>"
+        return
+    heads = ["joint", "RMS of limit", "saturated", "beyond", "speed of no load", "command band", "of"]
+    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+    for actuator in shown.actuators.joints:
+        one = measures.get(actuator.joint)
+        yield f'<tr data-joint="{plain(actuator.joint)}"><td>{plain(actuator.joint)}</td>'
+        if one is None:
+            yield f'<td colspan="{len(heads) - 1}" class="faint">not judged</td></tr>'
+            continue
+        limit, line = actuator.effort_limit.value, actuator.motor_line
+        speed = None if line is None or line.no_load_speed is None else line.no_load_speed.value
+        bars = (
+            (one.rms_torque / limit if limit else None, 1.0),
+            (one.saturated, MOST["saturated"]),
+            (one.beyond, MOST["beyond"]),
+            (one.peak_speed / speed if speed else None, 1.0),
+            (None if one.command_band is None else one.command_band / one.fast, 1.0),
+        )
+        yield "".join(_bar(value, most) for value, most in bars) + f'<td class="n">{one.fast:g} Hz</td></tr>'
+    yield "</table></div>"
+    for item in shown.diagnosis.skipped:
+        yield f'<p class="faint">{plain(item.joint)} is not judged: {plain(item.reason)}</p>'
+
+
+def _bar(value: float | None, most: float) -> str:
+    if value is None:
+        return '<td class="n faint">-</td>'
+    over = " over" if value > most else ""
+    return f'<td class="bar{over}" style="--v:{100.0 * min(max(value, 0.0), 1.0):.1f}%">{100.0 * value:.2g} %</td>'
+
+
+def _stated(actuator: JointActuator) -> list[str]:
+    held = actuator.inertia_held
+    kp = None if actuator.kp is None else actuator.kp.value
+    rate = None if held is None or not kp else math.sqrt(kp / held.reference) / (2.0 * math.pi)
+    figures_ = (actuator.kp, actuator.kd, actuator.effort_limit)
+    return [
+        actuator.level.value,
+        *("-" if q is None or q.value is None else f"{format_number(q.value, 4)} {q.unit}" for q in figures_),
+        "-" if held is None else f"{format_number(held.reference, 3)} {actuator.armature.unit}",
+        "-" if rate is None else f"{format_number(rate, 3)} Hz",
+    ]
+
+
+def _advice(shown: Overview) -> Iterator[str]:
+    if not shown.diagnosis.advice:
+        yield "<p>Nothing.</p>"
+        return
+    yield '<ol class="advice">'
+    for one in shown.diagnosis.advice:
+        yield f"<li><strong>{plain(one.action)}</strong>: {plain(one.why)} ({plain(listed(list(one.joints), 4))})."
+        yield f"<br>{plain(_cost(one))}"
+        yield f"<pre>{plain(chr(10).join(one.commands)) if len(one.commands) == 1 else _lines(one.commands)}</pre></li>"
+    yield "</ol>"
+
+
+def _lines(commands: Sequence[str]) -> str:
+    return "\n".join(plain(command) for command in commands)
+
+
+def _told(command: str, why: str) -> Iterator[str]:
+    """What gives a section that has no input."""
+    yield f'<p class="faint">{plain(why)}:</p><pre>{plain(command)}</pre>'
+
+
+def _figures(drawn: Sequence[Figure], kind: str, missing: str) -> Iterator[str]:
+    mine = [one for one in drawn if one.kind == kind]
+    if not mine:
+        yield from _told(missing, "not drawn")
+        return
+    for k in range(0, len(mine), OPEN):
+        lines = ['<div class="pair">']
+        for one in mine[k : k + OPEN]:
+            lines += figure(svg(one.chart), one.caption, kind=kind, joints=one.joints)
+        lines.append("</div>")
+        more = mine[k : k + OPEN]
+        if k == 0:
+            yield from lines
+        else:
+            yield from fold(f"{many(len(more), 'picture')} more: {more[0].joints[0]}", lines, shown=False)
+
+
+def _damping(shown: Overview) -> Iterator[str]:
+    """What brakes each distinct actuator in proportion to its speed, by who does."""
+    groups: dict[tuple[float, float, JointKind], list[JointActuator]] = {}
+    for actuator in shown.actuators.joints:
+        kd = 0.0 if actuator.kd is None else actuator.kd.value or 0.0
+        key = (kd, actuator.friction_viscous.value or 0.0, actuator.kind)
+        groups.setdefault(key, []).append(actuator)
+    for kind in (JointKind.HINGE, JointKind.SLIDE):
+        mine = {key: group for key, group in groups.items() if key[2] is kind}
+        if not mine:
+            continue
+        rows = [(_first_and(group), key[:2]) for key, group in mine.items()]
+        unit = "N*m*s/rad" if kind is JointKind.HINGE else "N*s/m"
+        picture = stacks(
+            "damping by origin", Axis("damping", unit), rows, ("kd of the drive", "viscous friction")
+        )
+        joints = [actuator.joint for group in mine.values() for actuator in group]
+        words = "what the drive takes, inside of its limit, and what the joint takes, outside of it"
+        yield from figure(picture, "Damping by origin", words, kind="damping", joints=joints)
+
+
+def _first_and(group: Sequence[JointActuator]) -> str:
+    return group[0].joint + (f" and {len(group) - 1} more" if len(group) > 1 else "")
+
+
+def _all_findings(shown: Overview) -> Iterator[str]:
+    if not shown.everything:
+        yield "<p>None.</p>"
+    yield from articles(shown.everything)
+
+
+def _ledger(shown: Overview) -> Iterator[str]:
+    for sheet in ledger_sheets(shown.case):
+        yield from sheet_table(sheet)
+
+
+def _randomization(shown: Overview) -> Iterator[str]:
+    rows: dict[tuple[str, ...], list[str]] = {}
+    for actuator in shown.actuators.joints:
+        for item in actuator.randomize:
+            key = (
+                item.field,
+                item.operation,
+                f"{item.low:.6g} to {item.high:.6g}",
+                item.distribution,
+                item.when,
+            )
+            rows.setdefault(key, []).append(actuator.joint)
+    if not rows:
+        yield from _told(
+            "randomize: {gains: {scale: [0.9, 1.1]}}", "the spec draws nothing at random; in a group"
+        )
+        return
+    cells = [[listed(joints, 4), *key] for key, joints in rows.items()]
+    yield from plain_table(["joints", "field", "operation", "range", "distribution", "when"], cells)
+
+
+def _identification(shown: Overview) -> Iterator[str]:
+    cells = []
+    for actuator in shown.actuators.joints:
+        for name, quantity in actuator.quantities():
+            if quantity.origin is Origin.IDENTIFIED and quantity.value is not None:
+                std = "-" if quantity.std is None else f"{quantity.std:.2g}"
+                where = "" if quantity.span is None else str(quantity.span)
+                cells.append(
+                    [actuator.joint, name, f"{format_number(quantity.value, 5)}", std, quantity.unit, where]
+                )
+    if not cells:
+        yield from _told(
+            f"actspec sysid design {shown.spec} -o chirp.csv --experiment chirp",
+            "the spec has no identified values",
+        )
+        return
+    yield from plain_table(["joint", "figure", "value", "std", "unit", "from"], cells, (2, 3))
+
+
+def _agreement(shown: Overview) -> Iterator[str]:
+    found = shown.agreement
+    if found is None:
+        command = f"actspec verify {shown.spec} --output-format json > verify.json"
+        yield from _told(command, "not shown; --verify verify.json, written by")
+        return
+    cells = [
+        [
+            str(row.get("target", "")),
+            str(row.get("joint") or "all"),
+            str(row.get("quantity", "")),
+            _figure(row.get("max_error")),
+            _figure(row.get("tolerance")),
+            "yes" if row.get("ok") else "no",
+        ]
+        for row in found.get("rows", ())
+        if isinstance(row, Mapping)
+    ]
+    bad = [row for row in cells if row[-1] == "no"]
+    yield f"<p>{many(len(cells), 'comparison')}, {len(bad)} that do not agree.</p>"
+    heads = ["target", "joint", "quantity", "largest error", "allowed", "agrees"]
+    yield from plain_table(heads, bad or cells[:20], (3, 4))
+    if not bad and len(cells) > 20:
+        yield from fold(f"{len(cells) - 20} more", plain_table(heads, cells[20:], (3, 4)), shown=False)
+
+
+def _figure(value: object) -> str:
+    return format_number(value, 3) if isinstance(value, int | float) and not isinstance(value, bool) else "-"
+
+
+def markdown(shown: Overview) -> str:
+    """The record of an experiment: what is modelled, what a step shows, what was identified, what follows."""
+    lines = [f"## {escaped(shown.title)}", "", escaped(verdict(shown.diagnosis)), ""]
+    lines += ["### Actuators", ""]
+    rows = [["joint", "level", "kp", "kd", "effort limit", "J", "natural frequency"]]
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for actuator in shown.actuators.joints:
+        groups.setdefault(tuple(_stated(actuator)), []).append(actuator.joint)
+    rows += [[escaped(listed(joints, 4)), *map(escaped, key)] for key, joints in groups.items()]
+    lines += [*markdown_table(rows, 1), ""]
+    lines += ["### Steps", "", *comparing.markdown(shown.comparison), ""]
+    identified = [
+        f"- {escaped(a.joint)} {escaped(name)}: {format_number(q.value, 5)} {escaped(q.unit)}"
+        + ("" if q.std is None else f" ± {q.std:.2g}")
+        for a in shown.actuators.joints
+        for name, q in a.quantities()
+        if q.origin is Origin.IDENTIFIED and q.value is not None
+    ]
+    blank = f"- to be filled: `actspec sysid fit {one_line(shown.spec)} LOG.csv -o results.yaml`"
+    lines += ["### Identification", "", *(identified or [blank]), ""]
+    lines += ["### Findings", ""]
+    lines += [
+        f"- {escaped(item.code)} {escaped(item.where)}: {escaped(item.message)}" for item in shown.everything
+    ] or ["- none"]
+    lines += ["", "### What to do", ""]
+    lines += [
+        f"{number}. {escaped(one.action)}: {escaped(one.why)}. {escaped(_cost(one))}"
+        for number, one in enumerate(shown.diagnosis.advice, 1)
+    ] or ["Nothing."]
+    lines += ["", f"Model level: {escaped(shown.diagnosis.level.recommended)}."]
+    kept, size = [], 0
+    for number, line in enumerate(lines):
+        size += len(line) + 1
+        if size > LONGEST - 100:
+            kept += ["", f"{len(lines) - number} more lines do not fit here."]
+            break
+        kept.append(line)
+    return "\n".join(kept) + "\n"

@@ -1,0 +1,185 @@
+"""`actspec report`: one page that holds what it promises, in text and in a real browser."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from lxml import html
+
+import actspec
+from actspec.cli.main import main
+from tests.audit.report.test_browser import CHROMIUM, looked
+
+SECTIONS = [
+    *("verdict", "joints", "advice", "envelopes", "steps", "damping", "tracking", "findings", "ledger"),
+    *("randomization", "identification", "agreement"),
+]
+pytestmark = pytest.mark.slow
+
+BAD = "<b onclick=window.hit=1>"
+SPEC = """\
+actspec: 1
+robot: {name: leg, model: leg.xml}
+timing: {physics_dt: 2 ms}
+sources: {us: {title: an example}}
+motors:
+  small:
+    side: joint
+    stall_torque: {value: 20 N*m, source: us}
+    no_load_speed: {value: 10 rad/s, source: us}
+actuators:
+  all:
+    joints: [".*"]
+    level: ideal_pd
+    motor: small
+    kp: {value: 20 N*m/rad, source: us}
+    kd: {value: 1 N*m*s/rad, source: us}
+    effort_limit: {value: 10 N*m, source: us}
+    armature: {value: 0 kg*m^2, source: us}
+    friction: {coulomb: {value: 0.1 N*m, source: us}, viscous: {value: 0.05 N*m*s/rad, source: us}}
+"""
+MODEL = """\
+<mujoco model="leg"><compiler angle="radian"/><option timestep="0.002" integrator="implicitfast"/><worldbody>
+<body><inertial pos="0 0 0" mass="1" diaginertia=".1 .1 .1"/><joint name="{bad}" axis="0 0 1"/></body>
+<body pos="1 0 0"><inertial pos="0 0 0" mass="1" diaginertia=".2 .2 .2"/><joint name="knee" axis="0 0 1"/></body>
+</worldbody><actuator><motor joint="{bad}"/><motor joint="knee"/></actuator></mujoco>
+"""
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A leg with a hostile name, and a log in which its knee is beyond the motor's line in 200 of 1000 rows."""
+    path = tmp_path_factory.mktemp("leg")
+    escaped = BAD.replace("<", "&lt;").replace(">", "&gt;")
+    (path / "leg.xml").write_text(MODEL.format(bad=escaped))
+    (path / "leg.yaml").write_text(SPEC)
+    recorder = actspec.Recorder([BAD, "knee"], 0.005)
+    for k in range(1000):
+        fast = 400 <= k < 600
+        recorder.add(
+            [0.1 * np.sin(k / 20), 0.0],
+            [0.1 * np.sin(k / 20 - 0.1), 0.0],
+            [0.4, 8.0 * fast],
+            [1.0, 9.0 * fast],
+        )
+    recorder.save(path / "log.csv")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(path)
+        assert main(["report", "leg.yaml", "log.csv", "-o", "report.html", "--figures", "figures"]) == 1
+    return path
+
+
+def test_what_the_page_holds(folder: Path) -> None:
+    """All sections in order, a row and both pictures of every joint, nothing fetched, no name that became HTML."""
+    text = (folder / "report.html").read_text()
+    page = html.document_fromstring(text)
+    assert [one.get("id") for one in page.iter("section")] == SECTIONS
+    assert {row.get("data-joint") for row in page.iter("tr") if row.get("data-joint")} == {BAD, "knee"}
+    shown: dict[str, str] = {}
+    for one in page.iter("figure"):
+        shown[str(one.get("data-figure"))] = (
+            shown.get(str(one.get("data-figure")), "") + " " + str(one.get("data-joints"))
+        )
+        assert len(one.findall("svg")) == 1
+    for kind in ("envelope", "step", "damping", "tracking"):
+        assert BAD in shown[kind] and "knee" in shown[kind], kind
+    assert not list(page.iter("script", "link", "img", "iframe", "b")) and "http" not in text
+    verdict = page.get_element_by_id("verdict").text_content()
+    # At 8 rad/s the line leaves 20 (1 - 8/10) = 4 of the 9 N*m.
+    assert "not good enough" in verdict and "DGN002" in verdict and "20.0% of the rows" in verdict
+    assert "torque_speed_line" in page.get_element_by_id("advice").text_content()
+    assert "actspec verify leg.yaml" in page.get_element_by_id("agreement").text_content()
+    envelopes = page.get_element_by_id("envelopes").text_content()
+    assert "20 % of the log's points are beyond" in envelopes
+
+
+def test_same_input_same_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A second run writes the same page; without --force it does not write."""
+    monkeypatch.chdir(folder)
+    before = (folder / "report.html").read_bytes()
+    assert main(["report", "leg.yaml", "log.csv", "-o", "report.html"]) == 2
+    assert main(["report", "leg.yaml", "log.csv", "-o", "again.html", "--fail-on", "never"]) == 0
+    assert (folder / "again.html").read_bytes() == before
+
+
+def test_figures_are_files_too(folder: Path) -> None:
+    """Each picture as SVG, and its points as CSV: 200 of the knee's are beyond, at 8 rad/s and 9 N*m."""
+    names = sorted(path.name for path in (folder / "figures").iterdir())
+    assert all(re.fullmatch(r"[A-Za-z0-9_.-]+", name) for name in names)
+    assert {name.partition("-")[0] for name in names} == {"envelope", "step", "tracking"}
+    with open(folder / "figures" / "envelope-knee.csv", newline="") as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["series", "speed [rad/s]", "torque [N*m]"]
+    assert [row[1:] for row in rows if row[0] == "beyond"] == [["8", "9"]] * 200
+
+
+def test_without_a_log(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Spec and answers alone: figures of the joints, and what would give the rest. As Markdown too."""
+    monkeypatch.chdir(folder)
+    assert main(["report", "leg.yaml", "-o", "spec.html", "--task", "run"]) == 0
+    page = html.document_fromstring((folder / "spec.html").read_text())
+    assert "natural frequency" in page.get_element_by_id("joints").text_content()
+    assert "LOG.csv" in page.get_element_by_id("tracking").text_content()
+    assert "level: dc_motor" in page.get_element_by_id("verdict").text_content()
+    assert (
+        main(
+            [
+                "report",
+                "leg.yaml",
+                "log.csv",
+                "-o",
+                "r.md",
+                "--output-format",
+                "markdown",
+                "--fail-on",
+                "never",
+            ]
+        )
+        == 0
+    )
+    text = (folder / "r.md").read_text()
+    # wn = sqrt(20 / 0.1) / 2 pi = 2.25 Hz
+    assert "2.25 Hz" in text and "to be filled: `actspec sysid fit" in text and len(text) < 60_000
+    assert "<b" not in text
+
+
+def test_an_agreement_is_shown(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Rows of verify that do not agree; another JSON, or none, is refused and nothing is written."""
+    monkeypatch.chdir(folder)
+    row = {
+        "target": "mujoco",
+        "joint": "knee",
+        "quantity": "torque",
+        "max_error": 3.0,
+        "tolerance": 1e-6,
+        "ok": False,
+    }
+    Path("verify.json").write_text(
+        json.dumps({"format": "actspec-verify/1", "rows": [row], "diagnostics": []})
+    )
+    assert main(["report", "leg.yaml", "-o", "v.html", "--verify", "verify.json"]) == 0
+    page = html.document_fromstring(Path("v.html").read_text())
+    assert "1 comparison, 1 that do not agree" in page.get_element_by_id("agreement").text_content()
+    for text in ("{", "[]", '{"format": "actspec-diff/1"}', "[" * 100_000):
+        Path("bad.json").write_text(text)
+        assert main(["report", "leg.yaml", "-o", "none.html", "--verify", "bad.json"]) == 2
+        assert "RPT001" in capsys.readouterr().err
+    assert main(["report", "leg.yaml", "nothing.csv", "-o", "none.html"]) == 2
+    assert not Path("none.html").exists()
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
+def test_in_a_browser(folder: Path) -> None:
+    """On a phone nothing sticks out and no stranger's name has run; dark where the reader wants it."""
+    found = looked(folder)
+    assert found["wide"] == [] and found["over"] == 0 and found["hit"]
+    assert all(there for _, there in found["links"])
+    assert (
+        looked(folder, "--blink-settings=preferredColorScheme=0", width=1200)["ground"] == "rgb(13, 17, 23)"
+    )
