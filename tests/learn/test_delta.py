@@ -62,6 +62,10 @@ def test_a_row_leads_to_the_next(tmp_path: Path, spec: str, model: str | None) -
             *(f"base.angular_velocity.{c}" for c in "xyz"),
         )
         assert samples.inputs[:, 6:10] == pytest.approx(samples.plants[0][0].base(samples.states)[:, 3:7])
+    # Columns of the states that follow, at commands that follow: those of the rows that follow.
+    rows = np.arange(40)
+    again = samples.columns_of(samples.states[rows + 1], rows + 1)
+    assert again == pytest.approx(samples.inputs[rows + 1]) and again != pytest.approx(samples.inputs[rows])
 
 
 def test_slopes(tmp_path: Path) -> None:
@@ -163,6 +167,47 @@ def test_a_known_fault_is_learned(tmp_path: Path, per: str) -> None:
     one, other = (onnx_of(train(samples, split(samples), short).layers) for _ in "ab")
     assert one == other != onnx_of(train(samples, split(samples), replace(short, seed=1)).layers)
     assert train(samples, split(samples), replace(options, epochs=100000, max_time=0.5)).epochs < 100000
+
+
+@pytest.mark.parametrize("per", ["joint", "robot"])
+def test_what_is_written_is_what_was_trained(tmp_path: Path, per: str) -> None:
+    """Features and the way down go into the first layer: the file leaves the errors that the training told."""
+    pytest.importorskip("torch")
+    path = folder(tmp_path, model=FLOATING)
+    samples = samples_of(path, walk(path, "a.npz", lambda q, qd, c: 0.05 * np.sin(q), rows=120))
+    parts = split(samples)
+    trained = train(samples, parts, TrainOptions(0.1, per, epochs=5))
+    corrections = Graph(onnx_of(trained.layers))(samples.inputs)
+    assert np.abs(corrections).max() > 0.01
+    found = judged(samples.errors()[parts.unseen], samples.errors(corrections)[parts.unseen])
+    assert found.corrected.position == pytest.approx(trained.judged.corrected.position, rel=1e-3)
+
+
+def test_the_limit_is_held_wherever_a_network_goes(tmp_path: Path) -> None:
+    """A network of others that grows without end: far from what is tried when it is read it is clipped."""
+    import hashlib
+
+    from onnx import TensorProto, helper, numpy_helper
+
+    grows = helper.make_graph(
+        [
+            helper.make_node("Gather", ["x", "commands"], ["c"], axis=1),
+            helper.make_node("Mul", ["c", "slope"], ["y"]),
+        ],
+        "grows",
+        [helper.make_tensor_value_info("x", TensorProto.FLOAT, ["n", 15])],
+        [helper.make_tensor_value_info("y", TensorProto.FLOAT, ["n", 2])],
+        [
+            numpy_helper.from_array(np.array([13, 14]), "commands"),
+            numpy_helper.from_array(np.array(1e-6, dtype=np.float32), "slope"),
+        ],
+    )
+    data = helper.make_model(grows).SerializeToString()
+    (tmp_path / "other.onnx").write_bytes(data)
+    entry = {"path": "other.onnx", "sha256": hashlib.sha256(data).hexdigest()}
+    delta = delta_action(spoilt(written(tmp_path), lambda m: m["files"].update(onnx=entry)))
+    found = delta.delta(np.zeros((1, 13)), np.array([[1e4, -1e6]]))
+    assert found == pytest.approx(np.array([[0.01, -0.2]]))
 
 
 COLUMNS = (

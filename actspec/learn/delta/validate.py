@@ -219,7 +219,7 @@ def removable(samples: Samples, rows: Rows, bare: Array, limit: float) -> Array:
     best, kept = bare.copy(), np.zeros((len(rows), len(samples.joints)))
     for _ in range(SEARCHES):
         slopes = np.nan_to_num(samples.slopes(kept, best, 0.25 * limit, rows).astype(float) / size[:, None])
-        fresh = np.clip(_boxed(slopes, best / size, kept, limit), -limit, limit)
+        fresh = _boxed(slopes, best / size, kept, limit)
         errors = samples.errors(fresh, rows)
         better = cost(errors) < cost(best)
         best[better], kept[better] = errors[better], fresh[better]

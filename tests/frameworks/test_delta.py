@@ -1,0 +1,42 @@
+"""`actspec.mjlab.delta_state` and `wrap` round a real environment of mjlab, with a free base."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from tests.frameworks.prepare import Frameworks
+from tests.learn.policies import FLOATING
+from tests.learn.test_delta import expected, written
+
+onnx = pytest.importorskip("onnx")
+pytestmark = pytest.mark.slow
+
+PROBE = Path(__file__).with_name("mjlab_delta_probe.py")
+PATHS = [str(Path(__file__).parents[2]), str(Path(onnx.__file__).parents[1])]
+"""What actspec is imported from there, behind the frameworks' own packages."""
+
+
+def test_an_environment_of_mjlab(tmp_path: Path, frameworks: Frameworks) -> None:
+    """Each step is driven by default + scale * action + delta of the engine's own qpos and qvel; by a formula."""
+    pytest.importorskip("torch")
+    actions = np.random.default_rng(0).normal(size=(4, 2, 2))
+    model = FLOATING.replace('<geom type="plane" size="5 5 .1"/>', "")
+    job = {"paths": PATHS, "manifest": written(tmp_path), "model": model, "actions": actions.tolist()}
+    run = frameworks.run_probe(PROBE, job)
+    assert run.said["joints"] == ["hip", "arm"] and run.said["envs"] == 2
+    assert run.said["measured"][4:6] == ["base.orientation.w", "base.orientation.x"]
+    command = 0.25 * actions
+    last = command[0]
+    for k in range(4):
+        qpos, qvel = run.arrays["qpos"][k], run.arrays["qvel"][k]
+        # qvel of a free joint has its rotation in the body's axes, as a gyroscope reads it.
+        measured = np.concatenate([qpos[:, 7:], qvel[:, 6:], qpos[:, 3:7], qvel[:, 3:6]], axis=1)
+        assert run.arrays["state"][k] == pytest.approx(measured, abs=1e-5)
+        columns = np.concatenate([measured[:, :4], last, measured[:, 4:], command[k]], axis=1)
+        assert run.arrays["ctrl"][k] == pytest.approx(command[k] + expected(columns), abs=1e-5)
+        last = command[k]
+    # The robot fell and turned: a reading of other axes would have been seen.
+    assert np.abs(run.arrays["qvel"][-1][:, 3:6]).max() > 0.1
