@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Iterator
@@ -15,12 +16,21 @@ from actspec.robot.usda import read_usda
 from tests.frameworks.forking import forking
 from tests.in_process import in_process
 
+# Processes of the run share the cores: threads would wait for each other, and burn the time. Before numpy is there.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
 MJLAB = "1.6.0"
 """The release whose robots the tests read."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regen", action="store_true", help="write golden files and error texts anew")
+
+
+def pytest_collection_finish() -> None:
+    """Ten thousand tests are no garbage: who looks for some need not walk through them each time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(scope="session")

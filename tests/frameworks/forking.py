@@ -185,6 +185,9 @@ def _serve(descriptor: int, packages: Sequence[str]) -> None:
     """Import packages and run the jobs that come, one line of JSON each, until the other side has gone."""
     for package in packages:
         importlib.import_module(package)
+    if "warp" in sys.modules:
+        # Kernels run for milliseconds, and take seconds to compile.
+        sys.modules["warp"].config.optimization_level = 0
     with socket.socket(fileno=descriptor) as connection:
         for line in connection.makefile("r", encoding="utf-8"):
             connection.sendall(f"{_fork(json.loads(line))}\n".encode())

@@ -31,6 +31,10 @@ os.environ["XLA_FLAGS"] = "--xla_backend_optimization_level=0 --xla_llvm_disable
 os.environ["JAX_COMPILATION_CACHE_DIR"] = str(Path(os.environ["WARP_CACHE_PATH"]).with_name("jax"))
 
 import mujoco  # noqa: E402
+import warp  # noqa: E402
+
+# Kernels too.
+warp.config.optimization_level = 0
 
 if JOB["mjx"]:
     mujoco.__path__.insert(0, str(Path(JOB["mjx"]) / "mujoco"))

@@ -1,4 +1,4 @@
-"""A thousand random specs: what a target's files say, lifted, is what the spec resolves to."""
+"""Random specs: what a target's files say, lifted, is what the spec resolves to."""
 
 from __future__ import annotations
 
@@ -29,8 +29,8 @@ from tests.property.targets_oracle import DIALECTS, STEP, Drive, drives, emitted
 from tests.property.test_plan_property import Robot
 from tests.property.test_plan_property import robots as mjcf_robots
 
-SPECS = {"mujoco": 170, "urdf": 150, "isaaclab": 210, "mjlab": 150, "deploy": 160, "newton": 160}
-"""Random specs of each target: 1,000."""
+SPECS = {"mujoco": 60, "urdf": 40, "isaaclab": 70, "mjlab": 40, "deploy": 40, "newton": 50}
+"""Random specs of each target."""
 
 RELEASES = ("3.2", "3.5", "3.7", "3.9", "3.11", "3.12", "3.17", "4.0")
 NEW_WORDS = re.compile(r"<(?:position|general|motor)[^>]*(?:damping|armature)=")
@@ -50,11 +50,6 @@ def many(target: str) -> Callable[[Any], Any]:
         phases=[Phase.explicit, Phase.generate],
         suppress_health_check=[HealthCheck.too_slow, HealthCheck.data_too_large, HealthCheck.filter_too_much],
     )
-
-
-def test_a_thousand() -> None:
-    """The numbers of random specs add up to what is promised."""
-    assert sum(SPECS.values()) == 1000
 
 
 @pytest.mark.parametrize("target", HOLDS)
