@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.learn.windows import Dataset, with_rows
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.links import bench_model, links_along
+from actspec.sysid.recording import Recording, scatter
 
 if TYPE_CHECKING:
     import numpy as np
@@ -19,8 +21,11 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 SLIDES = 0.05
-"""Speed at which dry friction is 3/4 of what it is when it slides [rad/s or m/s]. Chosen: near what sensors resolve;
-below it friction may be anything between both signs, and an even course between them adds no jump."""
+"""Speed from which a joint slides [rad/s or m/s]. Chosen: near what sensors resolve."""
+HALVINGS = 14
+"""Of the range of a spline's stiffness."""
+STIFFNESS = (1e-14, 1e2)
+"""Its least and largest value. Chosen: from a spline through every reading to one that bends over seconds."""
 
 
 def inferred(
@@ -29,7 +34,8 @@ def inferred(
     """The logs with the torques that the model with the spec's armature and friction needs.
 
     tau = M(q) q'' + armature q'' + load(q, q') + viscous q' + coulomb sign(q'), in all logged joints at once; joints
-    that are not logged and the base are held.
+    that are not logged and the base are held. Of a joint that stands, dry friction is anything between both signs: the
+    torque is told within that, see `Track.slack`.
 
     Args:
         data: Without torques.
@@ -50,14 +56,12 @@ def inferred(
         message = f"armature is unknown, and counts as 0: {listed(unknown)}"
         out.warning("LRN023", message, help="a network learned with it makes up for it in this model alone")
     by_name = {actuator.joint: actuator for actuator in data.actuators}
-    labels: dict[tuple[str, str], tuple[Array, Array]] = {}
+    labels: dict[tuple[str, str], tuple[Array, Array, Array]] = {}
     for path in dict.fromkeys(track.log.path for track in data.tracks):
         parts = [r for found in data.recordings.values() for r in found if r.log.path == path]
         names = [part.joint for part in parts]
         time = max((part.time for part in parts), key=len)
-        columns = {}
-        for name in ("position", "velocity", "acceleration"):
-            columns[name] = np.stack([np.interp(time, p.time, getattr(p, name)) for p in parts], axis=1)
+        columns = [[np.interp(time, p.time, part) for part in _motion(p)] for p in parts]
         bias = np.array([by_name[name].encoder_bias.value or 0.0 for name in names])
         held = parts[0].log.sidecar.base
         if held is None:
@@ -68,21 +72,58 @@ def inferred(
                 span=Span(path),
                 help="write `base: {orientation: [1, 0, 0, 0]}` beside the log",
             )
-        q, qd, qdd = columns["position"] - bias, columns["velocity"], columns["acceleration"]
+        q, qd, qdd = (np.stack(column, axis=1) for column in zip(*columns, strict=True))
+        q = q - bias
         links = links_along(robot, names, q, qd, None if held is None else held.orientation)
         torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
         for j, name in enumerate(names):
             actuator = by_name[name]
-            dry = np.tanh(qd[:, j] / SLIDES) * (actuator.friction_coulomb.value or 0.0)
+            slides = np.abs(qd[:, j]) > SLIDES
+            coulomb = actuator.friction_coulomb.value or 0.0
+            static = 0.0 if actuator.friction_static is None else actuator.friction_static.value or 0.0
             own = (actuator.armature.value or 0.0) * qdd[:, j] + (
                 actuator.friction_viscous.value or 0.0
             ) * qd[:, j]
-            labels[path, name] = (time, torque[:, j] + own + dry)
+            told = torque[:, j] + own + np.where(slides, coulomb * np.sign(qd[:, j]), 0.0)
+            labels[path, name] = (time, told, np.where(slides, 0.0, max(static, coulomb)))
     tracks = []
     for track in data.tracks:
-        time, torque = labels[track.log.path, track.joint]
-        tracks.append(with_rows(track, np.interp(track.time, time, torque)))
+        time, torque, slack = labels[track.log.path, track.joint]
+        track = with_rows(track, np.interp(track.time, time, torque))
+        tracks.append(replace(track, slack=np.interp(track.time, time, slack)))
     return replace(data, tracks=tuple(tracks))
+
+
+def _motion(part: Recording) -> tuple[Array, Array, Array]:
+    """Position, speed and acceleration of a joint, by a spline through the velocities, or else the positions."""
+    import numpy as np
+
+    if "velocity" in part.measured:
+        speed = _spline(part.time, part.measured["velocity"])
+        return part.position, speed(part.time), speed.derivative()(part.time)
+    course = _spline(part.time, part.measured["position"])
+    return tuple(np.asarray(course(part.time, k)) for k in range(3))  # type: ignore[return-value]
+
+
+def _spline(time: Array, signal: Array) -> Any:
+    """A cubic spline through readings, as stiff as their noise allows; what is not a number is left out."""
+    import numpy as np
+    from scipy.interpolate import CubicSpline, make_smoothing_spline
+
+    good = np.isfinite(signal)
+    time, signal = time[good], signal[good]
+    noise = scatter(signal)
+    if len(time) < 5 or not noise > 0.0:
+        return CubicSpline(time, signal)
+    low, high = (math.log(end) for end in STIFFNESS)
+    for _ in range(HALVINGS):
+        middle = 0.5 * (low + high)
+        found = make_smoothing_spline(time, signal, lam=math.exp(middle))
+        if float(np.mean((found(time) - signal) ** 2)) > noise**2:
+            high = middle
+        else:
+            low = middle
+    return make_smoothing_spline(time, signal, lam=math.exp(low))
 
 
 def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None:

@@ -54,6 +54,7 @@ class Track:
         stride: Rows between two taps.
         rows: Rows with a whole history behind them.
         taps: Which past samples; 0 is the row's own.
+        slack: How far the torque may be from what `torque` says [N*m or N], shape (n,); None: not at all.
     """
 
     log: Log
@@ -66,6 +67,7 @@ class Track:
     stride: int
     rows: Rows
     taps: tuple[int, ...]
+    slack: Array | None = None
 
     @property
     def reach(self) -> int:
@@ -454,3 +456,14 @@ def gathered(data: Dataset, rows: Sequence[Rows]) -> tuple[Array, Array, NDArray
     y = [track.torque[mine] for track, mine in zip(data.tracks, rows, strict=True)]
     j = [np.full(len(mine), index[t.joint]) for t, mine in zip(data.tracks, rows, strict=True)]
     return np.concatenate(x), np.concatenate(y), np.concatenate(j)
+
+
+def slacks(data: Dataset, rows: Sequence[Rows]) -> Array:
+    """How far torques may be from what is said of them [N*m or N], shape (n,), in the order of `gathered`."""
+    import numpy as np
+
+    parts = [
+        np.zeros(len(mine)) if track.slack is None else track.slack[mine]
+        for track, mine in zip(data.tracks, rows, strict=True)
+    ]
+    return np.concatenate(parts)
