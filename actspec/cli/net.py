@@ -84,9 +84,9 @@ def _add_train(command: argparse.ArgumentParser) -> None:
         choices=("fixed",),
         help="the base was held: needed to infer the torque of a robot whose base is free",
     )
-    command.add_argument("--kind", choices=("mlp",), default="mlp", help="of the network; default mlp")
+    command.add_argument("--kind", choices=("mlp", "lstm"), default="mlp", help="of the network; default mlp")
     command.add_argument(
-        "--hidden", default="128,128", metavar="N,...", help="hidden layers; default 128,128"
+        "--hidden", metavar="N,...", help="hidden layers; default 128,128, and 32 of an LSTM"
     )
     command.add_argument("--activation", choices=ACTIVATIONS, default="elu", help="default elu")
     command.add_argument("--seed", type=int, default=0, metavar="K", help="of weights and batches; default 0")
@@ -175,8 +175,10 @@ def _train(arguments: argparse.Namespace) -> int:
     from actspec.report.net import manifest_entries, train_lines, train_record
 
     options = _samples(arguments)
+    lstm = arguments.kind == "lstm"
     trained_by = TrainOptions(
-        _hidden(arguments.hidden),
+        arguments.kind,
+        _hidden(arguments.hidden or ("32" if lstm else "128,128")),
         arguments.activation,
         arguments.seed,
         arguments.seeds,
@@ -187,10 +189,15 @@ def _train(arguments: argparse.Namespace) -> int:
         value = getattr(arguments, name)
         if value is not None and not least <= value <= 2**31:
             raise LogError.of("LRN015", f"--{name} must be at least {least}, got {value}", where=f"--{name}")
+    if lstm and len(set(trained_by.hidden)) > 1:
+        message = f"the layers of an LSTM are of one size, got {arguments.hidden}"
+        raise LogError.of("LRN025", message, where="--hidden", help="write --hidden 32,32")
     check_output(arguments.output, force=arguments.force)
     require("scipy", "torch", "onnx")
     logs, actuators, robot = read_all(arguments)
     out = Collector()
+    if lstm:
+        options |= _of_lstm(actuators, arguments.tap_period)
     infer = arguments.torque == "inferred"
     data = dataset(actuators, logs, out, **options, measured=not infer)
     model = None
@@ -215,6 +222,18 @@ def _train(arguments: argparse.Namespace) -> int:
         print("\n".join(train_lines(data, parts, trained, judged)))
         print("wrote " + ", ".join(paths.values()))
     return warned(out)
+
+
+def _of_lstm(actuators: Any, period: str | None) -> dict[str, Any]:
+    """Samples of an LSTM: one a physics step, with those behind them that settle its state."""
+    from actspec.learn.recurrent import TAPS
+    from actspec.logs import LogError
+
+    step = actuators.physics_dt.require()
+    if period is not None and abs((_seconds(period, "--tap-period") or step) - step) > 1e-3 * step:
+        message = f"an LSTM takes a sample in each physics step of {step * 1e3:g} ms, got {period}"
+        raise LogError.of("LRN025", message, where="--tap-period", help="leave it out")
+    return {"taps": TAPS, "period": step}
 
 
 def _add_file(command: argparse.ArgumentParser) -> None:
@@ -325,12 +344,13 @@ def _evaluate(arguments: argparse.Namespace) -> int:
             "LRN013", "there is no such file", Span(arguments.network), help="--network NAME.json"
         )
     law, manifest = network_of(arguments.network, actuators.joints)
-    if law.layers.recurrent:
-        message = "an LSTM is not judged yet, perceptrons are"
-        raise LogError.of("LRN013", message, Span(arguments.network))
     logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
     out = Collector()
     options: dict[str, Any] = {"group": arguments.group, "taps": law.taps, "period": law.tap_period}
+    if law.layers.recurrent:
+        from actspec.learn.recurrent import TAPS
+
+        options["taps"] = TAPS
     kind = manifest.torque if manifest.torque in ("drive", "joint") else None
     data = dataset(actuators, logs, out, **options, torque_of=kind)
     _check_kind(manifest, logs, out)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, RobotError
 from actspec.ir import JointActuator, Level
 from actspec.laws import law_of
-from actspec.laws.network import Layers, NetworkLaw
+from actspec.laws.network import NetworkLaw
 from actspec.learn.windows import Dataset, Track
 from actspec.readings.onnx_network import read_onnx
 from actspec.robot.view import RobotView
@@ -97,20 +97,6 @@ class Evaluation:
     outside: Mapping[str, float] | None
 
 
-def law_of_layers(layers: Layers, manifest: NetworkManifest) -> NetworkLaw:
-    """A network with its conventions."""
-    return NetworkLaw(
-        layers,
-        manifest.taps,
-        manifest.tap_period.value or 0.0,
-        manifest.inputs == "velocity_position",
-        manifest.position_scale,
-        manifest.velocity_scale,
-        manifest.torque_scale,
-        manifest.initial_history == "first_sample",
-    )
-
-
 def errors_of(found: Array, torque: Array) -> Errors:
     """Of torques against those that were logged, shapes (n,)."""
     import numpy as np
@@ -149,11 +135,20 @@ def baseline_laws(actuator: JointActuator) -> dict[str, Any]:
     return found
 
 
-def predicted(law: NetworkLaw, track: Track, bounds: Bounds) -> Array:
-    """The network's torque, clamped, at a track's rows [N*m or N]."""
-    n = len(law.taps)
-    x = track.inputs(track.rows)
-    return bounds.clip(law.torque(x[:, :n], x[:, n:])[0], track.velocity[track.rows])
+def predicted(law: NetworkLaw, tracks: Sequence[Track], bounds: Bounds) -> list[Array]:
+    """The network's torque, clamped, at the rows of a joint's tracks [N*m or N], one array a track."""
+    if law.layers.recurrent:
+        from actspec.learn.recurrent import along
+
+        found = along(law, tracks, [track.rows for track in tracks])
+    else:
+        found, n = [], len(law.taps)
+        for track in tracks:
+            x = track.inputs(track.rows)
+            found.append(law.torque(x[:, :n], x[:, n:])[0])
+    return [
+        bounds.clip(torque, track.velocity[track.rows]) for torque, track in zip(found, tracks, strict=True)
+    ]
 
 
 def evaluate(
@@ -186,7 +181,7 @@ def evaluate(
             continue
         bounds = Bounds.of(actuator)
         torque = np.concatenate([t.torque[t.rows] for t in tracks])
-        found = {"network": np.concatenate([predicted(law, t, bounds) for t in tracks])}
+        found = {"network": np.concatenate(predicted(law, tracks, bounds))}
         bias = actuator.encoder_bias.value or 0.0
         for name, base in baseline_laws(actuator).items():
             parts = [
@@ -379,20 +374,32 @@ def _network_drive(bench: _Bench, law: NetworkLaw) -> Callable[..., Array]:
 
     stride = max(1, round(law.tap_period / bench.step))
     bounds = [Bounds.of(actuator) for actuator in bench.actuators]
-    reach = stride * max(law.taps)
+    recurrent = bool(law.layers.recurrent)
+    if recurrent and stride != 1:
+        raise RollImpossible("an LSTM's samples are physics steps, and the spec has another step")
+    reach = max(track.taps[-1] for track in bench.tracks) if recurrent else stride * max(law.taps)
     past: dict[str, Array] = {}
+    state: list[Any] = [None]
 
     def drive(starts: NDArray[np.intp], step: int, command: Array, q: Array, qd: Array) -> Array:
         if step == 0:
             rows = starts[None] - np.arange(reach + 1)[:, None]
             past["error"], past["velocity"] = (bench.command - bench.q)[rows], bench.qd[rows]
-        for name, now in (("error", command - q), ("velocity", qd)):
-            if step:
-                past[name] = np.roll(past[name], 1, axis=0)
-            past[name][0] = now
-        picked = [stride * tap for tap in law.taps]
-        inputs = [np.moveaxis(past[name][picked], 0, -1) for name in ("error", "velocity")]
-        torque = law.torque(inputs[0], inputs[1])[0]
+            state[0] = None
+            for k in range(reach, 0, -1) if recurrent else ():
+                _, state[0] = law.torque(
+                    past["error"][k, ..., None], past["velocity"][k, ..., None], state[0]
+                )
+        if recurrent:
+            torque, state[0] = law.torque((command - q)[..., None], qd[..., None], state[0])
+        else:
+            for name, now in (("error", command - q), ("velocity", qd)):
+                if step:
+                    past[name] = np.roll(past[name], 1, axis=0)
+                past[name][0] = now
+            picked = [stride * tap for tap in law.taps]
+            inputs = [np.moveaxis(past[name][picked], 0, -1) for name in ("error", "velocity")]
+            torque = law.torque(inputs[0], inputs[1])[0]
         return np.stack([bound.clip(torque[:, j], qd[:, j]) for j, bound in enumerate(bounds)], axis=1)
 
     return drive
@@ -426,7 +433,7 @@ def network_of(path: str, actuators: Sequence[JointActuator]) -> tuple[NetworkLa
     out.raise_if_failed(LogError)
     assert found is not None
     try:
-        return law_of_layers(read_onnx(found.data), found.manifest), found.manifest
+        return found.manifest.law(read_onnx(found.data)), found.manifest
     except OnnxMissing as err:
         message = "a network is read by onnx, which is not installed"
         raise LogError.of("LRN012", message, help="pip install 'actspec[learn]'") from err

@@ -128,9 +128,7 @@ def _law(layers: Layers, manifest: NetworkManifest | None) -> NetworkLaw:
     if manifest is None:
         taps = (0,) if layers.recurrent else tuple(range(layers.inputs // 2))
         return NetworkLaw(layers, taps, 1.0)
-    from actspec.learn.evaluate import law_of_layers
-
-    return law_of_layers(layers, manifest)
+    return manifest.law(layers)
 
 
 def _ages(law: NetworkLaw, count: int) -> Array:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.laws.network import Dense, Layers
 from actspec.learn.files import single, torch_activation
-from actspec.learn.windows import Dataset, Split, gathered
+from actspec.learn.windows import Dataset, Split, gathered, slacks
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,6 +27,8 @@ the best on one pair of logs; a hundredth enlarges noise."""
 STEPS = 3000
 """Steps of a training whose epochs are not stated. Chosen."""
 LEAST_EPOCHS = 10
+STEEPEST = 1.0
+"""Largest norm of a gradient. Chosen: a recurrent network's bursts."""
 BATCH = (256, 4096)
 """Smallest and largest batch: a fiftieth of the rows between them."""
 ACTIVATIONS = ("elu", "relu", "tanh", "softsign", "leaky_relu", "selu", "sigmoid", "softplus")
@@ -38,7 +40,8 @@ class TrainOptions:
     """How a network is trained.
 
     Attributes:
-        hidden: Sizes of its hidden layers.
+        kind: `mlp` or `lstm`.
+        hidden: Sizes of its hidden layers; of an LSTM's they are the same.
         activation: One of `ACTIVATIONS`.
         seed: Of weights and batches.
         seeds: How many networks are trained, from seeds that follow each other; the best is kept.
@@ -46,6 +49,7 @@ class TrainOptions:
         max_time: Of each network [s]; None: as long as it takes.
     """
 
+    kind: str = "mlp"
     hidden: tuple[int, ...] = (128, 128)
     activation: str = "elu"
     seed: int = 0
@@ -107,10 +111,15 @@ def train(
     import numpy as np
     import torch
 
+    if options.kind == "lstm":
+        from actspec.learn.recurrent import train_lstm
+
+        return train_lstm(data, parts, options, progress)
     seen, unseen = gathered(data, parts.train), gathered(data, parts.validate)
     basis = whitening(seen[0])
     own = joint_scales(seen[1], seen[2], len(data.actuators))
     size = float(np.sqrt(np.mean(seen[1] ** 2))) or 1.0
+    spare = [slacks(data, part) / size for part in (parts.train, parts.validate)]
     threads = torch.get_num_threads()
     # A small batch is done before a second thread has begun.
     torch.set_num_threads(2 if _batch(len(seen[1])) >= 2048 else 1)
@@ -118,10 +127,10 @@ def train(
         with torch.random.fork_rng(devices=[]):
             found = [
                 _run(
-                    _tensors(seen, basis, own, size),
-                    _tensors(unseen, basis, own, size),
+                    (*_tensors(seen, basis, own, size), single_tensor(spare[0])),
+                    (*_tensors(unseen, basis, own, size), single_tensor(spare[1])),
                     replace(options, seed=options.seed + k),
-                    _part(progress, k, options.seeds),
+                    part_of(progress, k, options.seeds),
                 )
                 for k in range(options.seeds)
             ]
@@ -130,7 +139,8 @@ def train(
     best = min(range(len(found)), key=lambda k: found[k][1].loss)
     runs = []
     for layers, run in found:
-        errors = _folded(layers, basis, size)(unseen[0])[0][:, 0] - unseen[1]
+        found_torque = _folded(layers, basis, size)(unseen[0])[0][:, 0]
+        errors = beyond(np, found_torque - unseen[1], spare[1] * size)
         runs.append(replace(run, rmse=float(np.sqrt(np.mean(errors**2)))))
     return Trained(_folded(found[best][0], basis, size), runs[best], tuple(runs))
 
@@ -162,15 +172,25 @@ def joint_scales(torque: Array, joint: NDArray[np.intp], count: int) -> Array:
 def _tensors(part: tuple[Array, Array, Any], basis: Array, own: Array, size: float) -> tuple[Any, Any, Any]:
     """Inputs, torques over their size, and weights under which each joint counts the same."""
     import numpy as np
-    import torch
 
     x, y, joint = part
     rows = np.maximum(np.bincount(joint, minlength=len(own)), 1)
     weight = (size / own[joint]) ** 2 / rows[joint]
     weight *= 1.0 / max(int((np.bincount(joint, minlength=len(own)) > 0).sum()), 1)
-    return tuple(
-        torch.tensor(np.asarray(array, dtype=np.float32)) for array in (x @ basis, y / size, weight * len(y))
-    )
+    return single_tensor(x @ basis), single_tensor(y / size), single_tensor(weight * len(y))
+
+
+def single_tensor(array: Array) -> Any:
+    """Of torch, in float32."""
+    import numpy as np
+    import torch
+
+    return torch.tensor(np.asarray(array, dtype=np.float32))
+
+
+def beyond(xp: Any, left: Any, slack: Any) -> Any:
+    """What is left of errors where the torque is known to within a slack; arrays of numpy or torch."""
+    return xp.sign(left) * xp.clip(xp.abs(left) - slack, 0.0, None)
 
 
 def _run(
@@ -179,9 +199,8 @@ def _run(
     """One network, from standardised inputs to torques over their size."""
     import torch
 
-    begun = clock.perf_counter()
     torch.manual_seed(options.seed)
-    x, y, weight = seen
+    x, y, weight, slack = seen
     sizes = [x.shape[1], *options.hidden, 1]
     parts: list[Any] = []
     for k, (n_in, n_out) in enumerate(pairwise(sizes)):
@@ -191,34 +210,12 @@ def _run(
                 torch_activation(options.activation, 0.01 if options.activation == "leaky_relu" else 1.0)
             )
     network = torch.nn.Sequential(*parts)
-    batch = _batch(len(x))
-    steps = max(len(x) // batch, 1)
-    epochs = options.epochs or max(LEAST_EPOCHS, math.ceil(STEPS / steps))
-    optimizer = torch.optim.Adam(network.parameters(), lr=RATE, foreach=True)
-    best, kept, at, epoch = math.inf, _state(network), 0, 0
-    for epoch in range(1, epochs + 1):
-        order = torch.randperm(len(x))
-        for k in range(steps):
-            done = (epoch - 1 + k / steps) / epochs
-            if options.max_time is not None:
-                done = max(done, (clock.perf_counter() - begun) / options.max_time)
-            if done >= 1.0:
-                break
-            # Warmed up over a fiftieth, then along half a cosine to nothing.
-            rate = RATE * min(1.0, 0.02 + done * 50.0) * 0.5 * (1.0 + math.cos(math.pi * done))
-            optimizer.param_groups[0]["lr"] = rate
-            rows = order[k * batch : (k + 1) * batch]
-            optimizer.zero_grad(set_to_none=True)
-            left = network(x[rows])[:, 0] - y[rows]
-            (weight[rows] * left * left).mean().backward()
-            optimizer.step()
-        loss = _loss(network, unseen)
-        if loss < best:
-            best, kept, at = loss, _state(network), epoch
-        progress(epoch, epochs)
-        if options.max_time is not None and clock.perf_counter() - begun >= options.max_time:
-            break
-    network.load_state_dict(kept)
+
+    def loss(rows: Any) -> Any:
+        left = beyond(torch, network(x[rows])[:, 0] - y[rows], slack[rows])
+        return (weight[rows] * left * left).mean()
+
+    run = descend(network, len(x), _batch(len(x)), loss, lambda: _loss(network, unseen), options, progress)
     dense = []
     for k, part in enumerate(parts):
         if isinstance(part, torch.nn.Linear):
@@ -231,11 +228,62 @@ def _run(
                     0.01 if active and options.activation == "leaky_relu" else 1.0,
                 )
             )
-    run = Run(options.seed, math.sqrt(best), 0.0, epoch, at, clock.perf_counter() - begun)
     return Layers((), tuple(dense)), run
 
 
-def _part(progress: Callable[[int, int], None] | None, k: int, parts: int) -> Callable[[int, int], None]:
+def descend(
+    network: Any,
+    count: int,
+    batch: int,
+    loss: Callable[[Any], Any],
+    judge: Callable[[], float],
+    options: TrainOptions,
+    progress: Callable[[int, int], Any],
+) -> Run:
+    """Change a network's weights until its epochs or its time are over, and keep the best; `rmse` is left 0.
+
+    Args:
+        network: Of torch.
+        count: How many samples there are.
+        batch: How many are taken at once.
+        loss: Of the samples with these indices.
+        judge: Mean square of the error on what is held out.
+        options: How.
+        progress: Called with epochs done, of how many.
+    """
+    import torch
+
+    begun = clock.perf_counter()
+    steps = max(count // batch, 1)
+    epochs = options.epochs or max(LEAST_EPOCHS, math.ceil(STEPS / steps))
+    optimizer = torch.optim.Adam(network.parameters(), lr=RATE, foreach=True)
+    best, kept, at, epoch = math.inf, _state(network), 0, 0
+    for epoch in range(1, epochs + 1):
+        order = torch.randperm(count)
+        for k in range(steps):
+            done = (epoch - 1 + k / steps) / epochs
+            if options.max_time is not None:
+                done = max(done, (clock.perf_counter() - begun) / options.max_time)
+            if done >= 1.0:
+                break
+            # Warmed up over a fiftieth, then along half a cosine to nothing.
+            rate = RATE * min(1.0, 0.02 + done * 50.0) * 0.5 * (1.0 + math.cos(math.pi * done))
+            optimizer.param_groups[0]["lr"] = rate
+            optimizer.zero_grad(set_to_none=True)
+            loss(order[k * batch : (k + 1) * batch]).backward()
+            torch.nn.utils.clip_grad_norm_(network.parameters(), STEEPEST)
+            optimizer.step()
+        found = judge()
+        if found < best:
+            best, kept, at = found, _state(network), epoch
+        progress(epoch, epochs)
+        if options.max_time is not None and clock.perf_counter() - begun >= options.max_time:
+            break
+    network.load_state_dict(kept)
+    return Run(options.seed, math.sqrt(best), 0.0, epoch, at, clock.perf_counter() - begun)
+
+
+def part_of(progress: Callable[[int, int], None] | None, k: int, parts: int) -> Callable[[int, int], None]:
     """Progress of the whole, from that of one of its parts."""
 
     def step(done: int, total: int) -> None:
@@ -257,9 +305,9 @@ def _loss(network: Any, part: Any) -> float:
     """Mean square of each joint's error over its own torque, on all rows."""
     import torch
 
-    x, y, weight = part
+    x, y, weight, slack = part
     with torch.no_grad():
-        left = network(x)[:, 0] - y
+        left = beyond(torch, network(x)[:, 0] - y, slack)
         return float((weight * left * left).double().mean())
 
 

@@ -7,11 +7,13 @@ from dataclasses import asdict
 from typing import Any
 
 from actspec.diagnostics import Diagnostic, one_line
+from actspec.laws.network import NetworkLaw
 from actspec.learn.evaluate import HORIZON, Errors, Evaluation, errors_of
 from actspec.learn.inspect import Inspection
+from actspec.learn.recurrent import along
 from actspec.learn.survey import JointData
 from actspec.learn.train import Trained, input_ranges
-from actspec.learn.windows import Dataset, Split, gathered
+from actspec.learn.windows import Dataset, Split, gathered, slacks
 from actspec.report.tables import many, table
 from actspec.report.terminal import diagnostic_record, json_number
 from actspec.units import format_number
@@ -82,7 +84,15 @@ def manifest_entries(
     import numpy as np
 
     x, y, joint = gathered(data, parts.validate)
-    found = trained.layers(x)[0][:, 0]
+    recurrent = bool(trained.layers.recurrent)
+    if recurrent:
+        law = NetworkLaw(trained.layers, (0,), data.period)
+        found = np.concatenate(along(law, data.tracks, parts.validate))
+    else:
+        found = trained.layers(x)[0][:, 0]
+    # Where the torque is told within a slack, what lies within it is no error.
+    slack = slacks(data, parts.validate)
+    y = np.clip(found, y - slack, y + slack)
     overall = errors_of(found, y)
     judged = [("", overall)]
     for j, actuator in enumerate(data.actuators):
@@ -94,12 +104,12 @@ def manifest_entries(
 
     entries = {
         "inputs": "position_velocity",
-        "taps": list(data.taps),
+        "taps": [0] if recurrent else list(data.taps),
         "tap_period": f"{data.period * 1e3:.10g} ms",
         "position_scale": 1.0,
         "velocity_scale": 1.0,
         "torque_scale": 1.0,
-        "initial_history": "first_sample",
+        "initial_history": "zero" if recurrent else "first_sample",
         "joints": [a.joint for a in data.actuators],
         "torque": data.kind,
         "logs": [{"path": log.path, "sha256": log.sha256} for log in logs],
@@ -125,7 +135,9 @@ def train_lines(
     unit, (_, overall) = _unit(data), judged[0]
     seen = sum(map(len, parts.train))
     what = "whole recordings" if parts.whole else "the last fifth of each recording"
-    sizes = "-".join(str(n) for n in (trained.layers.inputs, *(len(d.bias) for d in trained.layers.dense)))
+    layers = trained.layers
+    middle = ["LSTM", *(layer.hidden.shape[1] for layer in layers.recurrent)] if layers.recurrent else []
+    sizes = "-".join(str(n) for n in (layers.inputs, *middle, *(len(d.bias) for d in layers.dense)))
     yield (
         f"group {one_line(data.group)}: {sizes}, {seen} rows to train on, {overall.rows} held out ({what}); "
         f"torque: {data.kind}"
