@@ -111,6 +111,7 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
     command.add_argument("--network", required=True, metavar="MANIFEST", help="NAME.json")
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
+    command.add_argument("--html", metavar="PAGE", help="write it as a page too")
     add_format(command)
 
 
@@ -230,7 +231,7 @@ def _of_lstm(actuators: Any, period: str | None) -> dict[str, Any]:
     from actspec.logs import LogError
 
     step = actuators.physics_dt.require()
-    if period is not None and abs((_seconds(period, "--tap-period") or step) - step) > 1e-3 * step:
+    if period is not None and abs((seconds_of(period, "--tap-period") or step) - step) > 1e-3 * step:
         message = f"an LSTM takes a sample in each physics step of {step * 1e3:g} ms, got {period}"
         raise LogError.of("LRN025", message, where="--tap-period", help="leave it out")
     return {"taps": TAPS, "period": step}
@@ -362,6 +363,16 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     step = actuators.physics_dt.require()
     with Progress("rolling out") as progress:
         found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
+    if arguments.html is not None:
+        from actspec.files import FAULTS, replace_file, why
+        from actspec.report.net_page import evaluate_page
+
+        page = evaluate_page(found, data, law, arguments.network)
+        try:
+            replace_file(arguments.html, page.encode("utf-8", "backslashreplace"))
+        except FAULTS as err:
+            message = f"cannot be written: {why(err)}"
+            raise LogError.of("OUT001", message, Span(arguments.html)) from err
     if arguments.output_format == "json":
         print_json(evaluate_record(found, out.sorted()))
     else:

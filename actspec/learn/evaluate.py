@@ -31,6 +31,8 @@ FAIR = (0.03, 0.85)
 """Likewise of a fair one. Source: 1 N*m at 33.5 N*m."""
 HELD = 1e8
 """Armature of what does not move [kg*m^2 or kg]."""
+ROLLED = ("network", "dc_motor", "ideal_pd")
+"""What drives the model in the closed loop."""
 BASELINES: Mapping[str, Level] = {"ideal_pd": Level.IDEAL_PD, "dc_motor": Level.DC_MOTOR}
 
 
@@ -84,6 +86,7 @@ class Evaluation:
         joints: In the spec's order.
         baselines: Errors of the spec's laws; without those that it does not state.
         closed_loop: `network` and the baselines to the RMSE of the position [rad or m]; None: not run.
+        growth: Likewise, to the RMSE after each physics step of the rollouts, shape (n_step,).
         why_not: Why no closed loop was run.
         outside: Share of rows outside of the manifest's range: `error`, `velocity`, `any`; None: it has no range.
     """
@@ -93,6 +96,7 @@ class Evaluation:
     joints: tuple[JointErrors, ...]
     baselines: Mapping[str, Errors]
     closed_loop: Mapping[str, float | None] | None
+    growth: Mapping[str, Array]
     why_not: str | None
     outside: Mapping[str, float] | None
 
@@ -201,8 +205,12 @@ def evaluate(
     )
     grades = [joint.grade for joint in joints]
     closed, why = None, None
+    growth: Mapping[str, Array] = {}
     try:
-        closed = closed_loop(data, law, manifest, robot, step, progress)
+        growth = closed_loop(data, law, manifest, robot, step, progress)
+        closed = {
+            name: float(np.sqrt(np.mean(growth[name] ** 2))) if name in growth else None for name in ROLLED
+        }
     except RollImpossible as err:
         why = str(err)
     return Evaluation(
@@ -211,6 +219,7 @@ def evaluate(
         tuple(joints),
         dict(zip(names, rest, strict=True)),
         closed,
+        growth,
         why,
         outside(policy or data, manifest),
     )
@@ -242,19 +251,19 @@ def closed_loop(
     robot: RobotView,
     step: float,
     progress: Callable[[int, int], None] | None = None,
-) -> dict[str, float | None]:
-    """RMSE of the position over rollouts from logged states, each as long as `HORIZON`.
+) -> dict[str, Array]:
+    """RMSE of the position after each step of rollouts from logged states, each as long as `HORIZON`.
 
     The base and joints that are not logged are held; contacts and ends of ranges do not act.
 
-    Returns: `network`, `dc_motor`, `ideal_pd` to the RMSE [rad or m]; None: the spec does not state the law.
+    Returns: `ROLLED` to the RMSE [rad or m], shape (n_step,), without laws that the spec does not state.
 
     Raises:
         RollImpossible: there is no model, or no stretch is long enough.
     """
     import numpy as np
 
-    squares: dict[str, list[Array]] = {name: [] for name in ("network", "dc_motor", "ideal_pd")}
+    squares: dict[str, list[Array]] = {name: [] for name in ROLLED}
     for path in dict.fromkeys(track.log.path for track in data.tracks):
         tracks = [track for track in data.tracks if track.log.path == path]
         try:
@@ -274,8 +283,9 @@ def closed_loop(
     if not squares["network"]:
         raise RollImpossible(f"no stretch of {HORIZON:g} s without a gap")
     return {
-        name: math.sqrt(float(np.concatenate([part.ravel() for part in parts]).mean())) if parts else None
+        name: np.sqrt(np.concatenate([part.reshape(len(part), -1) for part in parts], axis=1).mean(axis=1))
         for name, parts in squares.items()
+        if parts
     }
 
 

@@ -34,8 +34,8 @@ WARM = 20
 """Samples that settle a state. Chosen: 0.1 s at 200 Hz, longer than a drive's delay and filter."""
 BODY = 60
 """Samples of a piece whose errors are followed back through time."""
-BATCH = 64
-"""Pieces at once. Chosen."""
+BATCH = (8, 64)
+"""Fewest and most pieces at once: a twentieth of them between. Chosen."""
 TAPS = tuple(range(WARM + 1))
 """Samples that a row must have behind it."""
 
@@ -174,7 +174,8 @@ def _run(
             return float(mean(unseen, slice(None)))
 
     count = len(seen[0])
-    run = descend(network, count, min(BATCH, count), lambda rows: mean(seen, rows), judge, options, progress)
+    batch = min(max(count // 20, BATCH[0]), BATCH[1], count)
+    run = descend(network, count, batch, lambda rows: mean(seen, rows), judge, options, progress)
 
     def of(name: str) -> Array:
         found: Array = getattr(lstm, name).detach().numpy().astype(float)

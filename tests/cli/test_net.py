@@ -55,14 +55,14 @@ def test_a_linear_law_is_learned(trained: tuple[Path, dict[str, Any]]) -> None:
     path, record = trained
     assert record["validation"]["whole_recordings"] and record["validation"]["logs"] == ["2.npz"]
     # Least squares leave nothing.
-    assert record["validation"]["relative_error"] < 0.06
+    assert record["validation"]["relative_error"] < 0.03
     law = NetworkLaw(read_onnx((path / "nets/legs.onnx").read_bytes()), (0, 1, 2), 0.005)
     small = 0.01
     inputs = np.concatenate([np.zeros((1, 6)), small * np.eye(6)])
     torque = law.torque(inputs[:, :3], inputs[:, 3:])[0]
     slopes = (torque[1:] - torque[0]) / small
-    assert slopes[:3].sum() == pytest.approx(KP, rel=0.15)
-    assert slopes[3:].sum() == pytest.approx(-KD, abs=0.15)
+    assert slopes[:3].sum() == pytest.approx(KP, rel=0.05)
+    assert slopes[3:].sum() == pytest.approx(-KD, abs=0.1)
     manifest = json.loads((path / "nets/legs.json").read_text("utf-8"))
     assert (manifest["taps"], manifest["tap_period"], manifest["torque"]) == ([0, 1, 2], "5 ms", "drive")
 
@@ -89,12 +89,36 @@ def test_evaluate(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys
     found = checked("net-evaluate", capsys.readouterr().out)
     assert found["overall"]["grade"] == "good" and found["overall"]["r2"] > 0.99
     assert list(found["baselines"]) == ["ideal_pd"]
-    assert found["overall"]["rmse"] < 0.5 * found["baselines"]["ideal_pd"]["rmse"]
+    assert found["overall"]["rmse"] < 0.25 * found["baselines"]["ideal_pd"]["rmse"]
     closed = found["closed_loop"]
     assert closed["horizon"] == 1.0 and closed["dc_motor"] is None
+    # The rows' own steps are a tenth of those in which MuJoCo integrates: no torque makes up for that.
     assert closed["network"]["position_rmse"] < 0.5 * closed["ideal_pd"]["position_rmse"]
-    assert main(arguments) == 0
+    assert main([*arguments, "--html", "legs.html"]) == 0
     assert "good" in capsys.readouterr().out
+    page = Path("legs.html").read_text("utf-8")
+    # Motion once, torque and errors of each joint.
+    assert page.count("<svg class") == 5 and "<script" not in page and "arm: good" in page
+    assert main([*arguments, "--html", "no/legs.html"]) == 2
+
+
+def test_an_lstm(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:
+    """It learns the delay too, and its state goes on through the closed loop; sizes that differ are refused."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    command = ["net", "train", "spec.yaml", "1.npz", "2.npz", "-o", "nets/lstm", "--kind", "lstm"]
+    assert main([*command, "--hidden", "8,16"]) == main([*command, "--tap-period", "10 ms"]) == 2
+    assert capsys.readouterr().err.count("LRN025") == 2 and not Path("nets/lstm.json").exists()
+    assert main([*command, "--hidden", "16", "--epochs", "25"]) == 0
+    manifest = json.loads(Path("nets/lstm.json").read_text("utf-8"))
+    assert (manifest["kind"], manifest["taps"], manifest["initial_history"]) == ("lstm", [0], "zero")
+    capsys.readouterr()
+    main(["net", "evaluate", "spec.yaml", "3.npz", "--network", "nets/lstm.json", "--output-format", "json"])
+    found = checked("net-evaluate", capsys.readouterr().out)
+    assert found["overall"]["r2"] > 0.95
+    assert found["overall"]["rmse"] < 0.5 * found["baselines"]["ideal_pd"]["rmse"]
+    closed = found["closed_loop"]
+    assert closed["network"]["position_rmse"] < 0.5 * closed["ideal_pd"]["position_rmse"]
 
 
 def test_data(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:
@@ -137,7 +161,7 @@ def test_inferred_torques_are_those_of_the_drive(
         ]
     )
     found = checked("net-evaluate", capsys.readouterr().out)
-    assert found["overall"]["r2"] > 0.97
+    assert found["overall"]["r2"] > 0.99
 
 
 def test_a_trained_network_compiles(trained: tuple[Path, dict[str, Any]], monkeypatch: Any) -> None:

@@ -1,0 +1,339 @@
+"""How near networks from logs come to a drive, beside the spec's DC motor and a fitted one: learn.md.
+
+    python benchmarks/learn.py --write            # 5 minutes of 12 joints; writes the page
+    python benchmarks/learn.py --short            # a minute, small networks, printed
+    python benchmarks/learn.py --logs DIR         # keeps the logs there, and takes those that are there
+
+All by the commands of docs/networks.md: experiments of `sysid design`, a virtual A1 of `sysid simulate`, `sysid fit`
+for friction and armature of the bench, `net train`. Judged on random sines and on what a policy does: 50 Hz targets of
+a gait with noise. Times are processor times where the machine is shared.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import dataclasses
+import io
+import json
+import math
+import os
+import platform
+import sys
+import tempfile
+import time as clock
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path[:0] = [str(ROOT)]
+
+from actspec import api  # noqa: E402
+from actspec.cli.main import main as actspec  # noqa: E402
+from actspec.diagnostics import Collector  # noqa: E402
+from actspec.learn.evaluate import (  # noqa: E402
+    HORIZON,
+    _Bench,
+    _law_drive,
+    _network_drive,
+    baseline_laws,
+    network_of,
+    predicted,
+)
+from actspec.learn.recurrent import TAPS  # noqa: E402
+from actspec.learn.windows import Dataset, dataset  # noqa: E402
+from actspec.logs import JointLog, Log, Sidecar, load_log, write_log  # noqa: E402
+from actspec.sysid.motion import Bounds  # noqa: E402
+
+Array = np.ndarray[Any, Any]
+
+PAGE = Path(__file__).with_suffix(".md")
+RATE = 200.0
+PART = 20.0
+"""Of a designed experiment [s]."""
+EXPERIMENTS = ("chirp", "steps", "multisine")
+"""What is trained on, a third of the time each."""
+TRUE = {
+    "coulomb: {value: 0.2 N*m, source: a1_urdf}": "coulomb: 0.4 N*m\n      static: 0.6 N*m\n"
+    "      stribeck_velocity: 0.2 rad/s",
+    "viscous: {value: 0.01 N*m*s/rad, source: a1_urdf}": "viscous: 0.03 N*m*s/rad",
+    "    # Not published for the A1, so": "    delay: 7 ms\n    # Not published for the A1, so",
+}
+"""What the virtual robot has in place of lines of its spec."""
+FLAWS = {
+    "--play": "0.5 deg",
+    "--sag": "20 %",
+    "--position-noise": "0.2 mrad",
+    "--velocity-noise": "0.02 rad/s",
+    "--torque-noise": "1 %",
+}
+FITTED = {
+    "    kp: {value: 25 N*m/rad, source: isaaclab_a1}": "    identified: fit.yaml\n    kp: identified",
+    "    kd: {value: 0.5 N*m*s/rad, source: isaaclab_a1}": "    kd: identified\n    delay: identified\n"
+    "    encoder_bias: identified",
+}
+BENCH = {
+    "    effort_limit: {value: 33.5 N*m": "    identified: fit.yaml\n    effort_limit: {value: 33.5 N*m",
+    "armature: {value: 0.01 kg*m^2, source: menagerie_a1}": "armature: identified",
+    "coulomb: {value: 0.2 N*m, source: a1_urdf}": "coulomb: identified",
+    "viscous: {value: 0.01 N*m*s/rad, source: a1_urdf}": "viscous: identified",
+}
+"""Lines of the spec that ask for what was fitted: of the drive, and of the joint, which all of them move."""
+GOALS = {
+    "of the DC motor's": 0.2,
+    "of the fitted DC motor's": 0.4,
+    "closed loop, of the DC motor's": 0.25,
+    "inferred, of the measured": 1.2,
+    "training [s]": 120.0,
+}
+
+
+def run(*arguments: str) -> tuple[str, float, float]:
+    """A command's output, its processor time and its time [s]; ends the program where it fails."""
+    stream = io.StringIO()
+    cpu, begun = clock.process_time(), clock.perf_counter()
+    with contextlib.redirect_stdout(stream):
+        code = actspec(list(arguments))
+    cpu, begun = clock.process_time() - cpu, clock.perf_counter() - begun
+    print(f"  actspec {' '.join(arguments)[:100]}: {cpu:.1f} s of a processor", file=sys.stderr, flush=True)
+    if code not in (0, 1):
+        raise SystemExit(f"exit code {code}")
+    return stream.getvalue(), cpu, begun
+
+
+def policy(path: str, centre: Log, seconds: float, seed: int) -> None:
+    """Commands of a trot at 50 Hz whose size comes and goes, with noise in each target."""
+    random = np.random.default_rng(seed)
+    rows, hold = round(seconds * RATE), round(RATE / 50.0)
+    time = np.arange(rows // hold + 1) * 0.02
+    joints = {}
+    for name, joint in centre.joints.items():
+        assert joint.command is not None
+        size = {"hip": 0.12, "thigh": 0.3, "calf": 0.35}[name.split("_")[1]]
+        phase = math.pi * (name[:2] in ("FL", "RR")) + 0.5 * math.pi * ("calf" in name)
+        swell = 0.5 + 0.5 * np.sin(2 * np.pi * 0.1 * time + random.uniform(0, 6))
+        step = np.sin(2 * np.pi * random.uniform(1.6, 2.4) * time + phase)
+        target = np.median(joint.command) + size * (swell * step + 0.25 * random.standard_normal(len(time)))
+        joints[name] = JointLog(name, joint.linear, command=np.repeat(target, hold)[:rows])
+    write_log(Log(path, "", np.arange(rows) / RATE, joints, Sidecar()))
+
+
+def specs() -> None:
+    """The spec, the virtual robot's, and those with fitted figures, beside copies of the model."""
+    text = (ROOT / "robots" / "a1.yaml").read_text("utf-8")
+    text = text.replace("model: a1/a1.xml", f"model: {ROOT / 'robots' / 'a1' / 'a1.xml'}")
+    for name, changes in {"spec": {}, "true": TRUE, "bench": BENCH, "fitted": BENCH | FITTED}.items():
+        found = text
+        for old, new in changes.items():
+            assert old in found, old
+            if name == "fitted" and old == "    effort_limit: {value: 33.5 N*m":
+                continue
+            found = found.replace(old, new)
+        Path(f"{name}.yaml").write_text(found, "utf-8")
+
+
+def repeated(given: str, path: str, times: int, seed: int) -> None:
+    """Commands again and again, each joint's begun elsewhere each time, so that no two moments are alike."""
+    log, random = load_log(given), np.random.default_rng(seed)
+    joints = {}
+    for name, joint in log.joints.items():
+        assert joint.command is not None
+        turns = [0, *random.integers(0, len(log.time), times - 1)]
+        parts = [np.roll(joint.command, turn) for turn in turns]
+        joints[name] = JointLog(name, joint.linear, command=np.concatenate(parts))
+    rows = times * len(log.time)
+    write_log(Log(path, "", np.arange(rows) / RATE, joints, log.sidecar))
+
+
+def logs(times: int) -> None:
+    """Those that are not there yet; `fit_` are the first part of what is trained on."""
+    for k, kind in enumerate((*EXPERIMENTS, "random")):
+        given = ("--experiment", kind, "--duration", f"{PART:g} s", "--rate", f"{RATE:g} Hz", "--together")
+        if not Path(f"design_{kind}.npz").exists():
+            run("sysid", "design", "spec.yaml", "-o", f"design_{kind}.npz", *given, "--seed", str(k))
+        repeated(f"design_{kind}.npz", f"command_{kind}.npz", times if kind in EXPERIMENTS else 1, k)
+    policy("command_policy.npz", load_log("command_random.npz"), PART, 3)
+    for k, kind in enumerate((*EXPERIMENTS, "random", "policy")):
+        if not Path(f"{kind}.npz").exists():
+            flaws = [part for both in FLAWS.items() for part in both]
+            given = ("--command", f"command_{kind}.npz", "-o", f"{kind}.npz", "--seed", str(10 + k))
+            run("sysid", "simulate", "true.yaml", *given, *flaws)
+        if kind in EXPERIMENTS:
+            log = load_log(f"{kind}.npz")
+            keep = slice(0, round(PART * RATE))
+            names = ("command", "position", "velocity", "torque")
+            joints = {
+                name: dataclasses.replace(joint, **{n: getattr(joint, n)[keep] for n in names})
+                for name, joint in log.joints.items()
+            }
+            write_log(dataclasses.replace(log, path=f"fit_{kind}.npz", time=log.time[keep], joints=joints))
+
+
+def rms(parts: Sequence[Array]) -> float:
+    """Root mean square of all."""
+    return float(np.sqrt(np.mean(np.concatenate([part.ravel() for part in parts]) ** 2)))
+
+
+class Test:
+    """A log to judge on: torque errors at the rows that every law can tell, positions of rollouts."""
+
+    def __init__(self, kind: str) -> None:
+        spec = api.load("bench.yaml")
+        self.robot = api.load_robot(spec)
+        self.actuators = api.resolve(spec, self.robot)
+        out = Collector()
+        self.data: Dataset = dataset(
+            self.actuators, [load_log(f"{kind}.npz")], out, taps=TAPS, torque_of="drive"
+        )
+        self.step = self.actuators.physics_dt.require()
+        self.bench = _Bench(self.robot, self.data, self.data.tracks, self.step)
+        torque = [t.torque[t.rows] for t in self.data.tracks]
+        self.size, self.spread = rms(torque), float(np.std(np.concatenate(torque)))
+
+    def torque(self, found: Sequence[Array]) -> float:
+        """RMSE [N*m]."""
+        return rms([part - t.torque[t.rows] for part, t in zip(found, self.data.tracks, strict=True)])
+
+    def motion(self, drive: Callable[..., Array]) -> float:
+        """RMSE of positions [rad]."""
+        return rms([self.bench.rolled(self.bench.starts(), drive, None)])
+
+    def network(self, manifest: str) -> tuple[float, float]:
+        """Both, of a network."""
+        law, _ = network_of(manifest, self.actuators.joints)
+        taps = self.data.taps if law.layers.recurrent else law.taps
+        tracks = [dataclasses.replace(track, taps=taps) for track in self.data.tracks]
+        bounds = [Bounds.of(actuator) for actuator in self.bench.actuators]
+        found = [predicted(law, [t], bound)[0] for t, bound in zip(tracks, bounds, strict=True)]
+        return self.torque(found), self.motion(_network_drive(self.bench, law))
+
+    def motor(self, name: str) -> tuple[float, float]:
+        """Both, of a spec's DC motor, with its delay; in motion in whole steps, as simulators have it."""
+        spec = api.load(f"{name}.yaml")
+        actuators = {a.joint: a for a in api.resolve(spec, self.robot).joints}
+        mine = [actuators[track.joint] for track in self.data.tracks]
+        laws = [baseline_laws(a)["dc_motor"] for a in mine]
+        delay = [(a.delay.nominal.value or 0.0) if a.delay is not None else 0.0 for a in mine]
+        bias = [a.encoder_bias.value or 0.0 for a in mine]
+        found = []
+        for law, late, off, t in zip(laws, delay, bias, self.data.tracks, strict=True):
+            sent = t.rows
+            if late:
+                # What has come when the row is read, before its own command is sent.
+                sent = np.maximum(np.searchsorted(t.time, t.time[t.rows] - late - 1e-9) - 1, 0)
+            found.append(law.torque(t.command[sent], t.position[t.rows] - off, t.velocity[t.rows]))
+        steps = [round(late / self.step) for late in delay]
+        plain = _law_drive(self.bench, laws)
+
+        def drive(starts: Array, step: int, command: Array, q: Array, qd: Array) -> Array:
+            rows = starts + step
+            sent = [self.bench.command[np.maximum(rows - late, 0), j] for j, late in enumerate(steps)]
+            return plain(starts, step, np.stack(sent, axis=1), q, qd)
+
+        return self.torque(found), self.motion(drive)
+
+
+def measured(options: argparse.Namespace) -> str:
+    """All, as a page."""
+    times_over = 1 if options.short else 5
+    seconds = len(EXPERIMENTS) * PART * times_over
+    size = ("--hidden", "32,32", "--epochs", "10") if options.short else ()
+    specs()
+    logs(times_over)
+    paths = [f"{kind}.npz" for kind in EXPERIMENTS]
+    fit = run("sysid", "fit", "spec.yaml", *(f"fit_{path}" for path in paths), "-o", "fit.yaml", "--force")[1]
+    train = ("net", "train", "bench.yaml", *paths, "--force", "--output-format", "json", *size)
+    times: dict[str, tuple[float, float]] = {}
+    for name, more in (
+        ("measured", ("--torque-of", "drive")),
+        ("inferred", ("--torque", "inferred", "--base", "fixed")),
+        ("lstm", ("--torque-of", "drive", "--kind", "lstm", *(("--hidden", "16") if options.short else ()))),
+    ):
+        text, cpu, wall = run(*train, "-o", f"nets/{name}", *more)
+        times[name] = cpu, wall
+        print(f"  {name}: {json.loads(text)['validation']['rmse']:.4g} held out", file=sys.stderr)
+    lines = [
+        "# Networks of a virtual robot",
+        "",
+        f"Written by `python benchmarks/learn.py --{'short' if options.short else 'write'}`. robots/a1.yaml, "
+        "12 joints, "
+        f"{RATE:g} Hz, {seconds:g} s to train on: {', '.join(EXPERIMENTS)} of `sysid design`, all joints at once, "
+        f"{PART:g} s repeated {times_over} times with the joints moved against each other in time. The "
+        "virtual robot has 7 ms of delay, Coulomb friction of 0.4 N·m, static 0.6 (Stribeck, 0.2 rad/s), viscous "
+        "0.03 N·m·s/rad; its sensors and motors "
+        + ", ".join(f"{name[2:].replace('-', ' ')} {value}" for name, value in FLAWS.items())
+        + ". The torque is the drive's. Tests: random sines, and 50 Hz targets of a gait with noise as a policy sends "
+        f"them, {PART:g} s each. Friction and armature of the bench, and the fitted DC motor, are those of "
+        f"`sysid fit` on {PART:g} s of each experiment ({fit:.0f} s of a processor).",
+        "",
+        f"Python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores, load "
+        f"{os.getloadavg()[0]:.1f}.",
+    ]
+    ratios: dict[str, list[float]] = {name: [] for name in GOALS}
+    for kind in ("random", "policy"):
+        bed = Test(kind)
+        rows = {
+            "DC motor of the spec": bed.motor("spec"),
+            "fitted DC motor, with delay": bed.motor("fitted"),
+            "network 12-128-128-1" if not options.short else "network 12-32-32-1": bed.network(
+                "nets/measured.json"
+            ),
+            "the same, torque inferred": bed.network("nets/inferred.json"),
+            "LSTM": bed.network("nets/lstm.json"),
+        }
+        motor, fitted, network, inferred, _ = rows.values()
+        lines += [
+            "",
+            f"## Test: {kind}",
+            "",
+            f"RMS torque {bed.size:.3g} N·m.",
+            "",
+            f"| | RMSE [N·m] | R² | position RMSE of {HORIZON:g} s in MuJoCo [mrad] |",
+            "|---|---:|---:|---:|",
+        ]
+        for name, (torque, motion) in rows.items():
+            r2 = 1.0 - (torque / bed.spread) ** 2
+            lines.append(f"| {name} | {torque:.3g} | {r2:.4f} | {motion * 1e3:.3g} |")
+        ratios["of the DC motor's"].append(network[0] / motor[0])
+        ratios["of the fitted DC motor's"].append(network[0] / fitted[0])
+        ratios["closed loop, of the DC motor's"].append(network[1] / motor[1])
+        ratios["inferred, of the measured"].append(inferred[0] / network[0])
+    ratios["training [s]"] = list(times["measured"])
+    lines += ["", "## Goals", "", "| network's RMSE | random | policy | goal |", "|---|---:|---:|---:|"]
+    for name, goal in GOALS.items():
+        if name != "training [s]":
+            one, other = ratios[name]
+            lines.append(f"| {name} | {one:.2f} | {other:.2f} | ≤ {goal:g} |")
+    lines += ["", "| training | processor [s] | time [s] |", "|---|---:|---:|"]
+    for name, (cpu, wall) in times.items():
+        lines.append(f"| {name} | {cpu:.0f} | {wall:.0f} |")
+    lines += [
+        "",
+        f"With reading, checks and writing. Goal: {GOALS['training [s]']:g} s of the first on 2 cores.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def main() -> int:
+    """Print the page; write it where asked."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--write", action="store_true")
+    parser.add_argument("--logs", help="folder of logs that are kept")
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        where = Path(options.logs or folder).resolve()
+        where.mkdir(parents=True, exist_ok=True)
+        os.chdir(where)
+        page = measured(options)
+    print(page)
+    if options.write:
+        PAGE.write_text(page, "utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    raise SystemExit(main())

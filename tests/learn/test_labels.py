@@ -1,0 +1,71 @@
+"""Torques that no sensor read: accelerations of noisy speeds, and what dry friction leaves open."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from actspec import api
+from actspec.diagnostics import Collector
+from actspec.learn.labels import _spline, inferred
+from actspec.learn.train import beyond
+from actspec.learn.windows import dataset, slacks
+from tests.learn.pendulums import SPEC, folder, log
+
+pytest.importorskip("scipy")
+
+
+def test_a_spline_is_as_stiff_as_the_noise_allows() -> None:
+    """3 sin(4 pi t) with noise of 0.02: differences over two rows of 5 ms err by 0.02 sqrt(2) / 0.01 = 2.8."""
+    time = 0.005 * np.arange(400)
+    clean = 3.0 * np.sin(4.0 * np.pi * time)
+    slope = 12.0 * np.pi * np.cos(4.0 * np.pi * time)
+    noisy = clean + 0.02 * np.random.default_rng(0).standard_normal(400)
+    middle = slice(20, -20)
+    assert np.std((np.gradient(noisy, time) - slope)[middle]) == pytest.approx(2.8, rel=0.1)
+    assert np.std((_spline(time, noisy).derivative()(time) - slope)[middle]) < 0.8
+    # Without noise, nothing is bent away; a reading that is none is left out.
+    holed = np.where(np.arange(400) == 200, np.nan, clean)
+    assert np.abs((_spline(time, holed).derivative()(time) - slope)[middle]).max() < 0.05
+
+
+def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
+    """0.4 N*m against the speed; below 0.05 rad/s nothing, and a slack of the 0.6 N*m that hold it."""
+    folder(tmp_path)
+    dry = "coulomb: 0.4 N*m, static: 0.6 N*m, stribeck_velocity: 0.1 rad/s"
+    (tmp_path / "dry.yaml").write_text(SPEC.replace("coulomb: 0 N*m", dry), "utf-8")
+    logs = [log(tmp_path / "1.npz", rows=400)]
+    found = []
+    for name in ("spec.yaml", "dry.yaml"):
+        spec = api.load(str(tmp_path / name))
+        robot = api.load_robot(spec)
+        data = dataset(api.resolve(spec, robot), logs, Collector(), taps=(0, 1), measured=False)
+        found.append(inferred(data, robot, logs, "fixed", Collector()))
+    for without, rubbed in zip(found[0].tracks, found[1].tracks, strict=True):
+        more = rubbed.torque - without.torque
+        assert rubbed.slack is not None
+        stands = rubbed.slack > 0
+        assert 1 < stands.sum() < 200 and set(np.round(rubbed.slack, 9)) == {0.0, 0.6}
+        assert np.all(more[stands] == 0.0)
+        assert more[~stands] == pytest.approx(0.4 * np.sign(rubbed.velocity[~stands]))
+        # Without friction in the spec the labels are the drive's torque, but for the steps of the command.
+        measured = logs[0].joints[without.joint].torque
+        assert measured is not None
+        rows = slice(10, -10)
+        assert np.std((without.torque - measured)[rows]) < 0.1 * np.std(measured)
+    rows = [track.rows for track in found[1].tracks]
+    assert np.array_equal(
+        slacks(found[1], rows),
+        np.concatenate([t.slack[t.rows] for t in found[1].tracks if t.slack is not None]),
+    )
+    assert not slacks(replace(found[1], tracks=(replace(found[1].tracks[0], slack=None),)), rows[:1]).any()
+
+
+def test_what_lies_within_the_slack_is_no_error() -> None:
+    """0.5 and -0.7 with a slack of 0.6: nothing, and -0.1."""
+    assert beyond(np, np.array([0.5, -0.7, 0.2]), np.array([0.6, 0.6, 0.0])) == pytest.approx(
+        [0.0, -0.1, 0.2]
+    )
