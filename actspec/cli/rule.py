@@ -13,11 +13,12 @@ from actspec.audit.rules import all_rules
 from actspec.audit.selection import DIAGNOSTICS, selected, strength
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe
-from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span
+from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span, one_line
 from actspec.files import FAULTS, replace_file, why
 from actspec.report.terminal import print_json
 from actspec.spec.plausible import CHECKS, Check
 from actspec.study import findings as diagnosis
+from actspec.study.symptoms import symptoms_for
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -30,12 +31,17 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("rule", nargs="*", metavar="CODE", help="code, family or name")
     command.add_argument("--all", action="store_true", help="every rule")
+    command.add_argument(
+        "--symptom", metavar="WORD", help="what a symptom usually is, and which rule or command tells"
+    )
     command.add_argument("--docs", metavar="DIR", help="write the pages of all rules to DIR")
     add_format(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the pages of rules, or write them to a folder."""
+    if arguments.symptom is not None:
+        return _symptoms(arguments.symptom)
     rules = all_rules()
     checks = () if arguments.all else _checks(arguments.rule)
     if arguments.docs is not None:
@@ -74,6 +80,21 @@ def run(arguments: argparse.Namespace) -> int:
             for check in checks
         ]
         sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
+    return EXIT_CLEAN
+
+
+def _symptoms(word: str) -> int:
+    """Print the symptoms that a word belongs to."""
+    found = symptoms_for(word)
+    if not found:
+        help = "docs/troubleshooting.md has all; such as: shake, sluggish, order, network"
+        raise AuditError.of(
+            "AUD010", f"no symptom has '{one_line(word)}' in it", where="--symptom", help=help
+        )
+    for number, symptom in enumerate(found):
+        print("\n" * bool(number) + symptom.name)
+        for cause in symptom.causes:
+            print(f"  {cause.what}: {', '.join([*cause.codes, *filter(None, [cause.command])])}")
     return EXIT_CLEAN
 
 
