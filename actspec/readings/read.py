@@ -300,13 +300,15 @@ def expand(
                 found.setdefault(path, NamedFile(path))
             continue
         for folder, folders, names in os.walk(path):
+            # `sim/a.xml` and not `./sim/a.xml`, as what it includes or imports is named.
+            folder = os.path.normpath(folder) if os.path.normpath(path) == os.curdir else folder
             folders[:] = sorted(
                 name
                 for name in folders
                 if not name.startswith(".") and not exclude(os.path.join(folder, name), False)
             )
             for name in sorted(names):
-                full = os.path.join(folder, name)
+                full = name if folder == os.curdir else os.path.join(folder, name)
                 if _has_known_ending(name) and not name.startswith(".") and not exclude(full, False):
                     found.setdefault(full, NamedFile(full, path))
     return tuple(found.values())

@@ -21,12 +21,12 @@ LEG = """<mujoco model="leg">
     <body>
       <joint name="hip"/>
       <geom size="0.1"/>
-      <body><joint name="knee"/><geom size="0.1"/></body>
+      <body><joint name="knee"/><geom size="0.1"/><joint name="toe" axis="0 1 0"/></body>
     </body>
   </worldbody>
   <actuator>
     <motor joint="hip"/>
-    <motor joint="knee"/>
+    <motor joint="knee"/><motor joint="toe" forcerange="-1 1" forcelimited="true"/>
   </actuator>
 </mujoco>
 """
@@ -279,6 +279,7 @@ def test_json_validates(capsys: pytest.CaptureFixture[str]) -> None:
     assert [(row["joint"], row["effort_limit"]) for row in record["ledger"]] == [
         ("hip", "Infinity"),
         ("knee", "Infinity"),
+        ("toe", 1.0),
     ]
 
 

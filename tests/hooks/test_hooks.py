@@ -34,12 +34,12 @@ GOOD, BAD = SPEC.replace("KD", "1"), SPEC.replace("KD", "-1")
 """A spec, and one whose kd is negative."""
 
 MODEL = """<mujoco model="leg">
-  <worldbody><body><joint name="knee" armature="0.01" LIMIT/><geom size="0.1"/></body></worldbody>
-  <actuator><motor joint="knee"/></actuator>
+  <worldbody><body><joint name="knee" armature="0.01" LIMIT/>TOE<geom size="0.1"/></body></worldbody>
+  <actuator><motor joint="knee"/><motor joint="kneecap"/></actuator>
 </mujoco>
-"""
+""".replace("TOE", '<joint name="kneecap" axis="0 1 0" armature="0.01" actuatorfrcrange="-1 1"/>')
 LIMITED, BARE = MODEL.replace("LIMIT", 'actuatorfrcrange="-9 9"'), MODEL.replace("LIMIT", "")
-"""A robot, and one whose motor has no limit of any kind (LIM101)."""
+"""A robot, and one of whose motors one has no limit of any kind (LIM101)."""
 
 STEMS = [
     "with space",
