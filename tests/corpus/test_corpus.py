@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import os
 import re
+from dataclasses import dataclass
 from importlib import metadata
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from actspec.robot.load import load_robot
 from actspec.robot.view import ModelFormat, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_tree import Element
+from actspec.spec.plausible import BY_CODE
 from tests.importing import Imported, dynamics, imported
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -76,10 +78,29 @@ def _label(path: Path) -> str:
     return "/".join(path.parts[-4:])
 
 
-def import_of(path: Path, folder: Path) -> tuple[RobotView, Imported]:
-    """A file and its spec; skips what gives none for a reason that we know."""
+@dataclass(frozen=True)
+class Case:
+    """A file, and what is imported of it.
+
+    Attributes:
+        path: The file.
+        folder: Where its spec stands.
+        robot: The file, read.
+        found: The import.
+    """
+
+    path: Path
+    folder: Path
+    robot: RobotView
+    found: Imported
+
+
+@pytest.fixture(scope="module", params=FILES, ids=_label)
+def case(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Case:
+    """A file and its spec, once for all tests of it; skips what gives none for a reason that we know."""
+    path, folder = request.param, tmp_path_factory.mktemp("corpus")
     try:
-        return load_robot(str(path)), imported([path], folder)
+        return Case(path, folder, load_robot(str(path)), imported([path], folder))
     except ActspecError as err:
         known = [why for text, why in UNREADABLE.items() if text in str(err)]
         assert known, str(err)
@@ -210,22 +231,21 @@ def outside(joint: JointDynamics) -> bool:
     return limit is not None and all(end is not None and abs(end) >= limit for end in ends)
 
 
-@pytest.mark.parametrize("path", FILES, ids=_label)
-def test_compiling_an_import_changes_nothing(path: Path, tmp_path: Path) -> None:
+def test_compiling_an_import_changes_nothing(case: Case) -> None:
     """Compiled as it is, a spec leaves what acts on every joint as it was; else its gains are unknown.
 
     The one thing that goes is the clamp of a torque motor's command that its effort limit holds already.
     """
-    robot, found = import_of(path, tmp_path)
+    robot, found = case.robot, case.found
     try:
-        compilation = compiled(found.draft.text, tmp_path, False)
+        compilation = compiled(found.draft.text, case.folder, False)
     except ActspecError as err:
         unknown = reasons(err)
         assert not robot.actuators
         assert unknown == NO_GAINS or (len(unknown) == 1 and unknown <= set(REFUSED))
         return
-    before = dynamics(path)
-    for target, after in written(compilation, tmp_path).items():
+    before = dynamics(case.path)
+    for target, after in written(compilation, case.folder).items():
         assert [joint.name for joint in after.joints] == [joint.name for joint in robot.joints]
         assert [a.name for a in after.actuators] == [a.name for a in robot.actuators]
         assert after.timestep == robot.timestep
@@ -242,32 +262,37 @@ def test_compiling_an_import_changes_nothing(path: Path, tmp_path: Path) -> None
             assert apart == {}, (name, found.combined.notes.get(name))
 
 
-@pytest.mark.parametrize("path", FILES, ids=_label)
-def test_canonical_form_changes_nothing(path: Path, tmp_path: Path) -> None:
+def test_canonical_form_changes_nothing(case: Case) -> None:
     """In MuJoCo's own form what acts on every joint is as it was, too."""
-    robot, found = import_of(path, tmp_path)
+    robot = case.robot
     if robot.format is not ModelFormat.MJCF or not robot.actuators:
         pytest.skip("no MJCF with actuators")
-    (after,) = written(compiled(found.draft.text, tmp_path, True), tmp_path).values()
+    (after,) = written(compiled(case.found.draft.text, case.folder, True), case.folder).values()
     for joint in robot.joints:
         assert effective(after, joint.name) == pytest.approx(effective(robot, joint.name), rel=TOLERANCE)
 
 
-@pytest.mark.parametrize("path", FILES, ids=_label)
-def test_import_as_servos(path: Path, tmp_path: Path) -> None:
+def test_an_import_is_plausible(case: Case) -> None:
+    """No number of a published robot is doubted."""
+    spec = case.folder / "spec.yaml"
+    spec.write_text(case.found.draft.text, encoding="utf-8")
+    assert [str(item) for item in api.resolve(spec).diagnostics if item.code in BY_CODE] == []
+
+
+def test_import_as_servos(case: Case) -> None:
     """With gains, every file compiles to servos with these gains; passive values and limits stay."""
-    robot, found = import_of(path, tmp_path)
+    robot, found = case.robot, case.found
     text = servos(found.draft.text, robot)
     if "  mujoco: {" not in text:
         text += '  mujoco: {version: "3.12"}\n'
     for canonical in (False, True):
         try:
-            compilation = compiled(text, tmp_path, canonical)
+            compilation = compiled(text, case.folder, canonical)
         except ActspecError as err:
             assert robot.format is ModelFormat.URDF
             assert reasons(err) <= set(REFUSED)
             continue
-        after = written(compilation, tmp_path)["mujoco"]
+        after = written(compilation, case.folder)["mujoco"]
         managed = {actuator.joint for actuator in compilation.actuators.joints}
         assert len(managed) == sum(found.draft.groups.values())
         for joint in robot.joints:
