@@ -69,7 +69,12 @@ def _add_design(command: argparse.ArgumentParser) -> None:
         help="what the command does",
     )
     command.add_argument(
-        "--joint", action="append", default=[], metavar="JOINT", help="joint or pattern; default: all"
+        "--joint",
+        action="extend",
+        nargs="+",
+        default=[],
+        metavar="JOINT",
+        help="joints or patterns; default: all",
     )
     command.add_argument(
         "--duration", default="20 s", metavar="TIME", help="of one joint's part; default 20 s"

@@ -177,7 +177,8 @@ def dataset(
     for name in names:
         parts = (record(log, log.joints[name], out) for log in logs if name in log.joints)
         recorded[name] = [part for part in parts if part is not None]
-    recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, out)
+    limits = {joint.joint: joint.position_range for joint in mine}
+    recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, limits, out)
     out.raise_if_failed(LogError)
     tracks = [
         _track(recording, taps, period, measured, out) for name in names for recording in recordings[name]

@@ -19,7 +19,7 @@ _WORDS = {State.HELD: "held", State.UNIDENTIFIABLE: "not told by the logs", Stat
 def sysid_lines(found: Identification) -> Iterator[str]:
     """A table a joint: what was identified, what was held, and what the logs do not tell."""
     for joint in found.joints:
-        unit = "m" if joint.kind is JointKind.SLIDE else "rad"
+        unit = _unit(joint)
         held_out = (
             "" if joint.held_out_rmse is None else f", {format_number(joint.held_out_rmse, 3)} held out"
         )
@@ -77,6 +77,9 @@ def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
         found: The fit.
         results: Path of the results file; None: none was written.
     """
+    units = {_unit(joint) for joint in found.joints}
+    # Radians and metres have no largest.
+    alike = found.joints if len(units) == 1 else ()
     return {
         "format": FORMAT,
         "results": results,
@@ -92,8 +95,9 @@ def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:
             for item in found.findings
         ],
         "fit": {
-            "position_rmse": json_number(_most(joint.position_rmse for joint in found.joints)),
-            "held_out_rmse": json_number(_most(joint.held_out_rmse for joint in found.joints)),
+            "position_rmse": json_number(_most(joint.position_rmse for joint in alike)),
+            "held_out_rmse": json_number(_most(joint.held_out_rmse for joint in alike)),
+            "unit": units.pop() if len(units) == 1 else None,
             "misfit": json_number(_most(joint.misfit for joint in found.joints)),
             "condition": json_number(_most(joint.condition for joint in found.joints)),
             "seconds": found.seconds,
@@ -105,9 +109,16 @@ def _most(values: Iterable[float | None]) -> float | None:
     return max((value for value in values if value is not None), default=None)
 
 
+def _unit(joint: JointFit) -> str:
+    return "m" if joint.kind is JointKind.SLIDE else "rad"
+
+
 def _joint(joint: JointFit) -> dict[str, Any]:
     return {
         "joint": joint.joint,
+        "position_rmse": json_number(joint.position_rmse),
+        "held_out_rmse": json_number(joint.held_out_rmse),
+        "unit": _unit(joint),
         "parameters": [
             {
                 "field": p.field,

@@ -45,8 +45,20 @@ OFTEN = 0.01
 """Share of the rows that must be above it."""
 SMALL = 5.0
 """Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
+LIVELY = 3
+"""Pieces in which it moves the most, of which the last counts."""
+STILL = 3.0
+"""Likewise below which no fit is tried: what is left of a joint in stiction is noise. Chosen."""
 LEAST_ROWS = 100
 """Fewest rows that are judged by shares and correlations."""
+STANDS = 6.0
+"""Noise or counts within which readings are of one place."""
+AGAIN = 3
+"""Times that a joint, or a command, must come to an end at the same place. Chosen: twice may be chance."""
+APART = 0.1
+"""Least difference of the commands there, as a share of the command's range."""
+OUTSIDE = 0.2
+"""Share of the joint's range by which a position may be outside of it. Chosen: stops give way, and zeros are off."""
 WINDOW = 0.03
 """Width of the filter with which a velocity is compared [s]."""
 SEEN = 10.0
@@ -54,13 +66,17 @@ SEEN = 10.0
 
 
 def check(
-    recordings: Mapping[str, Sequence[Recording]], bounds: Mapping[str, Bounds], out: Collector
+    recordings: Mapping[str, Sequence[Recording]],
+    bounds: Mapping[str, Bounds],
+    ranges: Mapping[str, tuple[float, float] | None],
+    out: Collector,
 ) -> dict[str, list[Recording]]:
     """Judge the recordings of all joints; what is spoilt is left out and reported, or refused.
 
     Args:
         recordings: Joint to its part of every log.
         bounds: Of the drives, by the spec.
+        ranges: Of the joints, by the model [rad or m]; None: unlimited.
         out: Takes what is found.
 
     Returns: The recordings, without what is spoilt.
@@ -69,11 +85,12 @@ def check(
     for name, mine in recordings.items():
         found[name] = []
         for recording in mine:
-            if not _moves(recording, out):
+            if not _moves(recording, out) or not _large(recording, out):
                 continue
             if len(recording.time) >= LEAST_ROWS:
                 _follows(recording, recordings, out)
-            _large(recording, out)
+                _clipped(recording, out)
+            _within(recording, ranges[name], out)
             kept = _velocity(recording, out)
             _torque(kept, bounds[name], out)
             found[name].append(kept)
@@ -159,6 +176,81 @@ def _follows(recording: Recording, recordings: Mapping[str, Sequence[Recording]]
                     return
 
 
+def _clipped(recording: Recording, out: Collector) -> None:
+    """A joint that stops at one place however far its command goes, and a command that is cut off itself."""
+    import numpy as np
+
+    position, command = recording.measured["position"], recording.command
+    unit = "m" if recording.log.joints[recording.joint].linear else "rad"
+    seen = texture(position)
+    near = max(STANDS * max(seen.noise, seen.count), 1e-9)
+    wide = float(np.ptp(command))
+    for way in (1.0, -1.0):
+        top = float(np.nanmax(way * position))
+        # How far the command went while the joint was there; what came there by its own speed goes back at once.
+        tops = [
+            (first, last, float((way * command)[first:last].max()))
+            for first, last in _runs(way * position > top - near)
+        ]
+        ends = [(first, last) for first, last, peak in tops if peak > top + near]
+        peaks = [peak for *_, peak in tops if peak > top + near]
+        often = sum(last - first for first, last in ends) > OFTEN * len(command)
+        if len(peaks) >= AGAIN and often and max(peaks) - min(peaks) > APART * wide:
+            row = ends[0][0]
+            message = (
+                f"the joint stops at {way * top:.4g} {unit} {len(ends)} times, while its command goes on to "
+                f"{way * min(peaks):.4g} to {way * max(peaks):.4g} {unit}"
+            )
+            help = "a clamp behind the log, or an end stop: log what the drive gets, or command a smaller movement"
+            out.warning("SYS046", message, where=recording.joint, span=_place(recording, row), help=help)
+        speed = np.abs(np.diff(command, prepend=command[0]))
+        usual = float(np.quantile(speed, 0.9))
+        edge = float((way * command).max())
+        # A step comes there by a jump, and a slow sine by less and less.
+        flat = [
+            (first, last)
+            for first, last in _runs(way * command > edge - 1e-9 * wide)
+            if first > 1 and 0.3 * usual < speed[first - 1] < 3.0 * usual
+        ]
+        if len(flat) >= AGAIN and sum(last - first for first, last in flat) > CLIPPED * len(command):
+            row = flat[0][0]
+            message = f"the command is cut off at {way * edge:.4g} {unit} {len(flat)} times: it is fitted as it stands"
+            out.info("SYS046", message, where=recording.joint, span=_place(recording, row))
+
+
+def _runs(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """First rows, and those after the last, of stretches of three rows at least."""
+    import numpy as np
+
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], wanted, [False]]).astype(int))).tolist()
+    return [(first, last) for first, last in zip(edges[::2], edges[1::2], strict=True) if last - first >= 3]
+
+
+def _within(recording: Recording, limits: tuple[float, float] | None, out: Collector) -> None:
+    """Positions within the joint's range: where all columns are in degrees, none contradicts another."""
+    import numpy as np
+
+    if limits is None:
+        return
+    read = recording.measured["position"]
+    low, high = (float(v) for v in np.nanquantile(read, [0.01, 0.99]))
+    margin = OUTSIDE * (limits[1] - limits[0])
+    if low > limits[0] - margin and high < limits[1] + margin:
+        return
+    unit = "m" if recording.log.joints[recording.joint].linear else "rad"
+    row = int(np.nanargmax(np.maximum(read - limits[1], limits[0] - read)))
+    shown = f"the position goes from {low:.4g} to {high:.4g} {unit}, the joint's range is "
+    message = f"{shown}{format_number(limits[0], 4)} to {format_number(limits[1], 4)} {unit}"
+    place, factor = _place(recording, row), 180.0 / math.pi if unit == "rad" else 1e3
+    if high - low > limits[1] - limits[0] and low / factor > limits[0] and high / factor < limits[1]:
+        shown = "[deg], and the speeds [deg/s]," if unit == "rad" else "[mm], and the speeds [mm/s],"
+        help = f"write {shown} in the header, of the command too, if that is what they are"
+        out.error("SYS047", message, where=recording.joint, span=place, help=help)
+        return
+    help = "is it the joint's own angle, with the model's sign and zero?"
+    out.warning("SYS047", message, where=recording.joint, span=place, help=help)
+
+
 def _written(unit: str) -> str:
     return {"degrees": "deg", "thousandths": "mrad"}.get(unit, unit)
 
@@ -229,17 +321,28 @@ def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
     return (best - 2 + shift) * step, top
 
 
-def _large(recording: Recording, out: Collector) -> None:
-    """A joint that moves little more than its encoder's noise or count."""
+def _large(recording: Recording, out: Collector) -> bool:
+    """Whether a joint moves more than its encoder's noise or count; little more is reported."""
     import numpy as np
 
     seen = texture(recording.measured["position"])
-    spread = float(np.nanstd(recording.measured["position"]))
+    rows = recording.starts[:, None] + np.arange(recording.rows)
+    # One piece may have a jump to where the log begins, and a joint that waits for its turn moves in few of them.
+    spread = float(np.sort(np.nanstd(recording.measured["position"][rows], axis=1))[-LIVELY:][0])
     grain = max(seen.noise, seen.count / math.sqrt(12.0))
-    if spread < SMALL * grain:
-        message = f"the joint moves by {spread:.2g}, its encoder's noise is {grain:.2g} (standard deviations)"
-        help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
-        out.warning("SYS043", message, where=recording.joint, span=_place(recording), help=help)
+    if spread >= SMALL * grain:
+        return True
+    unit = "m" if recording.log.joints[recording.joint].linear else "rad"
+    message = (
+        f"the joint moves by {spread:.2g} {unit} within a second, its encoder's noise is {grain:.2g} {unit}"
+    )
+    help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
+    if spread < STILL * grain:
+        message += ": nothing can be fitted"
+        out.error("SYS011", message, where=recording.joint, span=_place(recording), help=help)
+        return False
+    out.warning("SYS043", message, where=recording.joint, span=_place(recording), help=help)
+    return True
 
 
 def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:

@@ -65,7 +65,7 @@ def judge_drift(joint: JointInWork, unit: str, out: Collector) -> None:
 
     fit = joint.fit
     assert fit is not None
-    if not {"coulomb", "viscous"} <= set(fit.free):
+    if not fit.arrived or not {"coulomb", "viscous"} <= set(fit.free):
         return
     for index, (part, recording) in enumerate(zip(piecewise(joint), joint.recordings, strict=False)):
         rows = part.starts[:, None] + np.arange(part.rows)

@@ -197,7 +197,8 @@ def recorded(
         ]
         for name in names
     }
-    return check(parts, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, out)
+    limits = {name: drives[name].position_range for name in names}
+    return check(parts, {name: Bounds.of(drives[name]) for name in names}, limits, out)
 
 
 def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:

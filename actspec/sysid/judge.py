@@ -292,7 +292,8 @@ def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
             out.warning(
                 "SYS031",
                 f"the position is off by {joint.misfit:.2g} times the noise of its readings: something that the model "
-                "does not have moves the joint, such as play, Stribeck friction or a wrong link inertia",
+                "does not have moves the joint, such as play, Stribeck friction, a clamp of the command after the log, "
+                "an end stop or a wrong link inertia",
                 where=joint.joint,
                 help="try --free friction.static,friction.stribeck_velocity or --free bandwidth",
             )

@@ -43,7 +43,7 @@ def enlarged(
         out: Takes what was added.
     """
     assert joint.fit is not None
-    if joint.fit.noise["position"] <= LEFT * reading_noise(joint):
+    if not joint.fit.arrived or joint.fit.noise["position"] <= LEFT * reading_noise(joint):
         return joint
     before = held_out(joint, ended(joint))
     if before is None:

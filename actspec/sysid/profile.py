@@ -29,7 +29,7 @@ FARTHEST = 4.0
 def weak(joint: JointInWork, fit: Fit, name: str) -> bool:
     """Whether the curvature's interval is too wide to be taken at its word."""
     half = WIDE * fit.std(name)
-    if not math.isfinite(half) or half <= 0.0 or name == "bias":
+    if not fit.arrived or not math.isfinite(half) or half <= 0.0 or name == "bias":
         # The bias shows in gravity, which is a straight line over an encoder's error.
         return False
     if name == "delay":

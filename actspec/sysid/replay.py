@@ -119,6 +119,7 @@ def replay(
         RobotError: the model does not tell the links' inertia.
     """
     known = {joint.joint: Bounds.of(joint) for joint in actuators.joints}
+    limits = {joint.joint: joint.position_range for joint in actuators.joints}
     found: dict[str, list[Replay]] = {}
     total, done = sum(name in results.joints for log in logs for name in log.joints), 0
     for log in logs:
@@ -130,7 +131,7 @@ def replay(
             if actuator.command is Command.POSITION:
                 recording = record(log, driven(log, log.joints[name], actuator, out), out)
                 recorded[name] = [] if recording is None else [recording]
-        checked = check(recorded, known, out)
+        checked = check(recorded, known, limits, out)
         usable = {name: mine[0] for name, mine in checked.items() if mine}
         if usable:
             begin = {name: _figures(actuators, name, results.joints[name], log, logs) for name in usable}

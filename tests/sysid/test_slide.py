@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +10,9 @@ import pytest
 import yaml
 
 from actspec import api
+from actspec.joints import JointKind
 from actspec.logs import JointLog, Log, Sidecar
+from actspec.report.sysid import sysid_record
 from actspec.sysid.fit import fit_logs
 from actspec.sysid.identified import State
 from actspec.sysid.results import results_text
@@ -99,3 +102,9 @@ def test_slide(tmp_path: Path) -> None:
     written = yaml.safe_load(results_text(found, [log], spec.document))
     assert written["joints"]["rail"]["kp"]["unit"] == "N/m"
     assert written["held_out_rmse"]["unit"] == "m"
+    assert sysid_record(found, None)["fit"]["unit"] == "m"
+    # A radian is no metre: of both there is no largest.
+    hinge = replace(found.joints[0], joint="hip", kind=JointKind.HINGE)
+    mixed = sysid_record(replace(found, joints=(*found.joints, hinge)), None)
+    assert mixed["fit"]["held_out_rmse"] is None and mixed["fit"]["unit"] is None
+    assert [joint["unit"] for joint in mixed["joints"]] == ["m", "rad"]

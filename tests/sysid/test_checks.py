@@ -1,0 +1,84 @@
+"""Flaws that no column contradicts alone: degrees everywhere, commands that are cut off, a joint that hardly moves."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from actspec.diagnostics import Collector, Diagnostic
+from actspec.logs import Log
+from actspec.sysid.checks import check
+from actspec.sysid.motion import Bounds
+from actspec.sysid.recording import record
+from tests.sysid.test_fit import command, logged
+
+pytest.importorskip("scipy")
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    """Of the pendulum, without torque."""
+    found = logged(gravity=True)
+    return replace(found, joints={"hip": replace(found.joints["hip"], torque=None)})
+
+
+def said(log: Log, **columns: np.ndarray) -> list[Diagnostic]:
+    """What the checks say of the log with other columns."""
+    out = Collector()
+    recording = record(log, replace(log.joints["hip"], **columns), out)
+    assert recording is not None
+    check({"hip": [recording]}, {"hip": Bounds()}, {"hip": (-1.5, 1.5)}, out)
+    return list(out.sorted())
+
+
+def test_a_sound_log_has_no_flaw(log: Log) -> None:
+    assert said(log) == []
+
+
+def test_all_columns_in_degrees(log: Log) -> None:
+    """57.3 times too large, all of them: only the joint's range of 3 rad tells."""
+    joint = log.joints["hip"]
+    turned = {name: getattr(joint, name) * 180.0 / np.pi for name in ("command", "position", "velocity")}
+    (one,) = said(log, **turned)
+    assert (one.code, one.severity.value, one.where) == ("SYS047", "error", "hip")
+    assert "range is -1.5 to 1.5 rad" in one.message and "[deg]" in (one.help or "")
+
+
+def test_a_position_of_another_zero_is_only_doubted(log: Log) -> None:
+    """One turn off, as a multi-turn encoder may be."""
+    joint = log.joints["hip"]
+    (one,) = said(log, position=joint.position + 2 * np.pi)
+    assert (one.code, one.severity.value) == ("SYS047", "warning")
+
+
+def test_a_joint_that_stops_wherever_its_command_goes(log: Log) -> None:
+    """An end at 0.25 rad for a command of up to 0.6 rad either way."""
+    joint = log.joints["hip"]
+    assert joint.position is not None and joint.velocity is not None
+    noise = 5e-4 * np.random.default_rng(1).standard_normal(len(joint.position))
+    stopped = np.clip(joint.position, -0.25, 0.25) + noise
+    speed = np.where(np.abs(joint.position) > 0.25, 0.0, joint.velocity)
+    found = said(log, position=stopped, velocity=speed)
+    assert {one.code for one in found} == {"SYS046"}
+    assert "the joint stops at 0.25" in found[0].message and found[0].span is not None
+
+
+def test_a_command_that_is_cut_off_is_fitted_as_it_stands(log: Log) -> None:
+    """At 0.3 rad of 0.6, both ways."""
+    found = said(log, command=np.clip(command(), -0.3, 0.3))
+    assert [(one.code, one.severity.value) for one in found] == [("SYS046", "info")] * 2
+    assert "cut off at 0.3 rad" in found[0].message
+
+
+def test_a_joint_that_hardly_moves_is_refused(log: Log) -> None:
+    """0.8 mrad of movement under 0.5 mrad of noise; the jump with which the log begins is no movement."""
+    joint = log.joints["hip"]
+    assert joint.position is not None
+    noise = 5e-4 * np.random.default_rng(1).standard_normal(len(joint.position))
+    tiny = 8e-4 * joint.position / np.std(joint.position) + noise
+    tiny[:100] += 0.05
+    found = said(log, position=tiny, velocity=None)
+    assert [(one.code, one.severity.value, one.where) for one in found] == [("SYS011", "error", "hip")]
+    assert "within a second" in found[0].message
