@@ -34,6 +34,9 @@ WIDE = 1.96
 ENOUGH = 0.05
 """Fall of the squared residuals, in those of the noise, that is nothing any more: a fifth of a standard deviation."""
 
+EXACT = 1e-4
+"""Least noise of a channel, as a share of the standard deviation of what was read. Chosen: no joint is what its model
+says to more than that, and a simulated speed without noise would outweigh everything else."""
 REFUSED = 3
 """Steps in a row that lead up, after which less than one of those is not looked for any more."""
 HOPELESS = 100.0
@@ -311,14 +314,15 @@ class _Solved:
 class System:
     """Residuals and their derivatives, by log and channel: (r, J, L), shapes (m, n_piece), (.., p), (.., 2).
 
-    L is that over the states at the pieces' first rows; `count` is p.
+    L is that over the states at the pieces' first rows; `count` is p, `least` the least noise of each channel.
     """
 
     logs: list[dict[str, tuple[Array, Array, Array]]]
     count: int
+    least: Mapping[str, float] = field(default_factory=dict)
 
     def noise(self) -> dict[str, float]:
-        """Standard deviation of each channel's residuals, as if states and figures took none."""
+        """Standard deviation of each channel's residuals, as if states and figures took none; or its least."""
         import numpy as np
 
         found = {}
@@ -329,7 +333,8 @@ class System:
             used = sum(int(np.isfinite(part).sum()) for part in parts)
             total = sum(float(np.nansum(part**2)) for part in parts)
             taken = sum(2 * part.shape[1] for part in parts) / 2 + self.count
-            found[channel] = math.sqrt(max(total / max(used - taken, 1), 1e-24))
+            least = max(self.least.get(channel, 0.0), 1e-12)
+            found[channel] = max(math.sqrt(total / max(used - taken, 1)), least)
         return found
 
     def shifts(
@@ -401,11 +406,12 @@ class System:
     def likelihood(self, noise: Mapping[str, float]) -> float:
         import numpy as np
 
-        return sum(
-            2.0 * float(np.isfinite(part[0]).sum()) * math.log(noise[channel])
-            for log in self.logs
-            for channel, part in log.items()
-        )
+        found = 0.0
+        for log in self.logs:
+            for channel, part in log.items():
+                count = float(np.isfinite(part[0]).sum())
+                found += 2.0 * count * math.log(noise[channel]) - count
+        return found + self.cost(noise)
 
     def solve(self, noise: Mapping[str, float]) -> _Solved:
         import numpy as np
@@ -499,7 +505,11 @@ def linearised(search: Search, values: Mapping[str, float], states: Sequence[tup
             jac[bad], local[bad] = 0.0, 0.0
             channels[channel] = (r, jac, local)
         found.append(channels)
-    return System(found, len(search.free))
+    least: dict[str, float] = {}
+    for log in search.logs:
+        for channel, read in log.measured.items():
+            least[channel] = max(least.get(channel, 0.0), EXACT * float(np.nanstd(read)))
+    return System(found, len(search.free), least)
 
 
 def _seen(moved: Moved, figures: Figures, log: Piecewise) -> dict[str, Array]:

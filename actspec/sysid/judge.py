@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
-from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
+from actspec.sysid.descent import EXACT, WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
 from actspec.sysid.motion import time_constant
@@ -282,7 +282,8 @@ def reading_noise(joint: JointInWork) -> float:
 
     # What is no number keeps the recordings apart.
     readings = [np.append(recording.measured["position"], np.nan) for recording in joint.recordings]
-    return max(scatter(np.concatenate(readings)), 1e-9)
+    readings_std = max(float(np.nanstd(one)) for one in readings)
+    return max(scatter(np.concatenate(readings)), EXACT * readings_std, 1e-9)
 
 
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:

@@ -124,3 +124,14 @@ def rolled(folder: Path, log: Log, hold: str = "") -> JointInWork:
     joints = prepared(api.resolve(spec, robot), robot, [log], ["hip"], options, out)
     roll(robot, [log], joints, options, out)
     return joints["hip"]
+
+
+def test_a_channel_without_noise_has_a_least_one() -> None:
+    """Residuals of 1e-6 of a signal of 2 rad/s: they count as 1e-4 of it, and the cost of a better fit still falls."""
+    local = np.zeros((50, 2, 2))
+    found = [
+        System([{"velocity": (size * np.ones((50, 2)), np.zeros((50, 2, 0)), local)}], 0, {"velocity": 2e-4})
+        for size in (2e-6, 1e-6)
+    ]
+    assert [one.noise()["velocity"] for one in found] == [2e-4, 2e-4]
+    assert found[1].likelihood({"velocity": 2e-4}) < found[0].likelihood({"velocity": 2e-4})

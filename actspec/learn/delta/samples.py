@@ -286,7 +286,8 @@ def _check_signals(actuators: ActuatorSet, logs: Sequence[Log], out: Collector) 
         ]
         for joint in actuators.joints
     }
-    check(recorded, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, seen)
+    limits = {joint.joint: joint.position_range for joint in actuators.joints}
+    check(recorded, {joint.joint: Bounds.of(joint) for joint in actuators.joints}, limits, seen)
     for item in seen:
         if item.severity is Severity.ERROR:
             out.add(item)
