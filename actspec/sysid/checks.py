@@ -46,7 +46,7 @@ OFTEN = 0.01
 SMALL = 5.0
 """Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
 LIVELY = 3
-"""Pieces in which it moves the most, of which the last counts."""
+"""Pieces in which it moves the most, of which the last counts; of few pieces fewer."""
 STILL = 3.0
 """Likewise below which no fit is tried: what is left of a joint in stiction is noise. Chosen."""
 LEAST_ROWS = 100
@@ -328,7 +328,8 @@ def _large(recording: Recording, out: Collector) -> bool:
     seen = texture(recording.measured["position"])
     rows = recording.starts[:, None] + np.arange(recording.rows)
     # One piece may have a jump to where the log begins, and a joint that waits for its turn moves in few of them.
-    spread = float(np.sort(np.nanstd(recording.measured["position"][rows], axis=1))[-LIVELY:][0])
+    moved = np.sort(np.nanstd(recording.measured["position"][rows], axis=1))
+    spread = float(moved[-min(LIVELY, 1 + len(moved) // 10)])
     grain = max(seen.noise, seen.count / math.sqrt(12.0))
     if spread >= SMALL * grain:
         return True

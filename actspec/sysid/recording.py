@@ -357,6 +357,19 @@ def smooth(time: Array, signal: Array, width: float, derivative: int = 0) -> Arr
     return found
 
 
+def slope_of(signal: Array, time: Array) -> Array:
+    """A smooth signal's derivative at its rows, such that straight lines between them have the signal's changes.
+
+    Differences over two rows alone would be 0.4 % too small at 10 Hz and 2 ms, which one joint takes for inertia of
+    another.
+    """
+    import numpy as np
+
+    found = np.gradient(signal, time)
+    found[1:-1] -= 0.25 * np.diff(found, 2)
+    return np.asarray(found, dtype=np.float64)
+
+
 def scatter(signal: Array) -> float:
     """Standard deviation of a signal's noise, from what a local cubic leaves of it."""
     import numpy as np

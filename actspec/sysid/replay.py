@@ -21,7 +21,7 @@ from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.motion import Bounds, Course, Figures, figures_of, time_constant
-from actspec.sysid.recording import Recording, driven, record
+from actspec.sysid.recording import Recording, driven, record, slope_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -289,13 +289,11 @@ def _lowest() -> dict[str, float]:
 
 def _acceleration(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds) -> Array:
     """Of the fitted joint, outside of the pieces of the filter."""
-    import numpy as np
-
     moved = simulated(log, fit.values, bounds, fit.states[0])
     found = recording.acceleration.copy()
     for piece, start in enumerate(log.starts):
         rows = slice(start, start + log.rows)
-        found[rows] = np.gradient(moved.qd[:, piece, 0], recording.time[rows])
+        found[rows] = slope_of(moved.qd[:, piece, 0], recording.time[rows])
     return found
 
 

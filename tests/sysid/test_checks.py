@@ -73,12 +73,13 @@ def test_a_command_that_is_cut_off_is_fitted_as_it_stands(log: Log) -> None:
 
 
 def test_a_joint_that_hardly_moves_is_refused(log: Log) -> None:
-    """0.8 mrad of movement under 0.5 mrad of noise; the jump with which the log begins is no movement."""
-    joint = log.joints["hip"]
+    """0.8 mrad of movement under 0.5 mrad of noise; in 20 s the jump with which the log begins is no movement."""
+    joint, rows = log.joints["hip"], 5 * len(log.time)
     assert joint.position is not None
-    noise = 5e-4 * np.random.default_rng(1).standard_normal(len(joint.position))
-    tiny = 8e-4 * joint.position / np.std(joint.position) + noise
+    noise = 5e-4 * np.random.default_rng(1).standard_normal(rows)
+    tiny = 8e-4 * np.tile(joint.position / np.std(joint.position), 5) + noise
     tiny[:100] += 0.05
-    found = said(log, position=tiny, velocity=None)
+    longer = replace(log, time=0.002 * np.arange(rows))
+    found = said(longer, command=np.tile(command(), 5), position=tiny, velocity=None)
     assert [(one.code, one.severity.value, one.where) for one in found] == [("SYS011", "error", "hip")]
     assert "within a second" in found[0].message
