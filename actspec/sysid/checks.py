@@ -46,7 +46,9 @@ OFTEN = 0.01
 SMALL = 5.0
 """Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
 LIVELY = 3
-"""Pieces in which it moves the most, of which the last counts; of few pieces fewer."""
+"""Pieces in which it moves the most, of which the last counts."""
+LEAST_PIECES = 10
+"""Fewest pieces of which that is asked; of fewer the whole log counts."""
 STILL = 3.0
 """Likewise below which no fit is tried: what is left of a joint in stiction is noise. Chosen."""
 LEAST_ROWS = 100
@@ -325,18 +327,18 @@ def _large(recording: Recording, out: Collector) -> bool:
     """Whether a joint moves more than its encoder's noise or count; little more is reported."""
     import numpy as np
 
-    seen = texture(recording.measured["position"])
-    rows = recording.starts[:, None] + np.arange(recording.rows)
-    # One piece may have a jump to where the log begins, and a joint that waits for its turn moves in few of them.
-    moved = np.sort(np.nanstd(recording.measured["position"][rows], axis=1))
-    spread = float(moved[-min(LIVELY, 1 + len(moved) // 10)])
+    read = recording.measured["position"]
+    seen = texture(read)
+    spread = float(np.nanstd(read))
+    if len(recording.starts) >= LEAST_PIECES:
+        # One piece may have a jump to where the log begins, and a joint that waits for its turn moves in few of them.
+        rows = recording.starts[:, None] + np.arange(recording.rows)
+        spread = float(np.sort(np.nanstd(read[rows], axis=1))[-LIVELY])
     grain = max(seen.noise, seen.count / math.sqrt(12.0))
     if spread >= SMALL * grain:
         return True
     unit = "m" if recording.log.joints[recording.joint].linear else "rad"
-    message = (
-        f"the joint moves by {spread:.2g} {unit} within a second, its encoder's noise is {grain:.2g} {unit}"
-    )
+    message = f"the joint moves by {spread:.2g} {unit} (standard deviation), its encoder's noise is {grain:.2g} {unit}"
     help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
     if spread < STILL * grain:
         message += ": nothing can be fitted"

@@ -82,4 +82,4 @@ def test_a_joint_that_hardly_moves_is_refused(log: Log) -> None:
     longer = replace(log, time=0.002 * np.arange(rows))
     found = said(longer, command=np.tile(command(), 5), position=tiny, velocity=None)
     assert [(one.code, one.severity.value, one.where) for one in found] == [("SYS011", "error", "hip")]
-    assert "within a second" in found[0].message
+    assert "the joint moves by 0.00" in found[0].message and "rad (standard" in found[0].message
