@@ -8,10 +8,8 @@ All bytes are made and read back before the first is written; the manifest, whic
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import os
-import zipfile
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -19,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, Span
 from actspec.files import replace_file
 from actspec.laws.network import Dense, Layers
+from actspec.learn.torchscript import loaded, program_of
 from actspec.logs import LogError
 from actspec.readings.onnx_network import ACTIVATIONS, NetworkFileError, read_onnx
 
@@ -172,7 +171,7 @@ def _check(layers: Layers, data: Mapping[str, bytes]) -> None:
     expected, _ = layers(x)
     size = SAME * max(1.0, float(np.abs(expected).max()))
     again, _ = read_onnx(data["onnx"])(x)
-    module = torch.jit.load(io.BytesIO(data["torchscript"])).eval()
+    module = loaded(data["torchscript"])
     with torch.inference_mode():
         given = torch.tensor(x, dtype=torch.float32)
         if layers.recurrent:
@@ -286,17 +285,8 @@ def torchscript_bytes(layers: Layers) -> bytes:
     Raises:
         NetworkFileError: an activation is none of torch's.
     """
-    import torch
-
-    module = torch_module(layers).eval()
-    if layers.recurrent:
-        program = torch.jit.script(module)
-    else:
-        # Scripted, a perceptron's text has its sizes in another order each time.
-        program = torch.jit.trace(module, torch.zeros(2, layers.inputs), check_trace=False)
-    stream = io.BytesIO()
-    torch.jit.save(program, stream)
-    return bare(stream.getvalue())
+    # Scripted, a perceptron's text has its sizes in another order each time.
+    return program_of(torch_module(layers), None if layers.recurrent else layers.inputs)
 
 
 def torch_module(layers: Layers) -> Any:
@@ -368,13 +358,3 @@ def torch_activation(name: str, alpha: float = 1.0) -> Any:
     if name not in made:
         raise NetworkFileError(f"torch has no activation {name}")
     return made[name]()
-
-
-def bare(data: bytes) -> bytes:
-    """TorchScript without what tells where and when it was made, such as paths of this machine."""
-    out = io.BytesIO()
-    with zipfile.ZipFile(io.BytesIO(data)) as old, zipfile.ZipFile(out, "w") as new:
-        for item in old.infolist():
-            if not item.filename.endswith((".debug_pkl", "/serialization_id")):
-                new.writestr(zipfile.ZipInfo(item.filename), old.read(item))
-    return out.getvalue()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import os
 from typing import TYPE_CHECKING, Any
 
@@ -10,6 +9,7 @@ from actspec.diagnostics import Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.laws.network import ACTIVATIONS, Dense, Layers, LstmLayer
 from actspec.learn.files import torch_activation
+from actspec.learn.torchscript import loaded
 from actspec.logs import LogError
 from actspec.readings.onnx_network import NetworkFileError, read_onnx
 
@@ -78,7 +78,7 @@ def _by_torch(data: bytes) -> Layers:
     import torch
 
     try:
-        module = torch.jit.load(io.BytesIO(data), map_location="cpu").eval()
+        module = loaded(data)
     except (RuntimeError, ValueError) as err:
         raise NetworkFileError(
             "torch does not load it as TorchScript: it holds weights alone, or is damaged"

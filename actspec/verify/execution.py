@@ -65,7 +65,8 @@ def runnable(target: TargetFiles, laws: JointLaws, *, run_edited: bool, trust: b
     """
     if trust or not laws.networks or target.options.kind not in EXECUTED:
         return laws
-    from actspec.learn.program import is_own
+    from actspec.learn.files import torchscript_bytes
+    from actspec.learn.torchscript import same_program
 
     folder = target.folder if run_edited else target.fresh
     # Joints of a group share them.
@@ -73,7 +74,7 @@ def runnable(target: TargetFiles, laws: JointLaws, *, run_edited: bool, trust: b
     for file in _programs(target):
         try:
             data = read_regular(os.path.join(folder, file), MOST_BYTES)
-            if any(is_own(data, layers) for layers in known.values()):
+            if any(same_program(data, torchscript_bytes(layers)) for layers in known.values()):
                 continue
             why = f"{file} is TorchScript, a program, and not the one that actspec writes of its ONNX file"
         except FAULTS:

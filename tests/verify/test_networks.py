@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from actspec import api
+from actspec.laws.network import Layers
 from actspec.simulate.excitation import COURSES, network_courses
 from actspec.simulate.reference import held_network_torque
 from actspec.verify.agreement import Agreement, TargetFiles
@@ -127,7 +128,10 @@ def test_without_onnx_there_is_no_law(built: Built) -> None:
 def test_own_program() -> None:
     """A program is actspec's own whatever its weights and torch's numbering; another's is not."""
     from actspec.learn.files import torchscript_bytes
-    from actspec.learn.program import is_own
+    from actspec.learn.torchscript import same_program
+
+    def is_own(data: bytes, layers: Layers) -> bool:
+        return same_program(data, torchscript_bytes(layers))
 
     for layers in (perceptron(), lstm(1), lstm(2)):
         torchscript_bytes(perceptron("tanh"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import io
 import json
 import math
 import os
@@ -18,6 +17,7 @@ from actspec.laws import law_of
 from actspec.learn.delta.network import DeltaLayers, onnx_of, torchscript_of
 from actspec.learn.dynamics import dynamics_entries
 from actspec.learn.files import SAME, file_entries, network_paths_of, write_files
+from actspec.learn.torchscript import loaded
 from actspec.logs import BASE, Log
 from actspec.readings.onnx_graph import Graph
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing
@@ -114,7 +114,7 @@ def _check(layers: DeltaLayers, data: Mapping[str, bytes]) -> None:
     x = np.random.default_rng(0).standard_normal((64, len(layers.columns)))
     one = Graph(data["onnx"])(x)
     with torch.inference_mode():
-        other = torch.jit.load(io.BytesIO(data["torchscript"])).eval()(torch.tensor(x, dtype=torch.float32))
+        other = loaded(data["torchscript"])(torch.tensor(x, dtype=torch.float32))
     if not np.abs(one - other.numpy()).max() <= 10.0 * SAME * layers.max_delta:
         raise NetworkFileError("its ONNX and TorchScript files give different corrections")
 

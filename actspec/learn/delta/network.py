@@ -7,13 +7,13 @@ One perceptron for all joints, each joint with its own columns and first bias, o
 
 from __future__ import annotations
 
-import io
 from dataclasses import dataclass
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from actspec.laws.network import Dense
-from actspec.learn.files import IR_VERSION, OPSET, bare, onnx_activation, torch_activation
+from actspec.learn.files import IR_VERSION, OPSET, onnx_activation, torch_activation
+from actspec.learn.torchscript import program_of
 
 if TYPE_CHECKING:
     import numpy as np
@@ -115,15 +115,10 @@ def _module_class() -> Any:
 
 def torchscript_of(layers: DeltaLayers) -> bytes:
     """The network as TorchScript, of columns (n, n_column) to corrections (n, n_output), in single precision."""
-    import torch
-
     module = _module_class()(layers).eval()
     for parameter in module.parameters():
         parameter.requires_grad_(False)
-    traced = torch.jit.trace(module, torch.ones(2, len(layers.columns)), check_trace=False)
-    stream = io.BytesIO()
-    torch.jit.save(traced, stream)
-    return bare(stream.getvalue())
+    return program_of(module, len(layers.columns))
 
 
 def onnx_of(layers: DeltaLayers) -> bytes:
