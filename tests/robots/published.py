@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 import re
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +22,47 @@ MASS_MATRIX_TOLERANCE = 1e-6  # relative to the largest entry of a block of the 
 
 Link = tuple[str, float, tuple[float, float, float], np.ndarray]
 """Name, mass [kg], centre of mass [m] and inertia about it [kg*m^2], axes of the link."""
+
+
+@dataclass(frozen=True)
+class Published:
+    """A model of ours, and what its vendor says of it.
+
+    Attributes:
+        robot: Its folder below `robots/`, and its spec.
+        urdf: The vendor's URDF, below the corpus.
+        base: The root link of that.
+        joints: In the order of our model.
+        links: All of them.
+        mass: Of the robot [kg].
+        limits: Torque limits of the joints [N*m].
+        file: Our model's name, where it is not the robot's.
+    """
+
+    robot: str
+    urdf: str
+    base: str
+    joints: list[str]
+    links: list[Link]
+    mass: float
+    limits: list[float]
+    file: str = ""
+
+    def __str__(self) -> str:
+        """Our model's name."""
+        return self.file or self.robot
+
+    @cached_property
+    def ours(self) -> Any:
+        """The robot alone, as written."""
+        import mujoco
+
+        return mujoco.MjModel.from_xml_path(str(ROBOTS / self.robot / f"{self}.xml"))
+
+    @cached_property
+    def theirs(self) -> Any:
+        """The vendor's URDF with a free base."""
+        return vendor_model(self.urdf, self.base)
 
 
 def plain(path: Path) -> dict[str, Any]:
@@ -167,6 +210,14 @@ def check_bare_motors(model: Any, joints: Sequence[str], imu: Sequence[str]) -> 
     assert model.actuator_ctrllimited.all()
     for values in (model.dof_damping, model.dof_frictionloss, model.dof_armature, model.jnt_stiffness):
         assert not np.any(values)
+
+
+def check_ranges_mirror(model: Any, parts: Sequence[str]) -> None:
+    """The right side's ranges are the left's, mirrored where the axis is x or z."""
+    for part in parts:
+        left, right = (model.joint(f"{side}_{part}_joint") for side in ("left", "right"))
+        mirrored = left.range if left.axis[1] else -left.range[::-1]
+        assert right.range == pytest.approx(mirrored), part
 
 
 def check_no_self_collision(model: Any) -> None:

@@ -7,20 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.robots.published import (
-    ROBOTS,
-    Link,
-    check_bare_motors,
-    check_limits,
-    check_links,
-    check_mass_matrix,
-    check_no_self_collision,
-    pose,
-    poses,
-    spec_of,
-    tensor,
-    vendor_model,
-)
+from tests.robots.published import ROBOTS, Link, Published, check_ranges_mirror, tensor
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -33,10 +20,10 @@ JOINTS = [
     *(f"{side}_{part}_joint" for side in SIDES for part in ARM),
 ]
 
-Published = tuple[float, tuple[float, float, float], tuple[float, float, float, float, float, float]]
+Figures = tuple[float, tuple[float, float, float], tuple[float, float, float, float, float, float]]
 """Mass, centre of mass, and ixx, iyy, izz, ixy, ixz, iyz."""
 
-TRUNK: dict[str, Published] = {
+TRUNK: dict[str, Figures] = {
     "pelvis": (3.813, (0, 0, -0.07605), (0.010549, 0.0093089, 0.0079184, 0, 2.1e-6, 0)),
     "pelvis_contour_link": (0.001, (0, 0, 0), (1e-7, 1e-7, 1e-7, 0, 0, 0)),
     "waist_yaw_link": (
@@ -57,7 +44,7 @@ TRUNK: dict[str, Published] = {
         (0.004085051, 0.004185212, 0.001807911, -2.543e-6, -6.9455e-5, -3.726e-6),
     ),
 }
-LEFT: dict[str, Published] = {
+LEFT: dict[str, Figures] = {
     "hip_pitch_link": (
         1.35,
         (0.002741, 0.047791, -0.02606),
@@ -128,7 +115,7 @@ LEFT: dict[str, Published] = {
         ),
     ),
 }
-WRIST_5010: dict[str, Published] = {
+WRIST_5010: dict[str, Figures] = {
     "left": (
         0.684,
         (0.02549150483, -0.00054042511, -0.00054143853),
@@ -142,14 +129,6 @@ WRIST_5010: dict[str, Published] = {
     ),
 }
 """The wrist pitch links of machine types 13 and 15, whose motors are larger."""
-
-MODELS = {"g1": (5.0, 33.34114202), "g1_5010": (13.4, 33.74104290)}
-"""Torque limit at wrist pitch and yaw, and what the robot weighs.
-
-7 links of the trunk: 3.813 + 0.001 + 0.214 + 0.086 + 6.78 + 0.001 + 1.036 = 11.931; 2 legs x (1.35 + 1.52 + 1.702 +
-1.932 + 0.074 + 0.608 = 7.186); 2 arms x (0.718 + 0.643 + 0.734 + 0.6 + 0.08544498 + 0.48404956 + 0.08457647 + 0.17 =
-3.51907101); the larger wrists: 2 x (0.684 - 0.48404956) = 0.39990088 more.
-"""
 
 
 def _links(name: str) -> list[Link]:
@@ -166,58 +145,35 @@ def _links(name: str) -> list[Link]:
     return [(link, mass, centre, tensor(*moments)) for link, (mass, centre, moments) in published.items()]
 
 
-@pytest.fixture(scope="module", params=MODELS)
-def name(request: pytest.FixtureRequest) -> str:
-    """Each of the two models."""
-    return str(request.param)
-
-
-@pytest.fixture(scope="module")
-def model(name: str) -> Any:
-    """The robot alone, as written."""
-    return mujoco.MjModel.from_xml_path(str(ROBOTS / "g1" / f"{name}.xml"))
-
-
-@pytest.fixture(scope="module")
-def urdf_model(name: str) -> Any:
-    """Unitree's URDF with a free base."""
-    revision = {"g1": "rev_1_0", "g1_5010": "mode_13"}[name]
-    return vendor_model(f"unitree_ros/robots/g1_description/g1_29dof_{revision}.urdf", "pelvis")
-
-
-def test_motors_and_sensors(name: str, model: Any) -> None:
-    """Order of the URDF and of the SDK, left leg first; ideal torque motors; nothing passive at the joints."""
-    check_bare_motors(model, JOINTS, ["imu_quat", "imu_gyro", "imu_acc"])
-    wrist, _ = MODELS[name]
+def _published(name: str, revision: str, wrist: float, mass: float) -> Published:
+    """A model: its URDF, torque limit at wrist pitch and yaw, and what it weighs."""
+    urdf = f"unitree_ros/robots/g1_description/g1_29dof_{revision}.urdf"
     leg, arm = [88.0, 139.0, 88.0, 139.0, 35.0, 35.0], [25.0, 25.0, 25.0, 25.0, 25.0, wrist, wrist]
     limits = [*leg, *leg, 88.0, 35.0, 35.0, *arm, *arm]
-    assert model.actuator_ctrlrange.tolist() == [[-limit, limit] for limit in limits]
+    return Published("g1", urdf, "pelvis", JOINTS, _links(name), mass, limits, name)
 
 
-def test_total_mass(name: str, model: Any) -> None:
-    """The sum that is worked out above."""
-    assert model.body_mass.sum() == pytest.approx(MODELS[name][1], abs=1e-9)
+MODELS = (
+    _published("g1", "rev_1_0", 5.0, 33.34114202),
+    _published("g1_5010", "mode_13", 13.4, 33.74104290),
+)
+"""Order of the URDF and of the SDK, left leg first.
+
+7 links of the trunk: 3.813 + 0.001 + 0.214 + 0.086 + 6.78 + 0.001 + 1.036 = 11.931; 2 legs x (1.35 + 1.52 + 1.702 +
+1.932 + 0.074 + 0.608 = 7.186); 2 arms x (0.718 + 0.643 + 0.734 + 0.6 + 0.08544498 + 0.48404956 + 0.08457647 + 0.17 =
+3.51907101); the larger wrists: 2 x (0.684 - 0.48404956) = 0.39990088 more.
+"""
 
 
-def test_links(name: str, model: Any) -> None:
-    """Each link has its published mass, centre of mass and full inertia, and there is no other."""
-    check_links(model, _links(name))
-
-
-@pytest.mark.parametrize("seed", [None, 1, 2], ids=["home", "pose1", "pose2"])
-def test_mass_matrix_matches_the_urdf(model: Any, urdf_model: Any, seed: int | None) -> None:
-    """The vendor's URDF, compiled by MuJoCo, has the same mass matrix: places and tilts of the links too."""
-    check_mass_matrix(model, urdf_model, JOINTS, poses(model, JOINTS, seed))
-
-
-def test_limits_match_the_urdf(model: Any, urdf_model: Any) -> None:
-    """The vendor's URDF has the same joint axes, ranges and torque limits."""
-    check_limits(model, urdf_model, JOINTS)
+@pytest.fixture(scope="module", params=MODELS, ids=str)
+def model(request: pytest.FixtureRequest) -> Any:
+    """Each of the two robots alone, as written."""
+    return request.param.ours
 
 
 def test_wrists_are_all_that_differs() -> None:
     """The larger wrist motors change their link and what hangs 5 mm further out, and no other body."""
-    small, large = (mujoco.MjModel.from_xml_path(str(ROBOTS / "g1" / f"{name}.xml")) for name in MODELS)
+    small, large = (published.ours for published in MODELS)
     names = [small.body(index).name for index in range(small.nbody)]
     assert names == [large.body(index).name for index in range(large.nbody)]
     moved = [name for name in names if not np.array_equal(small.body(name).pos, large.body(name).pos)]
@@ -229,10 +185,7 @@ def test_wrists_are_all_that_differs() -> None:
 
 def test_ranges_mirror(model: Any) -> None:
     """The right side's ranges are the left's, mirrored where the axis is x or z."""
-    for part in (*LEG, *ARM):
-        left, right = (model.joint(f"{side}_{part}_joint") for side in SIDES)
-        mirrored = left.range if left.axis[1] else -left.range[::-1]
-        assert right.range == pytest.approx(mirrored), part
+    check_ranges_mirror(model, (*LEG, *ARM))
     assert model.joint("left_hip_roll_joint").range == pytest.approx([-0.5236, 2.9671])
 
 
@@ -248,12 +201,6 @@ def test_places_mirror(model: Any) -> None:
     assert model.body("left_hip_roll_link").quat == pytest.approx(np.array(tilt) * [1, 1, -1, 1])
 
 
-def test_home_keyframe_is_the_spec_default_pose(model: Any) -> None:
-    """The model's first keyframe and the spec's default pose say the same."""
-    assert model.key(0).name == "home"
-    assert model.key(0).qpos[7:] == pytest.approx(pose(spec_of("g1"), JOINTS))
-
-
 def test_home_has_its_soles_on_the_floor() -> None:
     """At `home` both soles lie flat to the 6 mrad of the published pose, and touch the floor to within 0.1 mm."""
     model = mujoco.MjModel.from_xml_path(str(ROBOTS / "g1" / "scene.xml"))
@@ -265,8 +212,3 @@ def test_home_has_its_soles_on_the_floor() -> None:
         assert abs(sole.xpos[2]) < 1e-4
         # -0.312 + 0.669 - 0.363 = -0.006 about y
         assert sole.xmat[2] == pytest.approx(np.sin(-0.006), abs=1e-6)
-
-
-def test_links_never_collide_with_each_other(model: Any) -> None:
-    """No pose makes two links of the robot touch."""
-    check_no_self_collision(model)

@@ -7,20 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.robots.published import (
-    ROBOTS,
-    Link,
-    check_bare_motors,
-    check_limits,
-    check_links,
-    check_mass_matrix,
-    check_no_self_collision,
-    pose,
-    poses,
-    spec_of,
-    tensor,
-    vendor_model,
-)
+from tests.robots.published import ROBOTS, Link, Published, check_ranges_mirror, tensor
 
 mujoco = pytest.importorskip("mujoco")
 
@@ -105,55 +92,24 @@ def _links() -> list[Link]:
     return links
 
 
+# pelvis 5.983 + torso 17.789 + 2 legs x (2.965 + 2.715 + 4.953 + 2.824 + 0.725 = 14.182)
+# + 2 arms x (1.142 + 0.852 + 0.862 + 0.745 = 3.601)
+MODEL = Published(
+    "h1", "unitree_ros/robots/h1_description/urdf/h1.urdf", "pelvis", JOINTS, _links(), 59.338,
+    [*[200.0, 200.0, 200.0, 300.0, 40.0] * 2, 200.0, *[40.0, 40.0, 18.0, 18.0] * 2],
+)  # fmt: skip
+"""Order of the URDF, left leg first."""
+
+
 @pytest.fixture(scope="module")
 def model() -> Any:
     """The robot alone, as written."""
-    return mujoco.MjModel.from_xml_path(str(ROBOTS / "h1" / "h1.xml"))
-
-
-@pytest.fixture(scope="module")
-def urdf_model() -> Any:
-    """Unitree's URDF with a free base."""
-    return vendor_model("unitree_ros/robots/h1_description/urdf/h1.urdf", "pelvis")
-
-
-def test_motors_and_sensors(model: Any) -> None:
-    """Order of the URDF, left leg first; ideal torque motors; nothing passive at the joints."""
-    check_bare_motors(model, JOINTS, ["imu_quat", "imu_gyro", "imu_acc"])
-    leg, arm = [200.0, 200.0, 200.0, 300.0, 40.0], [40.0, 40.0, 18.0, 18.0]
-    limits = [*leg, *leg, 200.0, *arm, *arm]
-    assert model.actuator_ctrlrange.tolist() == [[-limit, limit] for limit in limits]
-
-
-def test_total_mass(model: Any) -> None:
-    """The robot weighs 59.338 kg."""
-    # pelvis 5.983 + torso 17.789 + 2 legs x (2.965 + 2.715 + 4.953 + 2.824 + 0.725 = 14.182)
-    # + 2 arms x (1.142 + 0.852 + 0.862 + 0.745 = 3.601)
-    assert model.body_mass.sum() == pytest.approx(59.338, abs=1e-9)
-
-
-def test_links(model: Any) -> None:
-    """Each link has its published mass, centre of mass and full inertia, and there is no other."""
-    check_links(model, _links())
-
-
-@pytest.mark.parametrize("seed", [None, 1, 2], ids=["home", "pose1", "pose2"])
-def test_mass_matrix_matches_the_urdf(model: Any, urdf_model: Any, seed: int | None) -> None:
-    """The vendor's URDF, compiled by MuJoCo, has the same mass matrix: places and tilts of the links too."""
-    check_mass_matrix(model, urdf_model, JOINTS, poses(model, JOINTS, seed))
-
-
-def test_limits_match_the_urdf(model: Any, urdf_model: Any) -> None:
-    """The vendor's URDF has the same joint axes, ranges and torque limits."""
-    check_limits(model, urdf_model, JOINTS)
+    return MODEL.ours
 
 
 def test_ranges_mirror(model: Any) -> None:
     """The right side's ranges are the left's, mirrored where the axis is x or z."""
-    for part in (*LEG, *ARM):
-        left, right = (model.joint(f"{side}_{part}_joint") for side in SIDES)
-        mirrored = left.range if left.axis[1] else -left.range[::-1]
-        assert right.range == pytest.approx(mirrored), part
+    check_ranges_mirror(model, (*LEG, *ARM))
     assert model.joint("left_shoulder_roll_joint").range == pytest.approx([-0.34, 3.11])
     assert model.joint("left_knee_joint").range == pytest.approx([-0.26, 2.05])
 
@@ -169,12 +125,6 @@ def test_places_mirror(model: Any) -> None:
     assert model.body("right_shoulder_roll_link").quat == pytest.approx(tilt)
 
 
-def test_home_keyframe_is_the_spec_default_pose(model: Any) -> None:
-    """The model's first keyframe and the spec's default pose say the same."""
-    assert model.key(0).name == "home"
-    assert model.key(0).qpos[7:] == pytest.approx(pose(spec_of("h1"), JOINTS))
-
-
 def test_home_has_flat_soles_on_the_floor() -> None:
     """At `home` both soles lie flat, less than 1 mm above the floor."""
     model = mujoco.MjModel.from_xml_path(str(ROBOTS / "h1" / "scene.xml"))
@@ -186,8 +136,3 @@ def test_home_has_flat_soles_on_the_floor() -> None:
         assert data.site(f"{side}_foot").xpos[2] == pytest.approx(1.0263 - 1.02623, abs=1e-5)
         assert data.site(f"{side}_foot").xmat.reshape(3, 3) == pytest.approx(np.eye(3), abs=1e-12)
     assert data.ncon == 0
-
-
-def test_links_never_collide_with_each_other(model: Any) -> None:
-    """No pose makes two links of the robot touch."""
-    check_no_self_collision(model)
