@@ -7,7 +7,7 @@ import os
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_packages, add_versions, configured_versions, describe
@@ -94,6 +94,54 @@ def import_files(
         damping: As in `draft`.
         packages: ROS packages and their folders, which the spec is to name.
     """
+    from actspec.report.terminal import print_diagnostics
+
+    if output is not None:
+        check_free(output, files, force)
+    found = drafted(files, output or "spec.yaml", robot, versions, joints=joints, damping=damping)
+    spec, combined, targets = found.spec, found.combined, found.targets
+    if output is not None:
+        check_free(output, found.sources, force)
+    print_diagnostics(_warnings(combined.disagreements))
+    if output is None:
+        sys.stdout.write(spec.text)
+    else:
+        write_spec(output, spec.text)
+    for line in _told(spec, combined, targets, output, files):
+        print(line, file=sys.stderr if output is None else sys.stdout)
+    return EXIT_CLEAN
+
+
+@dataclass(frozen=True, slots=True)
+class Drafted:
+    """A spec of robot files, not written.
+
+    Attributes:
+        spec: Its text.
+        combined: What the files say together.
+        targets: What it can be compiled to.
+        sources: Every file that was read.
+    """
+
+    spec: DraftedSpec
+    combined: Combined
+    targets: tuple[DraftTarget, ...]
+    sources: tuple[str, ...]
+
+
+def drafted(
+    files: Sequence[str],
+    path: str,
+    robot: str | None,
+    versions: Versions,
+    *,
+    joints: str | None = None,
+    damping: str | None = None,
+) -> Drafted:
+    """The spec of robot files, as it stands at a path; arguments as of `import_files`. What the readers say is printed.
+
+    Raises: ActspecError: the files cannot be read, or are none of one robot.
+    """
     from actspec.draft import draft
     from actspec.draft.combine import combine
     from actspec.draft.reading import read_robot_files
@@ -103,35 +151,23 @@ def import_files(
     from actspec.spec.document import document_from_text
     from actspec.spec.validate import validate
 
-    if output is not None:
-        check_free(output, files, force)
     found = {find_model(file, "") if file.startswith(_SCHEME) else file: file for file in files}
     readings, said = read_robot_files(list(found), robot, versions, joints)
     print_diagnostics(said)
-    if output is not None:
-        check_free(output, [file for r in readings for file in (r.path, *r.includes)], force)
-    folder = os.path.dirname(os.path.abspath(output or "spec.yaml"))
+    sources = tuple(file for r in readings for file in (r.path, *r.includes))
+    folder = os.path.dirname(os.path.abspath(path))
     readings = tuple(replace(r, reference=_reference(found[r.path], folder)) for r in readings)
     combined = _placed(combine(readings), folder)
     reference = "none" if combined.model is None else combined.model.reference
     targets = targets_of(readings, combined, versions)
-    path = output or "spec.yaml"
-    named = {name: _reference(at, folder) for name, at in packages} if combined.model is not None else {}
-    spec = draft(combined, reference, targets, damping, named)
+    spec = draft(combined, reference, targets, damping)
     served = _served(spec.text, path, targets)
     if served != targets:
         targets = served
-        spec = draft(combined, reference, targets, damping, named)
+        spec = draft(combined, reference, targets, damping)
     # Whatever the files were, what is written is a valid spec.
     validate(document_from_text(spec.text, path))
-    print_diagnostics(_warnings(combined.disagreements))
-    if output is None:
-        sys.stdout.write(spec.text)
-    else:
-        write_spec(output, spec.text)
-    for line in _told(spec, combined, targets, output, files):
-        print(line, file=sys.stderr if output is None else sys.stdout)
-    return EXIT_CLEAN
+    return Drafted(spec, combined, tuple(targets), sources)
 
 
 def _reference(file: str, folder: str) -> str:

@@ -4,12 +4,26 @@ from __future__ import annotations
 
 import argparse
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from actspec.cli.options import add_fail_on, add_variant, describe, failing
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, EmitError, Span, SpecError, one_line
+from actspec.diagnostics import (
+    EXIT_CLEAN,
+    EXIT_FINDINGS,
+    Collector,
+    EmitError,
+    Span,
+    SpecError,
+    listed,
+    one_line,
+)
 from actspec.study.level import TASKS
 
+if TYPE_CHECKING:
+    from actspec.spec.validate import Spec
+
+LOGS = (".csv", ".npz", ".parquet")
+"""Suffixes of logs."""
 MOST_BYTES = 64 * 1024 * 1024
 """Of what `verify` wrote. Chosen: that of a humanoid has 200 kB."""
 
@@ -18,14 +32,18 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Write one page about a spec: the verdict of its logs, torque against speed of every joint with the motor's "
+        "Write one page about a spec, or about a robot's files: the verdict of its logs, torque against speed of every "
+        "joint with the motor's "
         "bounds, steps, damping by origin, tracking, findings, what to do and at what cost.",
         "actspec report robots/a1.yaml rollout.csv -o a1.html",
         "0 written; 1 written, with findings at or above --fail-on; 2 nothing was written",
     )
-    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
     command.add_argument(
-        "log", nargs="*", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
+        "file",
+        nargs="+",
+        metavar="FILE",
+        help="a spec, or MJCF, URDF, cfg .py and deploy YAML of one robot as `import` reads them; and logs (CSV, NPZ, "
+        "Parquet)",
     )
     command.add_argument("-o", "--output", required=True, metavar="FILE", help="page to write")
     add_variant(command)
@@ -58,16 +76,16 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec.report.figures import files_of
     from actspec.report.overview import Overview, figures, markdown, page
     from actspec.report.terminal import Progress, print_diagnostics
-    from actspec.spec.variants import named
     from actspec.study.compare import compare, simulator_of
     from actspec.study.diagnose import diagnose
 
     answers = answers_of(arguments)
     agreement = None if arguments.verify is None else _agreement(arguments.verify)
     out = Collector()
-    spec = api.load(named(arguments.spec, arguments.variant))
-    sources = [arguments.spec, *arguments.log, *filter(None, [arguments.against, arguments.verify])]
+    arguments.log = [path for path in arguments.file if path.lower().endswith(LOGS)]
+    sources = [*arguments.file, *filter(None, [arguments.against, arguments.verify])]
     check_free(arguments.output, sources, arguments.force)
+    spec, path = _spec([path for path in arguments.file if path not in arguments.log], arguments.variant)
     logs, against = logs_of(arguments)
     robot = api.load_robot(spec)
     actuators = api.resolve(spec, robot)
@@ -76,16 +94,16 @@ def run(arguments: argparse.Namespace) -> int:
             actuators,
             robot,
             simulator_of(spec, out),
-            spec=arguments.spec,
+            spec=path,
             joints=[actuator.joint for actuator in actuators.joints],
             progress=progress.step,
         )
     shown = Overview(
         arguments.title or actuators.title,
-        arguments.spec,
+        path,
         actuators,
         case_of(actuators, {}),
-        diagnose(actuators, arguments.spec, logs, against, answers),
+        diagnose(actuators, path, logs, against, answers),
         tuple(arguments.log),
         comparison,
         (*actuators.diagnostics, *check_actuators(actuators, {})),
@@ -111,6 +129,39 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.figures is not None:
         print(f"wrote {len(written) - 1} files in {one_line(arguments.figures)}")
     return EXIT_FINDINGS if failing(shown.everything, arguments.fail_on) else EXIT_CLEAN
+
+
+def _spec(files: list[str], variant: str | None) -> tuple[Spec, str]:
+    """The spec that is named, or one of robot files, and what commands call it.
+
+    Raises: ActspecError: it is neither, or cannot be read.
+    """
+    from actspec import api
+    from actspec.cli.import_ import drafted
+    from actspec.cli.options import configured_versions
+    from actspec.files import FAULTS, NotRegular, TooLarge, read_regular
+    from actspec.spec.document import document_from_text
+    from actspec.spec.validate import validate
+    from actspec.spec.variants import named, split
+    from actspec.spec.yaml_text import MAX_BYTES, is_spec
+
+    if not files:
+        message = "names no spec, and no robot file"
+        raise SpecError.of("RPT002", message, where="FILE", help="actspec report SPEC [LOG...] -o page.html")
+    try:
+        specs = [
+            path for path in files if path.lower().endswith((".yaml", ".yml")) or "#" in path
+            if is_spec(read_regular(split(path)[0], MAX_BYTES))
+        ]  # fmt: skip
+    except (NotRegular, TooLarge, *FAULTS):
+        specs = files[:1]
+    if specs and len(files) > 1:
+        message = f"a spec stands alone, beside logs: {listed(files)}"
+        raise SpecError.of("RPT002", message, where="FILE", help="name the spec, or the robot's files")
+    if specs:
+        return api.load(named(specs[0], variant)), specs[0]
+    found = drafted(files, "spec.yaml", None, configured_versions([]))
+    return validate(document_from_text(found.spec.text, "spec.yaml")), "SPEC"
 
 
 def _agreement(path: str) -> dict[str, Any]:

@@ -178,6 +178,24 @@ def test_an_agreement_is_shown(folder: Path, monkeypatch: pytest.MonkeyPatch, ca
     assert not Path("none.html").exists()
 
 
+def test_robot_files_without_a_spec(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """A model as import reads it; a spec beside it, or logs alone, are refused; nothing else is written."""
+    monkeypatch.chdir(folder)
+    text = MODEL.format(bad="hip").replace(
+        '<motor joint="knee"/>', '<position joint="knee" kp="30" kv="2" forcerange="-7 7"/>'
+    )
+    Path("bare.xml").write_text(text.replace('<motor joint="hip"/>', '<position joint="hip" kp="12"/>'))
+    before = {path.name for path in folder.iterdir()}
+    assert main(["report", "bare.xml", "-o", "bare.html"]) == 0
+    page = html.document_fromstring(Path("bare.html").read_text())
+    joints = page.get_element_by_id("joints").text_content()
+    assert "30 N*m/rad" in joints and "12 N*m/rad" in joints and "7 N*m" in joints
+    assert {path.name for path in folder.iterdir()} == before | {"bare.html"}
+    for files in (["leg.yaml", "bare.xml"], ["log.csv"]):
+        assert main(["report", *files, "-o", "none.html"]) == 2
+        assert "RPT002" in capsys.readouterr().err
+
+
 @pytest.mark.skipif(CHROMIUM is None, reason="there is no Chromium")
 def test_in_a_browser(folder: Path) -> None:
     """On a phone nothing sticks out and no stranger's name has run; dark where the reader wants it."""
