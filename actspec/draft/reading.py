@@ -178,7 +178,7 @@ def _one_a_file(parts: Sequence[Artifact], name: str | None, out: Collector) -> 
         distinct = {_told_apart_by(part): part for part in reversed(named or full)}
         if len(distinct) > 1:
             names = listed([one_line(part.name) for part in full], 20)
-            message = f"describes {len(distinct)} robots"
+            message = f"describes {len(full)} robots"
             out.error("DRF007", message, span=Span(path), help=f"name one with --robot: {names}")
         yield from distinct.values()
         yield from (part for part in own if part not in full)

@@ -133,6 +133,11 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     if above is None:
         return None
     own, number = _indent(line), above
+    if _indent(lines[number]) == own:
+        # `kd:0.5` is a text, which goes on here.
+        found = _no_colon(lines[number].strip(), _Mark(number, own))
+        if found is not None:
+            return found
     if own > _indent(lines[number]):
         return Problem(
             f"this line is indented by {own} spaces, below line {number + 1} which has {_indent(lines[number])} and a "

@@ -492,6 +492,13 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
         ),
         pytest.param("a: 1\nb = 2\nc: 3", 2, "`b = 2` has `=` in place of `:`", "write `b: 2`", id="equals"),
         pytest.param(
+            "t:\n  a:2 ms\n  b: 10",
+            2,
+            "`a:2 ms` lacks a space behind its colon",
+            "write `a: 2 ms`",
+            id="no space behind a mapping's first colon",
+        ),
+        pytest.param(
             "a: Manual: part 2",
             1,
             "the `: ` inside this text begins a mapping",

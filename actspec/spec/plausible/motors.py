@@ -139,6 +139,9 @@ def _above_stall(name: str, motor: Motor, spans: SourceMap) -> Iterator[Doubt]:
         value: SpecValue | None = getattr(motor, field)
         if value is None or value.value is None or value.value <= ROUNDING * stall:
             continue
+        if field == "continuous_torque" and value.value > (number(motor.peak_torque) or math.inf):
+            # SPEC135 has it.
+            continue
         yield at(
             spans,
             "SPEC180",

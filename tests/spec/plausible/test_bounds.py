@@ -39,6 +39,8 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("side: joint, stall_torque: 10, peak_torque: 10.3", ["SPEC180"]),
         ("side: joint, stall_torque: 10, peak_torque: 31", ["SPEC180!"]),
         ("side: joint, stall_torque: 10, continuous_torque: 11", ["SPEC180!"]),
+        # A continuous torque above the peak is an error of its own, SPEC135, and told once.
+        ("side: joint, stall_torque: 10, peak_torque: 10, continuous_torque: 11", []),
         ("side: joint, stall_torque: unknown, peak_torque: 31", []),
         (
             "side: joint, peak_torque: 13, curve: {drive_torque: 12, brake_torque: 20, knee_speed: 1 rad/s, "

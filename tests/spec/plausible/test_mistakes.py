@@ -31,7 +31,7 @@ MISTAKES = {
         "    continuous_torque: unknown",
         "stall_torque: {value: 12 N*m, source: isaaclab_a1}\n"
         "    no_load_speed: {value: 21 rad/s, source: isaaclab_a1}\n"
-        "    peak_torque: 12 N*m\n"
+        "    peak_torque: unknown\n"
         "    continuous_torque: 33.5 N*m",
         "SPEC180",
     ),
