@@ -69,7 +69,8 @@ def _check_bodies(actuators: ActuatorSet, robot: RobotView, collector: Collector
     if robot.format is not ModelFormat.MJCF:
         return
     moving = [joint for joint in robot.joints if joint.kind is not JointKind.FREE]
-    counts = Counter(joint.body for joint in moving)
+    # Bodies without a name cannot be told apart.
+    counts = Counter(joint.body for joint in moving if joint.body)
     managed = {actuator.joint for actuator in actuators.joints}
     shared = [joint for joint in moving if counts[joint.body] > 1 and joint.name in managed]
     if shared:

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
+from actspec.api import compile as compile_spec
 from actspec.diagnostics import EmitError
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile
@@ -178,6 +181,21 @@ def test_joints_that_share_a_body() -> None:
     (said,) = caught.value.diagnostics
     assert said.code == "NWT012"
     assert said.message.startswith("calf: not alone on its body")
+
+
+def test_bodies_without_a_name_are_not_one(tmp_path: Path) -> None:
+    """Two joints on two bodies that nobody named share none."""
+    (tmp_path / "m.xml").write_text(
+        '<mujoco model="m"><worldbody><body><joint name="hip"/><geom size="0.1"/></body>'
+        '<body pos="1 0 0"><joint name="calf"/><geom size="0.1"/></body></worldbody></mujoco>'
+    )
+    (tmp_path / "s.yaml").write_text(
+        "actspec: 1\nrobot: {name: m, model: m.xml}\ntiming: {physics_dt: 2 ms}\nactuators:\n"
+        "  leg: {joints: [hip, calf], level: ideal_pd, kp: 9 N*m/rad, kd: 1 N*m*s/rad, effort_limit: 9 N*m}\n"
+        'targets: {newton: {version: "1.8", joint_paths: {".*": "joints/{joint}"}}}\n'
+    )
+    made = compile_spec(str(tmp_path / "s.yaml"), output=str(tmp_path / "out"))
+    assert {item.code for item in made.diagnostics} & {"NWT012"} == set()
 
 
 def test_errors_of_paths_and_drives_come_together() -> None:
