@@ -2,7 +2,7 @@
 
     python benchmarks/learn.py --write            # 5 minutes of 12 joints; writes the page
     python benchmarks/learn.py --short            # a minute, small networks, printed
-    python benchmarks/learn.py --logs DIR         # keeps the logs there, and takes those that are there
+    python benchmarks/learn.py --logs DIR         # keeps logs, fit and networks there, and takes those that are there
 
 All by the commands of docs/networks.md: experiments of `sysid design`, a virtual A1 of `sysid simulate`, `sysid fit`
 for friction and armature of the bench, `net train`. Judged on random sines and on what a policy does: 50 Hz targets of
@@ -82,6 +82,12 @@ BENCH = {
     "viscous: {value: 0.01 N*m*s/rad, source: a1_urdf}": "viscous: identified",
 }
 """Lines of the spec that ask for what was fitted: of the drive, and of the joint, which all of them move."""
+KINDS = {
+    "measured": ("--torque-of", "drive"),
+    "inferred": ("--torque", "inferred", "--base", "fixed"),
+    "lstm": ("--torque-of", "drive", "--kind", "lstm"),
+}
+"""Network to its options."""
 GOALS = {
     "of the DC motor's": 0.2,
     "of the fitted DC motor's": 0.4,
@@ -236,25 +242,29 @@ class Test:
         return self.torque(found), self.motion(drive)
 
 
+def trained(name: str, short: bool) -> tuple[float, float]:
+    """Processor time and time [s] of a network's training, as its log has it where it is there already."""
+    times = Path(f"nets/{name}.times")
+    if times.exists():
+        cpu, wall = json.loads(times.read_text("utf-8"))
+        return cpu, wall
+    size = ("--hidden", "16" if name == "lstm" else "32,32", "--epochs", "10") if short else ()
+    command = ("net", "train", "bench.yaml", *(f"{kind}.npz" for kind in EXPERIMENTS), "-o", f"nets/{name}")
+    text, cpu, wall = run(*command, *KINDS[name], *size, "--force", "--output-format", "json")
+    print(f"  {name}: {json.loads(text)['validation']['rmse']:.4g} held out", file=sys.stderr)
+    times.write_text(json.dumps([cpu, wall]), "utf-8")
+    return cpu, wall
+
+
 def measured(options: argparse.Namespace) -> str:
     """All, as a page."""
     times_over = 1 if options.short else 5
     seconds = len(EXPERIMENTS) * PART * times_over
-    size = ("--hidden", "32,32", "--epochs", "10") if options.short else ()
     specs()
     logs(times_over)
-    paths = [f"{kind}.npz" for kind in EXPERIMENTS]
-    fit = run("sysid", "fit", "spec.yaml", *(f"fit_{path}" for path in paths), "-o", "fit.yaml", "--force")[1]
-    train = ("net", "train", "bench.yaml", *paths, "--force", "--output-format", "json", *size)
-    times: dict[str, tuple[float, float]] = {}
-    for name, more in (
-        ("measured", ("--torque-of", "drive")),
-        ("inferred", ("--torque", "inferred", "--base", "fixed")),
-        ("lstm", ("--torque-of", "drive", "--kind", "lstm", *(("--hidden", "16") if options.short else ()))),
-    ):
-        text, cpu, wall = run(*train, "-o", f"nets/{name}", *more)
-        times[name] = cpu, wall
-        print(f"  {name}: {json.loads(text)['validation']['rmse']:.4g} held out", file=sys.stderr)
+    if not Path("fit.yaml").exists():
+        run("sysid", "fit", "spec.yaml", *(f"fit_{kind}.npz" for kind in EXPERIMENTS), "-o", "fit.yaml")
+    times = {name: trained(name, options.short) for name in KINDS}
     lines = [
         "# Networks of a virtual robot",
         "",
@@ -267,7 +277,7 @@ def measured(options: argparse.Namespace) -> str:
         + ", ".join(f"{name[2:].replace('-', ' ')} {value}" for name, value in FLAWS.items())
         + ". The torque is the drive's. Tests: random sines, and 50 Hz targets of a gait with noise as a policy sends "
         f"them, {PART:g} s each. Friction and armature of the bench, and the fitted DC motor, are those of "
-        f"`sysid fit` on {PART:g} s of each experiment ({fit:.0f} s of a processor).",
+        f"`sysid fit` on {PART:g} s of each experiment.",
         "",
         f"Python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores, load "
         f"{os.getloadavg()[0]:.1f}.",
@@ -322,7 +332,7 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--write", action="store_true")
-    parser.add_argument("--logs", help="folder of logs that are kept")
+    parser.add_argument("--logs", help="folder of what is kept")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         where = Path(options.logs or folder).resolve()

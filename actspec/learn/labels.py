@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.learn.floating import floating
+from actspec.learn.spline import spline
 from actspec.learn.windows import Dataset, with_rows
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.links import bench_model, links_along
-from actspec.sysid.recording import Recording, scatter
+from actspec.sysid.recording import Recording
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,10 +23,6 @@ if TYPE_CHECKING:
 
 SLIDES = 0.05
 """Speed from which a joint slides [rad/s or m/s]. Chosen: near what sensors resolve."""
-HALVINGS = 14
-"""Of the range of a spline's stiffness."""
-STIFFNESS = (1e-14, 1e2)
-"""Its least and largest value. Chosen: from a spline through every reading to one that bends over seconds."""
 
 
 def inferred(
@@ -34,14 +31,15 @@ def inferred(
     """The logs with the torques that the model with the spec's armature and friction needs.
 
     tau = M(q) q'' + armature q'' + load(q, q') + viscous q' + coulomb sign(q'), in all logged joints at once; joints
-    that are not logged and the base are held. Of a joint that stands, dry friction is anything between both signs: the
-    torque is told within that, see `Track.slack`.
+    that are not logged and the base are held. A base whose motion is in the log flew free, and rows in contact have no
+    torque. Of a joint that stands, dry friction is anything between both signs: the torque is told within that, see
+    `Track.slack`.
 
     Args:
         data: Without torques.
         robot: The model.
         logs: Their recordings.
-        base: `fixed`: a base that is free in the model was held.
+        base: `fixed`: a base that is free in the model was held, whatever columns tell of it.
         out: Takes what is assumed.
 
     Raises:
@@ -63,8 +61,9 @@ def inferred(
         time = max((part.time for part in parts), key=len)
         columns = [[np.interp(time, p.time, part) for part in _motion(p)] for p in parts]
         bias = np.array([by_name[name].encoder_bias.value or 0.0 for name in names])
-        held = parts[0].log.sidecar.base
-        if held is None:
+        log = parts[0].log
+        held, moves = log.sidecar.base, log.base is not None and base is None
+        if held is None and not moves:
             message = "the sidecar does not say how the base was held: as in the model's reference pose"
             out.info(
                 "LRN024",
@@ -74,8 +73,14 @@ def inferred(
             )
         q, qd, qdd = (np.stack(column, axis=1) for column in zip(*columns, strict=True))
         q = q - bias
-        links = links_along(robot, names, q, qd, None if held is None else held.orientation)
-        torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
+        if moves:
+            torque, touching = floating(robot, names, log, time, q, qd, qdd)
+            torque[touching] = np.nan
+            message = f"{int(touching.sum())} of {len(time)} rows are in contact: they are left out"
+            out.info("LRN026", message, span=Span(path))
+        else:
+            links = links_along(robot, names, q, qd, None if held is None else held.orientation)
+            torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
         for j, name in enumerate(names):
             actuator = by_name[name]
             slides = np.abs(qd[:, j]) > SLIDES
@@ -99,53 +104,27 @@ def _motion(part: Recording) -> tuple[Array, Array, Array]:
     import numpy as np
 
     if "velocity" in part.measured:
-        speed = _spline(part.time, part.measured["velocity"])
+        speed = spline(part.time, part.measured["velocity"])
         return part.position, speed(part.time), speed.derivative()(part.time)
-    course = _spline(part.time, part.measured["position"])
+    course = spline(part.time, part.measured["position"])
     return tuple(np.asarray(course(part.time, k)) for k in range(3))  # type: ignore[return-value]
 
 
-def _spline(time: Array, signal: Array) -> Any:
-    """A cubic spline through readings, as stiff as their noise allows; what is not a number is left out."""
-    import numpy as np
-    from scipy.interpolate import CubicSpline, make_smoothing_spline
-
-    good = np.isfinite(signal)
-    time, signal = time[good], signal[good]
-    noise = scatter(signal)
-    if len(time) < 5 or not noise > 0.0:
-        return CubicSpline(time, signal)
-    low, high = (math.log(end) for end in STIFFNESS)
-    for _ in range(HALVINGS):
-        middle = 0.5 * (low + high)
-        found = make_smoothing_spline(time, signal, lam=math.exp(middle))
-        if float(np.mean((found(time) - signal) ** 2)) > noise**2:
-            high = middle
-        else:
-            low = middle
-    return make_smoothing_spline(time, signal, lam=math.exp(low))
-
-
 def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None:
-    """A free base must have been held: what carries it is no joint's torque."""
+    """A free base must have been held, or the log must tell how it moved: what carries it is no joint's torque."""
     import mujoco
 
-    names = {
-        log.path: [*log.joints, *(name for name in log.ignored if name.startswith("base."))] for log in logs
-    }
-    moving = [
-        log.path
-        for log in logs
-        if log.base is not None or any(n == "base" or n.startswith("base.") for n in names[log.path])
-    ]
-    if moving:
-        message = "the log has base columns, and torques are inferred on a base that is held"
-        raise LogError.of(
-            "LRN024", message, Span(moving[0], 1), help="log the robot hung up, with --base fixed"
-        )
+    if base is not None:
+        return
+    for log in logs:
+        odd = [n for n in (*log.joints, *log.ignored) if n == "base" or n.startswith("base.")]
+        if odd and log.base is None:
+            message = f"the log has {listed(odd)}, which do not tell how the base moved"
+            help = "see docs/sysid.md for the columns; of a robot that was hung up: --base fixed"
+            raise LogError.of("LRN024", message, Span(log.path, 1), help=help)
+    still = [log for log in logs if log.base is None and log.sidecar.base is None]
     model, _ = bench_model(robot, [], None)
-    free = bool((model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any())
-    if free and base is None and any(log.sidecar.base is None for log in logs):
+    if still and (model.jnt_type == int(mujoco.mjtJoint.mjJNT_FREE)).any():
         message = "the model's base is free, and nothing says that it was held"
         help = "a robot that was hung up: --base fixed, or `base: {orientation: [1, 0, 0, 0]}` beside the log"
-        raise LogError.of("LRN024", message, Span(logs[0].path), help=help)
+        raise LogError.of("LRN024", message, Span(still[0].path), help=help)

@@ -10,9 +10,12 @@ import pytest
 
 from actspec import api
 from actspec.diagnostics import Collector
-from actspec.learn.labels import _spline, inferred
+from actspec.learn.floating import floating
+from actspec.learn.labels import inferred
+from actspec.learn.spline import spline
 from actspec.learn.train import beyond
 from actspec.learn.windows import dataset, slacks
+from actspec.logs import BaseLog, JointLog, Log, LogError, Sidecar
 from tests.learn.pendulums import SPEC, folder, log
 
 pytest.importorskip("scipy")
@@ -26,10 +29,10 @@ def test_a_spline_is_as_stiff_as_the_noise_allows() -> None:
     noisy = clean + 0.02 * np.random.default_rng(0).standard_normal(400)
     middle = slice(20, -20)
     assert np.std((np.gradient(noisy, time) - slope)[middle]) == pytest.approx(2.8, rel=0.1)
-    assert np.std((_spline(time, noisy).derivative()(time) - slope)[middle]) < 0.8
+    assert np.std((spline(time, noisy).derivative()(time) - slope)[middle]) < 0.8
     # Without noise, nothing is bent away; a reading that is none is left out.
     holed = np.where(np.arange(400) == 200, np.nan, clean)
-    assert np.abs((_spline(time, holed).derivative()(time) - slope)[middle]).max() < 0.05
+    assert np.abs((spline(time, holed).derivative()(time) - slope)[middle]).max() < 0.05
 
 
 def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
@@ -69,3 +72,56 @@ def test_what_lies_within_the_slack_is_no_error() -> None:
     assert beyond(np, np.array([0.5, -0.7, 0.2]), np.array([0.6, 0.6, 0.0])) == pytest.approx(
         [0.0, -0.1, 0.2]
     )
+
+
+def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
+    """A body with an arm that is thrown and lands: MuJoCo's own torque in flight, contact left out."""
+    import mujoco
+
+    (tmp_path / "robot.xml").write_text(
+        """<mujoco><option timestep="0.0005"/><worldbody><geom type="plane" size="5 5 1"/>
+        <body pos="0 0 1"><freejoint/><geom size=".1" mass="2"/>
+        <body pos=".1 0 0"><joint name="arm" axis="0 1 0"/>
+        <geom type="capsule" fromto="0 0 0 .2 0 0" size=".02" mass=".5" contype="0" conaffinity="0"/></body></body>
+        </worldbody><actuator><motor joint="arm"/></actuator></mujoco>""",
+        "utf-8",
+    )
+    (tmp_path / "spec.yaml").write_text(
+        "actspec: 1\nrobot: {name: thrown, model: robot.xml}\nactuators: {arm: {joints: [arm], level: ideal_pd, "
+        "kp: 1 N*m/rad, kd: 0 N*m*s/rad, effort_limit: 5 N*m}}\n",
+        "utf-8",
+    )
+    model = mujoco.MjModel.from_xml_path(str(tmp_path / "robot.xml"))
+    data = mujoco.MjData(model)
+    data.qvel[:6] = 1.0, 0.0, 1.0, 0.5, 1.0, -0.5
+    rows: list[np.ndarray] = []
+    for k in range(1600):
+        data.ctrl[0] = 0.3 * np.sin(0.02 * k)
+        mujoco.mj_step1(model, data)
+        if k % 10 == 0:
+            rows.append(np.concatenate([[data.time, data.ctrl[0], data.ncon > 0], data.qpos, data.qvel]))
+        mujoco.mj_step2(model, data)
+    all_rows = np.array(rows)
+    time, torque, hit, q, v = (
+        all_rows[:, 0],
+        all_rows[:, 1],
+        all_rows[:, 2] > 0,
+        all_rows[:, 3:11],
+        all_rows[:, 11:],
+    )
+    assert 10 < hit.sum() < 100
+    moved = BaseLog(
+        q[:, :3], q[:, 3:7] * np.where(np.arange(len(q)) % 2, -1.0, 1.0)[:, None], v[:, :3], v[:, 3:6]
+    )
+    joint = JointLog("arm", False, command=torque, position=q[:, 7], velocity=v[:, 6])
+    log = Log("thrown.csv", "", time, {"arm": joint}, Sidecar(), base=moved)
+    robot = api.load_robot(api.load(str(tmp_path / "spec.yaml")))
+    qdd = spline(time, v[:, 6]).derivative()(time)
+    found, touching = floating(robot, ["arm"], log, time, q[:, 7:8], v[:, 6:7], qdd[:, None])
+    assert touching[hit].mean() > 0.8 and not touching[: np.flatnonzero(hit)[0] - 10].any()
+    free = slice(3, np.flatnonzero(hit)[0] - 6)
+    assert found[free, 0] == pytest.approx(torque[free], abs=0.01)
+    for lacking in ("orientation", "angular_velocity"):
+        part = replace(log, base=replace(moved, **{lacking: None}))
+        with pytest.raises(LogError, match=f"base.{lacking}"):
+            floating(robot, ["arm"], part, time, q[:, 7:8], v[:, 6:7], qdd[:, None])
