@@ -87,7 +87,7 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
         "utf-8",
     )
     (tmp_path / "spec.yaml").write_text(
-        "actspec: 1\nrobot: {name: thrown, model: robot.xml}\nactuators: {arm: {joints: [arm], level: ideal_pd, "
+        "actspec: 1\nrobot: {name: thrown, model: robot.xml}\ntiming: {physics_dt: 5 ms}\nactuators: {arm: {joints: [arm], level: ideal_pd, "
         "kp: 1 N*m/rad, kd: 0 N*m*s/rad, effort_limit: 5 N*m}}\n",
         "utf-8",
     )
@@ -115,12 +115,19 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
     )
     joint = JointLog("arm", False, command=torque, position=q[:, 7], velocity=v[:, 6])
     log = Log("thrown.csv", "", time, {"arm": joint}, Sidecar(), base=moved)
-    robot = api.load_robot(api.load(str(tmp_path / "spec.yaml")))
+    spec = api.load(str(tmp_path / "spec.yaml"))
+    robot = api.load_robot(spec)
     qdd = spline(time, v[:, 6]).derivative()(time)
     found, touching = floating(robot, ["arm"], log, time, q[:, 7:8], v[:, 6:7], qdd[:, None])
     assert touching[hit].mean() > 0.8 and not touching[: np.flatnonzero(hit)[0] - 10].any()
     free = slice(3, np.flatnonzero(hit)[0] - 6)
     assert found[free, 0] == pytest.approx(torque[free], abs=0.01)
+    actuators, out = api.resolve(spec, robot), Collector()
+    data = dataset(actuators, [log], out, taps=(0,), measured=False)
+    (track,) = inferred(data, robot, [log], None, out).tracks
+    said = [item.message for item in out if item.code == "LRN026"]
+    assert said == [f"{int(touching.sum())} of 160 rows are in contact: they are left out"]
+    assert list(track.rows) == list(np.flatnonzero(~touching))
     for lacking in ("orientation", "angular_velocity"):
         part = replace(log, base=replace(moved, **{lacking: None}))
         with pytest.raises(LogError, match=f"base.{lacking}"):
