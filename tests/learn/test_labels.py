@@ -87,7 +87,8 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
         "utf-8",
     )
     (tmp_path / "spec.yaml").write_text(
-        "actspec: 1\nrobot: {name: thrown, model: robot.xml}\ntiming: {physics_dt: 5 ms}\nactuators: {arm: {joints: [arm], level: ideal_pd, "
+        "actspec: 1\nrobot: {name: thrown, model: robot.xml}\ntiming: {physics_dt: 5 ms}\n"
+        "actuators: {arm: {joints: [arm], level: ideal_pd, "
         "kp: 1 N*m/rad, kd: 0 N*m*s/rad, effort_limit: 5 N*m}}\n",
         "utf-8",
     )
