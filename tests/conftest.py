@@ -15,6 +15,7 @@ from actspec.processes import IsolatedCall, Pool
 from actspec.robot.usda import read_usda
 from tests.frameworks.forking import forking
 from tests.in_process import in_process
+from tests.remembering import remembering
 
 # Processes of the run share the cores: threads would wait for each other, and burn the time. Before numpy is there.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
@@ -68,8 +69,8 @@ def forked() -> Iterator[None]:
 
 @pytest.fixture(scope="session", autouse=True)
 def _in_process() -> Iterator[None]:
-    """Files are read in this process: see `tests/in_process.py`."""
-    with in_process():
+    """Files are read in this process, and references remembered: see the files of these names."""
+    with in_process(), remembering():
         yield
 
 

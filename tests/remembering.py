@@ -1,0 +1,45 @@
+"""The reference of time responses, integrated once for what is the same: most of what `verify` takes in the tests.
+
+Tests verify one spec again and again, each time with another mistake in a file, and against the same reference.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+import pytest
+
+from actspec.simulate.experiment import Experiment
+from actspec.simulate.reference import DrivenJoint, Trajectory
+
+ORIGINAL = Experiment.reference
+_MOVED: dict[Any, Trajectory] = {}
+
+
+def reference(experiment: Experiment, driven: Sequence[tuple[int, DrivenJoint]]) -> list[Trajectory]:
+    """As `Experiment.reference`, whose lanes do not touch each other."""
+    keys = [
+        (
+            joint,
+            experiment.step,
+            experiment.command.shape,
+            *(
+                part.tobytes()
+                for part in (experiment.command[..., i], experiment.q[:, i], experiment.qd[:, i])
+            ),
+        )
+        for i, joint in driven
+    ]
+    new = {key: one for key, one in zip(keys, driven, strict=True) if key not in _MOVED}
+    _MOVED.update(zip(new, ORIGINAL(experiment, list(new.values())), strict=True))
+    return [_MOVED[key] for key in keys]
+
+
+@contextmanager
+def remembering() -> Iterator[None]:
+    """Remember what was integrated."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Experiment, "reference", reference)
+        yield
