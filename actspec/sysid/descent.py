@@ -139,7 +139,11 @@ DIFFERENCE = 1e-3
 
 
 def descend(
-    search: Search, values: Mapping[str, float], fit: Fit | None = None, beat: float = math.inf
+    search: Search,
+    values: Mapping[str, float],
+    fit: Fit | None = None,
+    beat: float = math.inf,
+    rounds: int = ROUNDS,
 ) -> Fit:
     """Search from given figures on.
 
@@ -148,6 +152,7 @@ def descend(
         values: Every figure, where to begin.
         fit: An earlier fit whose states and noise are begun with.
         beat: Cost above which the end is of no use: where it cannot be reached, the search is given up.
+        rounds: Most steps.
     """
     import numpy as np
 
@@ -157,7 +162,7 @@ def descend(
     system = linearised(search, now, states)
     noise = system.noise()
     solved = system.solve(noise)
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         step = solved.step(damping)
         fall = float(step @ solved.right)
         if still and fall < ENOUGH:

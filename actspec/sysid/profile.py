@@ -18,8 +18,10 @@ WEAK = 0.05
 bends too little to matter."""
 ROW = 0.5
 """Likewise of a delay, in rows."""
-TRIES = 4
+TRIES = 3
 """Most fits for one end."""
+ROUNDS = 5
+"""Most steps of such a fit, which begins where the curvature says that it ends. Chosen: it takes one or two."""
 NEAR = 0.03
 """How near to the end, as a share of the interval's half, is near enough."""
 FARTHEST = 4.0
@@ -117,7 +119,7 @@ def _held(joint: JointInWork, fit: Fit, name: str, values: Mapping[str, float]) 
     """The best fit with a figure held."""
     assert joint.fit is not None
     search = _search(joint, joint.fit, tuple(other for other in joint.fit.free if other != name))
-    return descend(search, values, fit)
+    return descend(search, values, fit, rounds=ROUNDS)
 
 
 def _cost(joint: JointInWork, fit: Fit, noise: Mapping[str, float]) -> float:

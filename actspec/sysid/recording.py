@@ -349,11 +349,19 @@ def smooth(time: Array, signal: Array, width: float, derivative: int = 0) -> Arr
     import numpy as np
     from scipy.signal import savgol_filter
 
-    usual = float(np.median(np.diff(time)))
-    rows = min(max(round(width / usual) // 2 * 2 + 1, 5), (len(time) - 1) // 2 * 2 - 1)
+    gaps = np.diff(time)
+    usual = float(np.median(gaps))
+    rows = max(round(width / usual) // 2 * 2 + 1, 5)
     good = np.isfinite(signal)
     filled = np.interp(time, time[good], signal[good])
-    found: Array = savgol_filter(filled, rows, 3, deriv=derivative, delta=usual)
+    found = np.zeros(len(time))
+    # Across a gap the signal jumps, which is no speed.
+    for part in np.split(np.arange(len(time)), np.flatnonzero(gaps > GAP * usual) + 1):
+        wide = min(rows, (len(part) - 1) // 2 * 2 - 1)
+        if wide >= 5:
+            found[part] = savgol_filter(filled[part], wide, 3, deriv=derivative, delta=usual)
+        elif derivative == 0:
+            found[part] = filled[part]
     return found
 
 

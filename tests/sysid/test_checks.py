@@ -83,3 +83,12 @@ def test_a_joint_that_hardly_moves_is_refused(log: Log) -> None:
     found = said(longer, command=np.tile(command(), 5), position=tiny, velocity=None)
     assert [(one.code, one.severity.value, one.where) for one in found] == [("SYS011", "error", "hip")]
     assert "the joint moves by 0.00" in found[0].message and "rad (standard" in found[0].message
+
+
+def test_a_gap_is_no_speed(log: Log) -> None:
+    """0.4 s without rows, over which the joint moved: its speed still is the position's derivative."""
+    kept = np.r_[0:900, 1100:2000]
+    columns = {name: getattr(log.joints["hip"], name)[kept] for name in ("command", "position", "velocity")}
+    found = said(replace(log, time=log.time[kept]), **columns)
+    assert {(one.code, one.severity.value) for one in found} == {("SYS013", "info")}
+    assert any("0.402 s without rows" in one.message for one in found)
