@@ -274,7 +274,7 @@ def _text(
     runs: Sequence[Run],
     found: Sequence[Found],
     reasons: dict[int, Verdict],
-    untouched: dict[str, Any],
+    untouched: Sequence[dict[str, Any]],
 ) -> str:
     files = {file.path: file for run in runs for file in run.report.case.files}
     unread = [file for file in files.values() if not file.readable]
@@ -345,27 +345,39 @@ def _text(
     return "\n".join([*lines, *_untouched(untouched)]).rstrip() + "\n"
 
 
-def _untouched(told: dict[str, Any]) -> Iterator[str]:
+def _untouched(told: Sequence[dict[str, Any]]) -> Iterator[str]:
     """Files on which nothing was tuned, with what a reader thought of their errors and warnings."""
     yield from (
         "## Files that were not used while working",
         "",
-        f"Wheels that were audited for the first time on {told['date']}, a folder each, nothing tuned on them, and",
-        "read by hand. Counted are errors and warnings as a reader sees them: worth acting on, true, false.",
-        "",
-        *_wheels(told["wheels"], "found"),
-        "",
-        "Wheels for which something was changed, as they were on first sight:",
-        "",
-        *_wheels(told["changed"], "changed"),
+        "Errors and warnings as a reader sees them, judged by hand: worth acting on, true but nobody would act, false.",
+        "What is false, or of no use, leads to a change of rules: the first table of a date is where nothing was",
+        "changed, the second what was seen at first where something was.",
     )
+    for block in told:
+        useful, true, false = (sum(row[i] for row in block["wheels"].values()) for i in (1, 2, 3))
+        count = useful + true + false
+        yield from (
+            "",
+            f"### {block['date']}",
+            "",
+            f"{block['read']}, audited for the first time, a folder each: {useful} of {count} findings are worth "
+            f"acting on ({100 * useful / count:.0f} %), {true} are true, {false} false.",
+            *([" ".join(block["note"].split())] if "note" in block else []),
+            "",
+            *_wheels(block["wheels"], "found"),
+            "",
+            "Those for which something was changed, as they were on first sight:",
+            "",
+            *_wheels(block["changed"], "changed"),
+        )
 
 
 def _wheels(wheels: dict[str, Any], last: str) -> Iterator[str]:
     """A table of wheels, with their sum."""
     rows = [(name, *row) for name, row in wheels.items()]
     sums = [sum(row[i] for row in rows) for i in range(1, 5)]
-    yield f"| wheel | files | worth acting on | true | false | {last} |"
+    yield f"| name | files | worth acting on | true | false | {last} |"
     yield "|---|---:|---:|---:|---:|---|"
     yield from (f"| {' | '.join(_cell(str(cell)) for cell in row)} |" for row in rows)
     yield f"| all | {' | '.join(map(str, sums))} | |"

@@ -131,3 +131,39 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
     assert "(the same kind in robots/b.xml, robots/c.xml and 2 more)" in group.headline()
     named = audit(["robots/a.xml"], Settings())
     assert len(found(named)) == 2
+
+
+@pytest.mark.parametrize(
+    ("name", "severity"),
+    [
+        ("robots/leg.xml", Severity.WARNING),
+        ("robots/old/leg.xml", Severity.INFO),
+        ("robots/leg (copy).xml", Severity.INFO),
+        ("robots/leg_bak.xml", Severity.INFO),
+        ("robots/scaffold/leg.xml", Severity.WARNING),
+    ],
+)
+def test_a_file_that_calls_itself_old(name: str, severity: Severity) -> None:
+    """Nobody runs it; who names it means it, and what the settings say of a rule holds there too."""
+    Path("robots/leg.xml").unlink()
+    Path(name).parent.mkdir(exist_ok=True)
+    Path(name).write_text(BROKEN)
+    assert [item[3] for item in found(audit(["robots"], Settings()))] == [severity]
+    assert [item[3] for item in found(audit([name], Settings()))] == [Severity.ERROR]
+    strict = Settings(severity={"AUD008": Severity.ERROR})
+    assert [item[3] for item in found(audit(["robots"], strict))] == [Severity.ERROR]
+
+
+def test_what_an_old_file_alone_speaks_against() -> None:
+    """A limit that differs from a backup's is a note; from a file in use it is an error."""
+    joint = '<joint name="knee" actuatorfrcrange="-{0} {0}"/>'
+    joint += "".join(
+        f'<joint name="{n}" axis="{n == "hip":d} 1 0" actuatorfrcrange="-5 5"/>' for n in ("hip", "toe")
+    )
+    model = '<mujoco model="leg"><worldbody><body>' + joint + '<geom size="0.1"/></body></worldbody></mujoco>'
+    Path("robots/leg.xml").write_text(model.format(10))
+    Path("robots/leg_old.xml").write_text(model.format(40))
+    settings = Settings(select=("SRC101",))
+    assert [item.severity for item in audit(["robots"], settings).findings] == [Severity.INFO]
+    Path("robots/leg_old.xml").rename("robots/leg_b.xml")
+    assert [item.severity for item in audit(["robots"], settings).findings] == [Severity.ERROR]

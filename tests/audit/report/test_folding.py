@@ -150,3 +150,6 @@ def test_copies_of_a_robot_are_reported_once() -> None:
     assert first.headline() == "l, r: no limit (the same in a)"
     assert (second.first.finding.span.path, second.copies) == ("c", ())
     assert len(for_people(of(3, ("a", "l"), ("b", "r")))) == 2
+    # A variant with another hand shares a joint.
+    (one,) = for_people(of(3, ("a", "l"), ("a", "r"), ("b", "l"), ("b", "m")))
+    assert one.headline() == "l, r: no limit (the same for other joints in b)"
