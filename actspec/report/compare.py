@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Diagnostic, one_line
 from actspec.ir import Command, JointKind, Level
-from actspec.report.plot import COMMAND, Axis, Chart, Line, Points
+from actspec.report.axes import Axis
+from actspec.report.plot import COMMAND, Chart, Line, Points
 from actspec.report.tables import escaped, markdown_table, table
 from actspec.report.terminal import diagnostic_record, json_number
 from actspec.study.compare import Compared, Comparison, Trace

@@ -12,7 +12,8 @@ from html import escape
 from typing import Any
 
 from actspec.diagnostics import one_line
-from actspec.report.plot import Axis, Band, Bars, Chart, Line, Mark, Points, plot_style, svg
+from actspec.report.axes import Axis, plot_style
+from actspec.report.plot import Band, Bars, Chart, Line, Mark, Points, svg
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """Of pictures that can be written."""

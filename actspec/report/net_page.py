@@ -10,8 +10,9 @@ from actspec.joints import JointKind
 from actspec.laws.network import NetworkLaw
 from actspec.learn.evaluate import FAIR, GOOD, HORIZON, Evaluation, JointErrors, predicted
 from actspec.learn.windows import Dataset, Track
+from actspec.report.axes import Axis, plot_style
 from actspec.report.page import figure, fold, plain, plain_table, whole
-from actspec.report.plot import FIT, READ, Axis, Bars, Chart, Line, Rule, plot_style, svg
+from actspec.report.plot import FIT, READ, Bars, Chart, Line, Rule, svg
 from actspec.sysid.motion import Bounds
 from actspec.units import format_number
 

@@ -12,11 +12,13 @@ from actspec.audit.case import Case
 from actspec.diagnostics import Diagnostic, Severity, listed, one_line
 from actspec.ir import ActuatorSet, JointActuator, JointKind, Origin
 from actspec.report import compare as comparing
+from actspec.report.axes import Axis, plot_style
 from actspec.report.diagnosis import days_of, gain_of, verdict
 from actspec.report.ledger import ledger_sheets, sheet_table
 from actspec.report.overview_figures import Figure, envelopes, steps, trackings
 from actspec.report.page import articles, figure, fold, plain, plain_table, whole
-from actspec.report.plot import Axis, plot_style, stacks, svg
+from actspec.report.plot import svg
+from actspec.report.row_pictures import stacks
 from actspec.report.tables import escaped, many, markdown_table
 from actspec.resources import data_path
 from actspec.study.advice import Advice

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
+from actspec.report.axes import Axis
 from actspec.report.compare import by_actuator, by_variant, step_chart
-from actspec.report.plot import COMMAND, FIT, READ, Axis, Chart, Line, Points
+from actspec.report.plot import COMMAND, FIT, READ, Chart, Line, Points
 from actspec.study.compare import Comparison
 from actspec.study.measures import BEYOND, Track, bounds_at, has_line
 

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
 from actspec.joints import JointKind
+from actspec.report.axes import Axis
 from actspec.report.page import figure, fold, plain_table
-from actspec.report.plot import FIT, NOISE, READ, Axis, Band, Chart, Line, Mark, Points, Rule, svg
+from actspec.report.plot import FIT, NOISE, READ, Band, Chart, Line, Mark, Points, Rule, svg
 from actspec.sysid.frequency import Response, response
 from actspec.sysid.replay import Replay
 from actspec.sysid.step import Step, steps

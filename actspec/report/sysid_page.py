@@ -12,8 +12,9 @@ from actspec.diagnostics import Diagnostic, listed
 from actspec.fields import BY_SPEC
 from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
 from actspec.logs import Log
+from actspec.report.axes import Axis, plot_style
 from actspec.report.page import articles, figure, fold, plain, plain_table, whole
-from actspec.report.plot import Axis, Interval, intervals, plot_style
+from actspec.report.row_pictures import Interval, intervals
 from actspec.report.sysid_pictures import pictures
 from actspec.report.tables import many
 from actspec.resources import data_path

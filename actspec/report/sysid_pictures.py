@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 
 from actspec.fields import units_of
 from actspec.joints import JointKind
+from actspec.report.axes import Axis
 from actspec.report.page import figure, plain
-from actspec.report.plot import COMMAND, FIT, NOISE, READ, Axis, Band, Bars, Chart, Line, Mark, Rule, svg
+from actspec.report.plot import COMMAND, FIT, NOISE, READ, Band, Bars, Chart, Line, Mark, Rule, svg
 from actspec.report.sysid_answers import bode, friction_cloud, step_answers
 from actspec.sysid.recording import scatter
 from actspec.sysid.replay import Replay

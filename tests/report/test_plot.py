@@ -8,22 +8,9 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from actspec.report.plot import (
-    Axis,
-    Band,
-    Bars,
-    Chart,
-    Interval,
-    Line,
-    Mark,
-    Points,
-    Rule,
-    intervals,
-    log_ticks,
-    svg,
-    thinned,
-    ticks,
-)
+from actspec.report.axes import Axis, log_ticks, ticks
+from actspec.report.plot import Band, Bars, Chart, Line, Mark, Points, Rule, svg, thinned
+from actspec.report.row_pictures import Interval, intervals
 
 X, Y = Axis("time", "s"), Axis("position", "rad")
 
