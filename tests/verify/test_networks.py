@@ -51,7 +51,9 @@ def test_runtime_agrees(built: Built) -> None:
     assert [row.message for row in agreement.faults] == []
     (row,) = (row for row in agreement.rows if row.quantity == COURSES)
     assert (row.group, row.joints, row.approximations) == ("legs", 2, ())
-    assert row.tolerance == pytest.approx(6e-5) and row.max_error is not None and row.max_error < 2e-5
+    assert (
+        row.tolerance == pytest.approx(6e-5, rel=0.2) and row.max_error is not None and row.max_error < 2e-5
+    )
     assert rows(agreement)["arm", "torque"]
 
 
@@ -71,6 +73,17 @@ def test_another_clamp_is_found(old: str, new: str, most: float, built: Built) -
     error = faults[0].max_error
     assert error is not None and 0.5 * most < error <= most + 1e-5
     assert rows(agreement)["arm", "torque"]
+
+
+def test_terms_that_cancel_are_no_fault(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """50000 N*m less 50000 N*m is off by 1e-3 N*m in single precision, 20 times 1e-5 of the limit."""
+    weights = np.array([netted.WEIGHTS[0] / 50.0, netted.WEIGHTS[0] / 50.0 * 1.0001])
+    monkeypatch.setattr(netted, "layers", lambda: [(weights, [0.0, 0.0], "Tanh"), ([[5e4, -5e4]], [0.0], "")])
+    netted.build(tmp_path)
+    _, agreement = api.verify(tmp_path / "spec.yaml", targets=["mujoco"])
+    assert [row.message for row in agreement.faults] == []
+    (row,) = (row for row in agreement.rows if row.quantity == COURSES)
+    assert row.max_error is not None and row.max_error > 3 * 6e-5
 
 
 def test_law_of_a_course(built: Built) -> None:
