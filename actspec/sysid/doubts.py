@@ -60,8 +60,11 @@ def doubted(joint: JointInWork, found: JointFit, out: Collector) -> JointFit:
     judge_drift(joint, unit, out)
     scale = torque_scale(joint) if joint.torque else None
     if scale is not None:
+        # The masses that it is held against are known no better than the sidecar says.
+        masses = max(_ratio(recording.log.sidecar.accuracy.masses) for recording in joint.recordings)
+        spread = math.hypot(scale.std, masses * scale.value)
         read = (
-            Indicator("torque_scale", scale.value, scale.std, "1"),
+            Indicator("torque_scale", scale.value, spread, "1"),
             Indicator("torque_offset", scale.offset, None, unit),
         )
         found = replace(found, diagnostics=(*found.diagnostics, *read))

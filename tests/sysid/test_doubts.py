@@ -65,7 +65,9 @@ def test_accuracy_that_is_stated_is_no_contradiction(tmp_path: Path, pendulum: L
     """Masses known to 5 % and torque to 3 % allow a scale of 1.08."""
     given = off(pendulum, 1.08, 0.0, accuracy={"torque": 0.03, "masses": 0.05})
     found = fitted(tmp_path, given)
-    assert diagnostics(found)["torque_scale"][0] > 1.05
+    scale, std = diagnostics(found)["torque_scale"]
+    # The regression's own is below 0.02, and 5 % of 1.08 are 0.054.
+    assert scale > 1.05 and std is not None and 0.053 < std < 0.058
     assert not [item for item in warned(found) if item.code == "SYS018"]
 
 
