@@ -2,11 +2,12 @@
 
     python benchmarks/learn.py --write            # 5 minutes of 12 joints; writes the page
     python benchmarks/learn.py --short            # a minute, small networks, printed
+    python benchmarks/learn.py --known            # without the fit, the longest part
     python benchmarks/learn.py --logs DIR         # keeps logs, fit and networks there, and takes those that are there
 
 All by the commands of docs/networks.md: experiments of `sysid design`, a virtual A1 of `sysid simulate`, `sysid fit`
 for friction and armature of the bench, `net train`. Judged on random sines and on what a policy does: 50 Hz targets of
-a gait with noise. Times are processor times where the machine is shared.
+a gait with noise. Times are processor times where the machine is shared. Exit code 1: a goal is missed.
 """
 
 from __future__ import annotations
@@ -52,6 +53,8 @@ Array = np.ndarray[Any, Any]
 
 PAGE = Path(__file__).with_suffix(".md")
 RATE = 200.0
+FIT_KINDS, FIT = ("steps", "multisine"), 6.0
+"""What is fitted, the first part of each [s]."""
 PART = 20.0
 """Of a designed experiment [s]."""
 EXPERIMENTS = ("chirp", "steps", "multisine")
@@ -82,6 +85,12 @@ BENCH = {
     "viscous: {value: 0.01 N*m*s/rad, source: a1_urdf}": "viscous: identified",
 }
 """Lines of the spec that ask for what was fitted: of the drive, and of the joint, which all of them move."""
+KNOWN = {
+    "coulomb: {value: 0.2 N*m, source: a1_urdf}": "coulomb: 0.4 N*m",
+    "viscous: {value: 0.01 N*m*s/rad, source: a1_urdf}": "viscous: 0.03 N*m*s/rad",
+}
+"""The robot's own figures, as the best of fits would have them; Stribeck is left out, as in MuJoCo."""
+DELAY = {key: value for key, value in TRUE.items() if "delay" in value}
 KINDS = {
     "measured": ("--torque-of", "drive"),
     "inferred": ("--torque", "inferred", "--base", "fixed"),
@@ -127,11 +136,12 @@ def policy(path: str, centre: Log, seconds: float, seed: int) -> None:
     write_log(Log(path, "", np.arange(rows) / RATE, joints, Sidecar()))
 
 
-def specs() -> None:
+def specs(known: bool) -> None:
     """The spec, the virtual robot's, and those with fitted figures, beside copies of the model."""
     text = (ROOT / "robots" / "a1.yaml").read_text("utf-8")
     text = text.replace("model: a1/a1.xml", f"model: {ROOT / 'robots' / 'a1' / 'a1.xml'}")
-    for name, changes in {"spec": {}, "true": TRUE, "bench": BENCH, "fitted": BENCH | FITTED}.items():
+    bench, fitted = (KNOWN, KNOWN | DELAY) if known else (BENCH, BENCH | FITTED)
+    for name, changes in {"spec": {}, "true": TRUE, "bench": bench, "fitted": fitted}.items():
         found = text
         for old, new in changes.items():
             assert old in found, old
@@ -165,11 +175,11 @@ def logs(times: int) -> None:
     for k, kind in enumerate((*EXPERIMENTS, "random", "policy")):
         if not Path(f"{kind}.npz").exists():
             flaws = [part for both in FLAWS.items() for part in both]
-            given = ("--command", f"command_{kind}.npz", "-o", f"{kind}.npz", "--seed", str(10 + k))
-            run("sysid", "simulate", "true.yaml", *given, *flaws)
-        if kind in EXPERIMENTS:
+            more = ("--command", f"command_{kind}.npz", "-o", f"{kind}.npz", "--seed", str(10 + k))
+            run("sysid", "simulate", "true.yaml", *more, *flaws)
+        if kind in FIT_KINDS:
             log = load_log(f"{kind}.npz")
-            keep = slice(0, round(PART * RATE))
+            keep = slice(0, round(FIT * RATE))
             names = ("command", "position", "velocity", "torque")
             joints = {
                 name: dataclasses.replace(joint, **{n: getattr(joint, n)[keep] for n in names})
@@ -256,19 +266,20 @@ def trained(name: str, short: bool) -> tuple[float, float]:
     return cpu, wall
 
 
-def measured(options: argparse.Namespace) -> str:
-    """All, as a page."""
+def measured(options: argparse.Namespace) -> tuple[str, bool]:
+    """All, as a page, and whether every goal is met."""
     times_over = 1 if options.short else 5
     seconds = len(EXPERIMENTS) * PART * times_over
-    specs()
+    specs(options.known)
     logs(times_over)
-    if not Path("fit.yaml").exists():
-        run("sysid", "fit", "spec.yaml", *(f"fit_{kind}.npz" for kind in EXPERIMENTS), "-o", "fit.yaml")
+    if not (options.known or Path("fit.yaml").exists()):
+        run("sysid", "fit", "spec.yaml", *(f"fit_{kind}.npz" for kind in FIT_KINDS), "-o", "fit.yaml")
     times = {name: trained(name, options.short) for name in KINDS}
     lines = [
         "# Networks of a virtual robot",
         "",
-        f"Written by `python benchmarks/learn.py --{'short' if options.short else 'write'}`. robots/a1.yaml, "
+        f"Written by `python benchmarks/learn.py --{'short' if options.short else 'write'}"
+        f"{' --known' * options.known}`. robots/a1.yaml, "
         "12 joints, "
         f"{RATE:g} Hz, {seconds:g} s to train on: {', '.join(EXPERIMENTS)} of `sysid design`, all joints at once, "
         f"{PART:g} s repeated {times_over} times with the joints moved against each other in time. The "
@@ -276,8 +287,14 @@ def measured(options: argparse.Namespace) -> str:
         "0.03 N·m·s/rad; its sensors and motors "
         + ", ".join(f"{name[2:].replace('-', ' ')} {value}" for name, value in FLAWS.items())
         + ". The torque is the drive's. Tests: random sines, and 50 Hz targets of a gait with noise as a policy sends "
-        f"them, {PART:g} s each. Friction and armature of the bench, and the fitted DC motor, are those of "
-        f"`sysid fit` on {PART:g} s of each experiment.",
+        f"them, {PART:g} s each. "
+        + (
+            "Friction of the bench, and delay of the fitted DC motor, are the robot's own, as the best of fits would "
+            "have them, but for Stribeck."
+            if options.known
+            else "Friction and armature of the bench, and the fitted DC motor, are those of `sysid fit` on "
+            f"{FIT:g} s each of {' and '.join(FIT_KINDS)}."
+        ),
         "",
         f"Python {platform.python_version()}, numpy {np.__version__}, {os.cpu_count()} cores, load "
         f"{os.getloadavg()[0]:.1f}.",
@@ -311,12 +328,17 @@ def measured(options: argparse.Namespace) -> str:
         ratios["of the fitted DC motor's"].append(network[0] / fitted[0])
         ratios["closed loop, of the DC motor's"].append(network[1] / motor[1])
         ratios["inferred, of the measured"].append(inferred[0] / network[0])
-    ratios["training [s]"] = list(times["measured"])
+    ratios["training [s]"] = [times["measured"][0]]
     lines += ["", "## Goals", "", "| network's RMSE | random | policy | goal |", "|---|---:|---:|---:|"]
     for name, goal in GOALS.items():
         if name != "training [s]":
             one, other = ratios[name]
             lines.append(f"| {name} | {one:.2f} | {other:.2f} | ≤ {goal:g} |")
+    lines += [
+        "",
+        "A policy's targets jump every 20 ms, and the torque with them between two rows: what is inferred from speeds "
+        "has such a jump over two to four rows, so its RMSE is large there, and its motion is not worse.",
+    ]
     lines += ["", "| training | processor [s] | time [s] |", "|---|---:|---:|"]
     for name, (cpu, wall) in times.items():
         lines.append(f"| {name} | {cpu:.0f} | {wall:.0f} |")
@@ -324,13 +346,15 @@ def measured(options: argparse.Namespace) -> str:
         "",
         f"With reading, checks and writing. Goal: {GOALS['training [s]']:g} s of the first on 2 cores.",
     ]
-    return "\n".join(lines) + "\n"
+    met = all(value <= goal for name, goal in GOALS.items() for value in ratios[name])
+    return "\n".join(lines) + "\n", met
 
 
 def main() -> int:
     """Print the page; write it where asked."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--short", action="store_true")
+    parser.add_argument("--known", action="store_true", help="no fit: the robot's own figures in its place")
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--logs", help="folder of what is kept")
     options = parser.parse_args()
@@ -338,11 +362,11 @@ def main() -> int:
         where = Path(options.logs or folder).resolve()
         where.mkdir(parents=True, exist_ok=True)
         os.chdir(where)
-        page = measured(options)
+        page, met = measured(options)
     print(page)
     if options.write:
         PAGE.write_text(page, "utf-8")
-    return 0
+    return int(not met)
 
 
 if __name__ == "__main__":

@@ -29,7 +29,7 @@ STEPS = 3000
 LEAST_EPOCHS = 10
 STEEPEST = 1.0
 """Largest norm of a gradient. Chosen: a recurrent network's bursts."""
-BATCH = (256, 4096)
+BATCH = (256, 2048)
 """Smallest and largest batch: a fiftieth of the rows between them."""
 ACTIVATIONS = ("elu", "relu", "tanh", "softsign", "leaky_relu", "selu", "sigmoid", "softplus")
 """Of a hidden layer; each is in ONNX, in torch and in Newton's reader."""
@@ -121,8 +121,8 @@ def train(
     size = float(np.sqrt(np.mean(seen[1] ** 2))) or 1.0
     spare = [slacks(data, part) / size for part in (parts.train, parts.validate)]
     threads = torch.get_num_threads()
-    # A small batch is done before a second thread has begun.
-    torch.set_num_threads(2 if _batch(len(seen[1])) >= 2048 else 1)
+    # A batch is done before a second thread has begun, and on a busy machine the two wait for each other.
+    torch.set_num_threads(1)
     try:
         with torch.random.fork_rng(devices=[]):
             found = [
