@@ -98,7 +98,9 @@ def import_files(
 
     if output is not None:
         check_free(output, files, force)
-    found = drafted(files, output or "spec.yaml", robot, versions, joints=joints, damping=damping)
+    found = drafted(
+        files, output or "spec.yaml", robot, versions, joints=joints, damping=damping, packages=packages
+    )
     spec, combined, targets = found.spec, found.combined, found.targets
     if output is not None:
         check_free(output, found.sources, force)
@@ -137,6 +139,7 @@ def drafted(
     *,
     joints: str | None = None,
     damping: str | None = None,
+    packages: Sequence[tuple[str, str]] = (),
 ) -> Drafted:
     """The spec of robot files, as it stands at a path; arguments as of `import_files`. What the readers say is printed.
 
@@ -160,11 +163,12 @@ def drafted(
     combined = _placed(combine(readings), folder)
     reference = "none" if combined.model is None else combined.model.reference
     targets = targets_of(readings, combined, versions)
-    spec = draft(combined, reference, targets, damping)
+    named = {name: _reference(at, folder) for name, at in packages} if combined.model is not None else {}
+    spec = draft(combined, reference, targets, damping, named)
     served = _served(spec.text, path, targets)
     if served != targets:
         targets = served
-        spec = draft(combined, reference, targets, damping)
+        spec = draft(combined, reference, targets, damping, named)
     # Whatever the files were, what is written is a valid spec.
     validate(document_from_text(spec.text, path))
     return Drafted(spec, combined, tuple(targets), sources)
