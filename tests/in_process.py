@@ -45,22 +45,23 @@ class Calls(Call):
         self, function: Callable[..., Any], tasks: Sequence[tuple[object, ...]], jobs: int | None = None
     ) -> None:
         super().__init__(function)
-        self._tasks = list(tasks)
+        # Now, as processes begin now: what is set round this counts for them.
+        self._answers = [self._answer(task) for task in tasks]
 
     def add(self, *arguments: object) -> int:
         """One more call."""
-        self._tasks.append(arguments)
-        return len(self._tasks) - 1
+        self._answers.append(self._answer(arguments))
+        return len(self._answers) - 1
 
     def results(self) -> Iterator[tuple[int, Any]]:
         """Index and answer of each."""
-        index = 0
-        while index < len(self._tasks):
-            try:
-                yield index, self(*self._tasks[index])
-            except FaultError as err:
-                yield index, err
-            index += 1
+        yield from enumerate(self._answers)
+
+    def _answer(self, arguments: tuple[object, ...]) -> Any:
+        try:
+            return self(*arguments)
+        except FaultError as err:
+            return err
 
 
 @contextmanager

@@ -22,7 +22,7 @@ from __future__ import annotations
 import json
 import sys
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -84,14 +84,43 @@ class Body:
         self.q = self.q + self.step * self.qd
 
 
-def follow(
-    drive: Callable[[Array, Array, Array], Array], body: Body, command: Array, parts: int
-) -> tuple[Array, Array]:
-    """Let bodies follow their commands, each step in so many parts.
+class Moving(Protocol):
+    """What is stepped: an engine's joints, or a drive of one on bodies."""
+
+    def positions(self) -> Array:
+        """Where it is [rad or m], shape (n_course, n_joint)."""
+
+    def go(self, command: Array) -> Array:
+        """Torque at a command [N*m or N], both (n_course, n_joint), and one part of a step with it."""
+
+
+class Driven:
+    """Bodies that a drive moves.
 
     Args:
         drive: Command, positions and speeds, (n_course, n_joint) each, to the torque of one part of a step.
         body: Where they begin; its step is that of a part.
+    """
+
+    def __init__(self, drive: Callable[[Array, Array, Array], Array], body: Body) -> None:
+        self._drive, self._body = drive, body
+
+    def positions(self) -> Array:
+        """See `Moving`."""
+        return self._body.q
+
+    def go(self, command: Array) -> Array:
+        """See `Moving`."""
+        torque = self._drive(command, self._body.q, self._body.qd)
+        self._body.move(torque)
+        return torque
+
+
+def follow(moving: Moving, command: Array, parts: int) -> tuple[Array, Array]:
+    """Let joints follow their commands, each step in so many parts.
+
+    Args:
+        moving: Where they begin, and what moves them by a part of a step.
         command: One a step, shape (n_step, n_course, n_joint).
         parts: Of a step.
 
@@ -99,12 +128,11 @@ def follow(
         Positions at the start of each step and at the end, (n_step + 1, n_course, n_joint), and torques at the start
         of each step, (n_step, n_course, n_joint).
     """
-    q, torques = [body.q], []
+    q, torques = [moving.positions()], []
     for now in command:
         for part in range(parts):
-            torque = drive(now, body.q, body.qd)
+            torque = moving.go(now)
             if part == 0:
                 torques.append(torque)
-            body.move(torque)
-        q.append(body.q)
+        q.append(moving.positions())
     return np.stack(q), np.stack(torques)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from actspec.simulate.standalone import Body, follow
+from actspec.simulate.standalone import Body, Driven, follow
 
 
 def body(coulomb: float, viscous: float, step: float, qd: float, parts: int = 1) -> Body:
@@ -22,7 +22,7 @@ def body(coulomb: float, viscous: float, step: float, qd: float, parts: int = 1)
 def test_torque_accelerates() -> None:
     """2 N*m on 0.5 kg*m^2 for 3 steps of 0.1 s: 0.4, 0.8, 1.2 rad/s; 0.04 + 0.08 + 0.12 rad, semi-implicit."""
     one = body(0.0, 0.0, 0.1, 0.0)
-    q, torque = follow(lambda u, q, qd: u, one, np.full((3, 1, 1), 2.0), 1)
+    q, torque = follow(Driven(lambda u, q, qd: u, one), np.full((3, 1, 1), 2.0), 1)
     assert np.allclose(q[:, 0, 0], [0.0, 0.04, 0.12, 0.24])
     assert np.allclose(one.qd, 1.2)
     assert (torque == 2.0).all()
@@ -48,7 +48,7 @@ def test_viscous_friction_is_implicit() -> None:
 def test_parts_ask_the_drive_again() -> None:
     """A drive of -qd in two parts of 0.05 s: 1, then 0.9, then 0.81 rad/s; the torque is that of the first part."""
     one = body(0.0, 0.0, 0.1, 1.0, parts=2)
-    q, torque = follow(lambda u, q, qd: -qd, one, np.zeros((1, 1, 1)), 2)
+    q, torque = follow(Driven(lambda u, q, qd: -qd, one), np.zeros((1, 1, 1)), 2)
     assert np.allclose(one.qd, 0.81)
     assert np.allclose(q[:, 0, 0], [0.0, 0.05 * (0.9 + 0.81)])
     assert np.allclose(torque, -1.0)

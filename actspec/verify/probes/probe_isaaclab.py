@@ -26,7 +26,7 @@ from typing import Any
 
 import numpy as np
 import torch
-from standalone import Body, follow, serve  # type: ignore[import-not-found]
+from standalone import Body, Driven, follow, serve  # type: ignore[import-not-found]
 
 NUMBERS = (
     "effort_limit",
@@ -233,7 +233,7 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
                 arrays["qd"][:, taken],
             )
             drive = partial(torques, actuator, there, kinds, len(mine))
-            q, torque = follow(drive, body, arrays["command"][:, :, taken], parts)
+            q, torque = follow(Driven(drive, body), arrays["command"][:, :, taken], parts)
             out[f"q{parts}"][:, :, taken], out[f"torque{parts}"][:, :, taken] = q, torque
     return {}, out
 

@@ -21,7 +21,7 @@ from typing import Any
 import mujoco
 import numpy as np
 import torch
-from standalone import serve  # type: ignore[import-not-found]
+from standalone import follow, serve  # type: ignore[import-not-found]
 
 Array = np.ndarray[Any, Any]
 
@@ -196,14 +196,7 @@ def respond(job: dict[str, Any], arrays: dict[str, Any]) -> tuple[dict[str, Any]
         simulated = Simulated(robot, commands, job["step"] / parts, command.shape[1], alone=True)
         simulated.reset()
         simulated.place(*(torch.tensor(arrays[name], dtype=torch.float32) for name in ("q", "qd")))
-        q, torque = [simulated.positions()], []
-        for now in command:
-            for part in range(parts):
-                found = simulated.go(now)
-                if part == 0:
-                    torque.append(found)
-            q.append(simulated.positions())
-        out[f"q{parts}"], out[f"torque{parts}"] = np.stack(q), np.stack(torque)
+        out[f"q{parts}"], out[f"torque{parts}"] = follow(simulated, command, parts)
     return {}, out
 
 

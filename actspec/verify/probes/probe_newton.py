@@ -21,7 +21,7 @@ import warnings
 from typing import Any
 
 import numpy as np
-from standalone import Body, follow, serve  # type: ignore[import-not-found]
+from standalone import Body, Driven, follow, serve  # type: ignore[import-not-found]
 
 Array = np.ndarray[Any, Any]
 
@@ -174,7 +174,7 @@ def respond(job: dict[str, Any], arrays: dict[str, Array]) -> tuple[dict[str, An
             arrays["q"],
             arrays["qd"],
         )
-        out[f"q{parts}"], out[f"torque{parts}"] = follow(drive, body, arrays["command"], parts)
+        out[f"q{parts}"], out[f"torque{parts}"] = follow(Driven(drive, body), arrays["command"], parts)
     return {"version": newton.__version__}, out
 
 
