@@ -3,7 +3,7 @@
 from actspec.mjlab import articulation
 EntityCfg(spec_fn=get_spec, articulation=articulation("robots/a1.yaml"))
 
-and what a delta action needs to know of a running environment: `delta_state`.
+what a delta action needs to know of a running environment, `delta_state`, and logs of one, `recorder`.
 """
 
 from __future__ import annotations
@@ -14,8 +14,9 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from actspec.learn.delta.runtime import DeltaAction
+    from actspec.recorder import EnvironmentRecorder
 
-__all__ = ["articulation", "delta_state", "module"]
+__all__ = ["articulation", "delta_state", "module", "recorder"]
 
 _JOINT = {"position": "joint_pos", "velocity": "joint_vel"}
 _BASE = {
@@ -103,6 +104,32 @@ def delta_state(env: Any, delta: DeltaAction, entity: str = "robot") -> Callable
         return array_namespace(parts[0]).stack(parts, -1)
 
     return state
+
+
+def recorder(env: Any, *, environment: int = 0, entity: str = "robot") -> EnvironmentRecorder:
+    """A recorder of one of an environment's robots: `add()` after `reset()` and after each `step()`, then `save(path)`.
+
+    Args:
+        env: mjlab's environment, wrapped or not.
+        environment: Which of them.
+        entity: Name of the robot in the scene.
+    """
+    from actspec.recorder import EnvironmentRecorder
+
+    inner = getattr(env, "unwrapped", env)
+    data = inner.scene[entity].data
+
+    def read() -> tuple[Any, Any, Any, Any]:
+        signals = (data.joint_pos_target, data.joint_pos, data.joint_vel, data.qfrc_actuator)
+        target, position, velocity, torque = (signal[environment] for signal in signals)
+        return target, position, velocity, torque
+
+    return EnvironmentRecorder(
+        list(inner.scene[entity].joint_names),
+        float(inner.step_dt),
+        read,
+        lambda: int(inner.episode_length_buf[environment]) == 0,
+    )
 
 
 def _installed_release() -> str:

@@ -13,11 +13,13 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
-__all__ = ["Recorder"]
+__all__ = ["EnvironmentRecorder", "Recorder"]
 
+GAP = 100
+"""Rows that a gap is long. Chosen: ten times what identification fills in."""
 SIGNALS = ("command", "position", "velocity", "torque")
 
 
@@ -43,6 +45,7 @@ class Recorder:
             raise ValueError(f"slides are not among the joints: {sorted(unknown)}")
         self.joints, self.period, self.slides = tuple(joints), float(period), frozenset(slides)
         self._rows: list[list[Any]] = []
+        self._gaps: list[int] = []
         self._has: tuple[bool, ...] | None = None
 
     def __len__(self) -> int:
@@ -74,11 +77,15 @@ class Recorder:
         for name, part in zip(SIGNALS, given, strict=True):
             if part is None:
                 continue
-            values = np.asarray(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float).copy()
+            values = np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
             if values.shape != (len(self.joints),):
                 raise ValueError(f"{name} must have shape ({len(self.joints)},), got {values.shape}")
             row.append(values)
         self._rows.append(row)
+
+    def gap(self) -> None:
+        """The next row does not follow the last one: it comes as many rows later as no fit fills in."""
+        self._gaps.append(len(self._rows))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the rows as CSV, or as NPZ where the name ends so; a file that is there is replaced.
@@ -101,5 +108,66 @@ class Recorder:
             )
             for j, joint in enumerate(self.joints)
         }
-        time = np.arange(len(self._rows), dtype=float) * self.period
+        steps = np.ones(len(self._rows))
+        steps[[row for row in self._gaps if 0 < row < len(steps)]] = GAP
+        time = (np.cumsum(steps) - 1.0) * self.period
         write_log(Log(os.fspath(path), "", time, joints, Sidecar()))
+
+
+class EnvironmentRecorder:
+    """One environment of a simulator, a row after each of its steps.
+
+        recorder = actspec.mjlab.recorder(env)
+        env.reset()
+        recorder.add()
+        while running:
+            env.step(policy(...))
+            recorder.add()
+        recorder.save("rollout.csv")
+
+    The target that the joints have after a step is the command that was sent in the row before and held since. An
+    episode that ends leaves a gap.
+
+    Args:
+        joints: Names, in the order of the arrays.
+        period: Of the environment's steps [s].
+        read: Gives the position targets of now, positions [rad or m], speeds and torques of the joints, (joints,) each.
+        restarted: Whether the episode has just begun.
+        slides: Those of the joints that are slides.
+    """
+
+    def __init__(
+        self,
+        joints: Sequence[str],
+        period: float,
+        read: Callable[[], tuple[Any, Any, Any, Any]],
+        restarted: Callable[[], bool],
+        *,
+        slides: Sequence[str] = (),
+    ) -> None:
+        self._kept = Recorder(joints, period, slides=slides)
+        self._read, self._restarted = read, restarted
+        self._pending: tuple[Any, Any, Any] | None = None
+
+    def __len__(self) -> int:
+        return len(self._kept)
+
+    def add(self) -> None:
+        """Add what is read now; its command is known with the next row."""
+        import numpy as np
+
+        def plain(part: Any) -> Any:
+            return np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
+
+        target, *readings = (plain(part) for part in self._read())
+        if self._restarted():
+            # The last command of an episode is not read any more: its row is left out.
+            self._kept.gap()
+        elif self._pending is not None:
+            self._kept.add(target, *self._pending)
+        position, velocity, torque = readings
+        self._pending = position, velocity, torque
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write the rows, but for the last, whose command is not known; as `Recorder.save`."""
+        self._kept.save(path)

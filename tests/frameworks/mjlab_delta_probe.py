@@ -26,7 +26,7 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
     from mjlab.managers.observation_manager import ObservationGroupCfg, ObservationTermCfg
     from mjlab.scene import SceneCfg
 
-    from actspec.mjlab import delta_state
+    from actspec.mjlab import delta_state, recorder
     from actspec.runtime import delta_action
 
     drive = BuiltinPositionActuatorCfg(target_names_expr=("hip", "arm"), stiffness=20.0, damping=0.5)
@@ -52,6 +52,8 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
     state = delta_state(env, delta)
     joints = env.action_manager.get_term("joint_pos").target_names
     wrapped = delta.wrap(env, state=state, joints=joints, action_scale=0.25, default_position=0.0)
+    log = recorder(env, environment=1)
+    log.add()
     out: dict[str, list[np.ndarray]] = {"state": [], "qpos": [], "qvel": [], "ctrl": []}
     for action in np.array(job["actions"]):
         out["state"].append(state().numpy())
@@ -59,6 +61,8 @@ def main(job_path: str, arrays_path: str, said_path: str, out_path: str) -> None
         out["qvel"].append(env.sim.data.qvel.numpy().copy())
         wrapped.step(torch.tensor(action, dtype=torch.float32))
         out["ctrl"].append(env.sim.data.ctrl.numpy().copy())
+        log.add()
+    log.save(job["log"])
     said = {"measured": list(delta.measured), "joints": list(joints), "envs": wrapped.num_envs}
     Path(said_path).write_text(json.dumps(said), encoding="utf-8")
     np.savez(out_path, **{name: np.array(values) for name, values in out.items()})

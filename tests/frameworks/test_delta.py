@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from actspec.logs import load_log
 from tests.frameworks.prepare import Frameworks
 from tests.learn.policies import FLOATING
 from tests.learn.test_delta import expected, written
@@ -22,15 +23,16 @@ PATHS = [str(Path(__file__).parents[2]), str(Path(onnx.__file__).parents[1])]
 def test_an_environment_of_mjlab(tmp_path: Path, frameworks: Frameworks) -> None:
     """Each step is driven by default + scale * action + delta of the engine's own qpos and qvel; by a formula."""
     pytest.importorskip("torch")
-    actions = np.random.default_rng(0).normal(size=(4, 2, 2))
+    actions = np.random.default_rng(0).normal(size=(24, 2, 2))
     model = FLOATING.replace('<geom type="plane" size="5 5 .1"/>', "")
-    job = {"paths": PATHS, "manifest": written(tmp_path), "model": model, "actions": actions.tolist()}
+    job = {"paths": PATHS, "manifest": written(tmp_path), "model": model, "actions": actions.tolist(),
+           "log": str(tmp_path / "rollout.csv")}  # fmt: skip
     run = frameworks.run_probe(PROBE, job)
     assert run.said["joints"] == ["hip", "arm"] and run.said["envs"] == 2
     assert run.said["measured"][4:6] == ["base.orientation.w", "base.orientation.x"]
     command = 0.25 * actions
     last = command[0]
-    for k in range(4):
+    for k in range(24):
         qpos, qvel = run.arrays["qpos"][k], run.arrays["qvel"][k]
         # qvel of a free joint has its rotation in the body's axes, as a gyroscope reads it.
         measured = np.concatenate([qpos[:, 7:], qvel[:, 6:], qpos[:, 3:7], qvel[:, 3:6]], axis=1)
@@ -40,3 +42,10 @@ def test_an_environment_of_mjlab(tmp_path: Path, frameworks: Frameworks) -> None
         last = command[k]
     # The robot fell and turned: a reading of other axes would have been seen.
     assert np.abs(run.arrays["qvel"][-1][:, 3:6]).max() > 0.1
+    # The second environment's rows: read before the step, the command that it then sent, held until the next.
+    kept = load_log(str(tmp_path / "rollout.csv"))
+    assert kept.time == pytest.approx(0.008 * np.arange(24))
+    for j, name in enumerate(("hip", "arm")):
+        assert kept.joints[name].command == pytest.approx(run.arrays["ctrl"][:, 1, j], abs=1e-5)
+        assert kept.joints[name].position == pytest.approx(run.arrays["qpos"][:, 1, 7 + j], abs=1e-5)
+        assert kept.joints[name].velocity == pytest.approx(run.arrays["qvel"][:, 1, 6 + j], abs=1e-5)
