@@ -49,6 +49,8 @@ PASSES = 8
 """Most times that the links along the path are taken again. Measured: a leg takes three to five."""
 SETTLED = 0.2
 """Change of a bias from one time to the next that is nothing any more, in its standard deviations."""
+NUDGE = 0.1
+"""Change of the load that is nothing any more, as the position that it makes over the bias's standard deviation."""
 STIFF = 1e6
 """Greatest slope of gravity's torque over kp below which the bias does not show, as its reciprocal."""
 
@@ -123,9 +125,11 @@ def roll(
         if not again and not any(abs(now - read[name]) > ASKEW for name, now in _biases(joints).items()):
             break
         read = _biases(joints)
+        before = {name: joint.courses for name, joint in joints.items()}
         _couple(joints, _links(robot, logs, joints), predicted=coupled)
-        for joint in joints.values():
-            _descend(joint, options, out)
+        for name, joint in joints.items():
+            if _pushed(joint, before[name]):
+                _descend(joint, options, out)
         # What is found of a joint's bias moves gravity at the others.
         again = coupled and any(_moved(joint, read[name]) for name, joint in joints.items())
 
@@ -139,6 +143,22 @@ def _moved(joint: JointInWork, before: float) -> bool:
     fit = joint.fit
     assert fit is not None
     return "bias" in fit.free and abs(fit.values["bias"] - before) > SETTLED * fit.std("bias")
+
+
+def _pushed(joint: JointInWork, before: Sequence[Course]) -> bool:
+    """Whether the links pull at a joint otherwise than before, by more than its bias could tell."""
+    import numpy as np
+
+    fit = joint.fit
+    assert fit is not None
+    if "bias" not in fit.free:
+        return True
+    off = [
+        now.load - (old.load + old.slope * (now.path - old.path))
+        for now, old in zip(joint.courses, before, strict=True)
+    ]
+    pulls = math.sqrt(float(np.mean(np.concatenate(off) ** 2)))
+    return pulls > NUDGE * fit.std("bias") * fit.values["kp"]
 
 
 def _check_fields(options: FitOptions, out: Collector) -> None:
