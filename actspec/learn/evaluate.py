@@ -15,7 +15,7 @@ from actspec.learn.windows import Dataset, Track
 from actspec.readings.onnx_network import read_onnx
 from actspec.robot.view import RobotView
 from actspec.spec.network import NetworkManifest
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 
 if TYPE_CHECKING:
     import numpy as np

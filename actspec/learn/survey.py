@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span
 from actspec.learn.train import input_ranges
 from actspec.learn.windows import Dataset, Track
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import GAP
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import ActuatorSet, Command, JointActuator
 from actspec.logs import Log, LogError
 from actspec.sysid.checks import check
+from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import joints_of
-from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import GAP, Recording, record
 from actspec.units import format_number
 

@@ -13,7 +13,7 @@ from actspec.learn.windows import Dataset, Track
 from actspec.report.axes import Axis, plot_style
 from actspec.report.page import figure, fold, plain, plain_table, whole
 from actspec.report.plot import FIT, READ, Bars, Chart, Line, Rule, svg
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.units import format_number
 
 if TYPE_CHECKING:

@@ -14,7 +14,7 @@ from actspec.logs import JointLog, Log
 from actspec.simulate.reference import PassiveFriction, held_torque
 from actspec.study.spectra import spectrum
 from actspec.study.variants import variants_of
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import driven
 
 if TYPE_CHECKING:

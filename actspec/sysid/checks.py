@@ -12,7 +12,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import Recording, smooth
 from actspec.sysid.spoilt import EXCITED, texture
 from actspec.units import format_number

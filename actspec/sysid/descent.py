@@ -12,7 +12,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
-from actspec.sysid.motion import Bounds, Course, Figures, Moved, move
+from actspec.sysid.figures import Bounds, Figures
+from actspec.sysid.motion import Course, Moved, move
 
 if TYPE_CHECKING:
     import numpy as np

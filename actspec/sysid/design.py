@@ -14,8 +14,9 @@ from actspec.joints import JointKind
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.robot.view import RobotView
 from actspec.simulate.excitation import chirp
+from actspec.sysid.figures import Bounds, Figures, figures_of
 from actspec.sysid.links import links_along
-from actspec.sysid.motion import Bounds, Course, Figures, Moved, figures_of, move
+from actspec.sysid.motion import Course, Moved, move
 
 if TYPE_CHECKING:
     import numpy as np

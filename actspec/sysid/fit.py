@@ -20,12 +20,13 @@ from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.doubts import doubted
+from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.links import Links, links_along
 from actspec.sysid.more import enlarged
-from actspec.sysid.motion import Bounds, Course, figures_of
+from actspec.sysid.motion import Course
 from actspec.sysid.recording import Recording, driven, record, slope_of
 from actspec.sysid.released import release
 from actspec.sysid.unseen import held_out, judge_validation, tested

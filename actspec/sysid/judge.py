@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, listed
 from actspec.sysid.descent import EXACT, WIDE, Fit, Piecewise, System, seen, simulated
+from actspec.sysid.figures import time_constant
 from actspec.sysid.gains import GAINS
 from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
-from actspec.sysid.motion import time_constant
 from actspec.sysid.profile import profiled, weak
 from actspec.sysid.recording import scatter
 from actspec.sysid.work import FitOptions, JointInWork, piecewise

@@ -11,10 +11,10 @@ from actspec.ir import ActuatorSet
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid import frequency, friction, step
+from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import fit_logs, joints_of, prepared, recorded, roll
 from actspec.sysid.gains import gains_of
 from actspec.sysid.identified import Identification, JointFit
-from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import Recording
 from actspec.sysid.work import FitOptions
 

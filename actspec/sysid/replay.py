@@ -17,10 +17,11 @@ from actspec.robot.view import RobotView
 from actspec.spec.results import JointResult, Results
 from actspec.sysid.checks import check
 from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.figures import Bounds, Figures, figures_of, time_constant
 from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.links import Links, links_along
-from actspec.sysid.motion import Bounds, Course, Figures, figures_of, time_constant
+from actspec.sysid.motion import Course
 from actspec.sysid.recording import Recording, driven, record, slope_of
 
 if TYPE_CHECKING:

@@ -15,8 +15,8 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import JointActuator
 from actspec.joints import JointKind
+from actspec.sysid.figures import Bounds
 from actspec.sysid.identified import Indicator, JointFit
-from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import GAP, Recording, scatter
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from actspec.diagnostics import Span, listed
 from actspec.ir import Command, JointActuator
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.robot.view import RobotView
-from actspec.sysid.motion import Bounds, figures_of
+from actspec.sysid.figures import Bounds, figures_of
 
 if TYPE_CHECKING:
     import numpy as np

@@ -11,7 +11,8 @@ import pytest
 from actspec.logs import JointLog, Log, Sidecar
 from actspec.report.sysid_answers import bode, friction_cloud, friction_law, step_answers, taken
 from actspec.report.sysid_pictures import pictures
-from actspec.sysid.motion import Bounds, Course, Figures
+from actspec.sysid.figures import Bounds, Figures
+from actspec.sysid.motion import Course
 from actspec.sysid.recording import record
 from actspec.sysid.replay import Replay
 

@@ -10,7 +10,7 @@ import pytest
 from actspec.diagnostics import Collector, Diagnostic
 from actspec.logs import Log
 from actspec.sysid.checks import check
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import record
 from tests.sysid.test_fit import command, logged
 

@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from actspec.sysid.motion import Bounds, Course, Figures, move
+from actspec.sysid.figures import Bounds, Figures
+from actspec.sysid.motion import Course, move
 from actspec.sysid.recording import slope_of
 from tests.sysid.truth import truth
 

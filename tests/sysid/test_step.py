@@ -9,7 +9,7 @@ import pytest
 
 from actspec.diagnostics import Collector
 from actspec.logs import JointLog, Log, Sidecar
-from actspec.sysid.motion import Bounds
+from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import Recording, record
 from actspec.sysid.step import Step, counted, steps, unit_step
 

@@ -16,8 +16,8 @@ from actspec.learn.windows import check_copies
 from actspec.logs import BASE, Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.checks import check
+from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import joints_of
-from actspec.sysid.motion import Bounds
 from actspec.sysid.recording import GAP, record
 
 if TYPE_CHECKING:
