@@ -63,8 +63,6 @@ class Recorder:
         Raises:
             ValueError: another shape, or another set of signals than in the first row.
         """
-        import numpy as np
-
         given = (command, position, velocity, torque)
         has = tuple(part is not None for part in given)
         if not has[1]:
@@ -77,7 +75,7 @@ class Recorder:
         for name, part in zip(SIGNALS, given, strict=True):
             if part is None:
                 continue
-            values = np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
+            values = _numbers(part)
             if values.shape != (len(self.joints),):
                 raise ValueError(f"{name} must have shape ({len(self.joints)},), got {values.shape}")
             row.append(values)
@@ -112,6 +110,13 @@ class Recorder:
         steps[[row for row in self._gaps if 0 < row < len(steps)]] = GAP
         time = (np.cumsum(steps) - 1.0) * self.period
         write_log(Log(os.fspath(path), "", time, joints, Sidecar()))
+
+
+def _numbers(part: Any) -> Any:
+    """A copy as numpy's array, of whatever numpy reads and of tensors on any device."""
+    import numpy as np
+
+    return np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
 
 
 class EnvironmentRecorder:
@@ -154,12 +159,7 @@ class EnvironmentRecorder:
 
     def add(self) -> None:
         """Add what is read now; its command is known with the next row."""
-        import numpy as np
-
-        def plain(part: Any) -> Any:
-            return np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
-
-        target, *readings = (plain(part) for part in self._read())
+        target, *readings = (_numbers(part) for part in self._read())
         if self._restarted():
             # The last command of an episode is not read any more: its row is left out.
             self._kept.gap()

@@ -8,13 +8,12 @@ import os
 from actspec.audit.exclude import Exclude
 from actspec.audit.read import pending_files
 from actspec.audit.settings_file import excluded
-from actspec.cli.options import add_versions, describe
+from actspec.cli.options import FAIL_ON, add_versions, describe
 from actspec.readings.read import PendingFiles
 from actspec.report import FORMATS
 
 CONFIDENCES = ("low", "medium", "high")
 SEVERITIES = ("error", "warning", "info")
-FAIL_ON = (*SEVERITIES, "never")
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:

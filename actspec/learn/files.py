@@ -289,17 +289,24 @@ def torchscript_bytes(layers: Layers) -> bytes:
     return program_of(torch_module(layers), None if layers.recurrent else layers.inputs)
 
 
+def torch_linear(dense: Dense) -> Any:
+    """The weights of a layer as torch's, in float32."""
+    import torch
+
+    affine = torch.nn.Linear(dense.weight.shape[1], dense.weight.shape[0])
+    with torch.no_grad():
+        affine.weight[:] = torch.as_tensor(dense.weight, dtype=torch.float32)
+        affine.bias[:] = torch.as_tensor(dense.bias, dtype=torch.float32)
+    return affine
+
+
 def torch_module(layers: Layers) -> Any:
     """The layers as a module of float32."""
     import torch
 
     head = torch.nn.Sequential()
     for dense in layers.dense:
-        affine = torch.nn.Linear(dense.weight.shape[1], dense.weight.shape[0])
-        with torch.no_grad():
-            affine.weight[:] = torch.as_tensor(dense.weight, dtype=torch.float32)
-            affine.bias[:] = torch.as_tensor(dense.bias, dtype=torch.float32)
-        head.append(affine)
+        head.append(torch_linear(dense))
         if dense.activation != "identity":
             head.append(torch_activation(dense.activation, dense.alpha))
     if not layers.recurrent:

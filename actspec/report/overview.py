@@ -226,7 +226,7 @@ def _advice(shown: Overview) -> Iterator[str]:
     for one in shown.diagnosis.advice:
         yield f"<li><strong>{plain(one.action)}</strong>: {plain(one.why)} ({plain(listed(list(one.joints), 4))})."
         yield f"<br>{plain(_cost(one))}"
-        yield f"<pre>{plain(chr(10).join(one.commands)) if len(one.commands) == 1 else _lines(one.commands)}</pre></li>"
+        yield f"<pre>{_lines(one.commands)}</pre></li>"
     yield "</ol>"
 
 

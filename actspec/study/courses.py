@@ -16,18 +16,17 @@ from typing import TYPE_CHECKING
 from actspec.ir import Command
 from actspec.laws import TorqueLaw
 from actspec.simulate.excitation import BEFORE, chirp, command_for, rest_position, stepped, torque_scale
+from actspec.simulate.experiment import CHIRP, SAMPLES, SATURATED, STEP
 
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
 
-SHARES = {"step": 0.5, "swing": 2.0, "chirp": 0.25}
-"""Of the effort limit, by course. Source: issue 15 of this project."""
+SHARES = {"step": STEP, "swing": SATURATED, "chirp": CHIRP}
+"""Of the effort limit, by course: those of `verify`'s responses."""
 SWEPT = (0.1, 3.0)
 """Frequencies of the chirp, as parts of the closed loop's bandwidth. Chosen: −3 dB lies well inside."""
 RETURN = 0.35
 """Last part of a chirp's time in which the command is back at the start, so that the answer ends too. Chosen."""
-SAMPLES = 8
-"""Least steps in a cycle of the sweep. Chosen: below, a held sine has more of its harmonics than of itself."""
 
 
 def amplitude(law: TorqueLaw, course: str) -> float:

@@ -12,6 +12,7 @@ from actspec.ir import JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of, passive_torque
 from actspec.logs import JointLog, Log
 from actspec.simulate.reference import PassiveFriction, held_torque
+from actspec.study.metrics import FULL
 from actspec.study.spectra import spectrum
 from actspec.study.variants import variants_of
 from actspec.sysid.figures import Bounds
@@ -23,8 +24,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-FULL = 0.9
-"""Share of the effort limit from which on a torque counts as saturated."""
 EDGE, BEYOND = 0.02, 0.05
 """Shares of the effort limit: so near to a bound is at it; so far past it is beyond what the motor can."""
 FALLBACK = 30.0

@@ -12,7 +12,7 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 from actspec.laws.network import Dense
-from actspec.learn.files import IR_VERSION, OPSET, onnx_activation, torch_activation
+from actspec.learn.files import IR_VERSION, OPSET, onnx_activation, torch_activation, torch_linear
 from actspec.learn.torchscript import program_of
 
 if TYPE_CHECKING:
@@ -94,11 +94,7 @@ def _module_class() -> Any:
                 self.register_buffer(name, value)
             rest: list[Any] = [torch_activation(layers.activation)]
             for dense in layers.dense:
-                affine = torch.nn.Linear(dense.weight.shape[1], dense.weight.shape[0])
-                with torch.no_grad():
-                    affine.weight[:] = torch.as_tensor(dense.weight, dtype=torch.float32)
-                    affine.bias[:] = torch.as_tensor(dense.bias, dtype=torch.float32)
-                rest.append(affine)
+                rest.append(torch_linear(dense))
                 if dense.activation != "identity":
                     rest.append(torch_activation(dense.activation))
             self.rest = torch.nn.Sequential(*rest)
