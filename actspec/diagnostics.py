@@ -10,6 +10,8 @@ import difflib
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import lru_cache
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -127,16 +129,37 @@ class AuditError(ActspecError):
     """The audit cannot start: its settings, its baseline or its options are wrong."""
 
 
+class TooManyErrors(SpecError, RobotError, ResolveError, EmitError, AuditError):
+    """A stage has stopped at so many errors; it may be any."""
+
+
+MOST_ERRORS = 1000
+"""Of one stage. Chosen: nobody reads more, and a file with more has one cause."""
+
+
 @dataclass(slots=True)
 class Collector:
     """Collects the diagnostics of one stage, so that all are shown at once."""
 
     items: list[Diagnostic] = field(default_factory=list)
+    _known: set[Diagnostic] = field(default_factory=set, repr=False)
+    _errors: int = 0
 
     def add(self, diagnostic: Diagnostic) -> None:
-        """Add a ready diagnostic, unless the very same one is there already."""
-        if diagnostic not in self.items:
-            self.items.append(diagnostic)
+        """Add a ready diagnostic, unless the very same one is there already.
+
+        Raises: TooManyErrors: it is the last of `MOST_ERRORS`.
+        """
+        if diagnostic in self._known:
+            return
+        self._known.add(diagnostic)
+        self.items.append(diagnostic)
+        self._errors += diagnostic.severity is Severity.ERROR
+        if self._errors == MOST_ERRORS:
+            message = f"stopped at {MOST_ERRORS} errors"
+            raise TooManyErrors(
+                [*self.items, Diagnostic("ENV004", Severity.ERROR, message, "", diagnostic.span)]
+            )
 
     def error(
         self, code: str, message: str, *, where: str = "", span: Span | None = None, help: str | None = None
@@ -229,8 +252,21 @@ def listed(names: Iterable[str], most: int = 8) -> str:
 
 def nearest(name: str, known: Sequence[str]) -> str | None:
     """The known name that is nearest to a misspelt one, or None if none is near."""
+    if len(known) > _MOST_COMPARED:
+        # Of many those that share most pairs of letters: to compare all of them takes a second a hundred names.
+        pairs = _pairs(name)
+        known = sorted(known, key=lambda other: -len(pairs & _pairs(other)))[:_MOST_COMPARED]
     found = difflib.get_close_matches(name, known, n=1, cutoff=0.6)
     return found[0] if found else None
+
+
+_MOST_COMPARED = 50
+
+
+@lru_cache(maxsize=1 << 14)
+def _pairs(name: str) -> frozenset[str]:
+    """Pairs of neighbouring letters."""
+    return frozenset(map("".join, pairwise(name)))
 
 
 def did_you_mean(name: str, known: Sequence[str], otherwise: str | None = None) -> str | None:

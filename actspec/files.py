@@ -1,8 +1,7 @@
-"""Reading a file of a stranger, and writing one so that nobody ever finds half of it."""
+"""Reading a file of a stranger."""
 
 from __future__ import annotations
 
-import contextlib
 import os
 import stat
 
@@ -38,6 +37,12 @@ FAULTS = (NotRegular, TooLarge, OSError, ValueError)
 def why(fault: Exception) -> str:
     """The reason of one of `FAULTS`, in words: `a folder`, `permission denied`."""
     return (getattr(fault, "strerror", None) or str(fault)).lower()
+
+
+def place_of(data: bytes, at: int) -> tuple[int, int]:
+    """Line and column of a byte in a text of UTF-8, from 1; columns count characters, also behind a lone return."""
+    before = data[max(data.rfind(b"\n", 0, at), data.rfind(b"\r", 0, at)) + 1 : at]
+    return data.count(b"\n", 0, at) + 1, len(before.decode("utf-8-sig", "replace")) + 1
 
 
 def read_regular(path: str, most: int) -> bytes:
@@ -76,40 +81,3 @@ def read_regular(path: str, most: int) -> bytes:
 def _refuse_irregular(info: os.stat_result) -> None:
     if not stat.S_ISREG(info.st_mode):
         raise NotRegular(stat.S_ISDIR(info.st_mode))
-
-
-def replace_file(path: str, data: bytes) -> None:
-    """Write a file in one step: a crash at any moment leaves the old one whole.
-
-    What is there and is no file of its own, as a pipe or `/dev/stdout`, is written into and stays.
-
-    Args:
-        path: Where; its folder is there.
-        data: All its bytes.
-
-    Raises:
-        OSError: it cannot be written; the old file is untouched.
-    """
-    if os.path.exists(path) and (not os.path.isfile(path) or os.path.abspath(path).startswith("/dev/")):
-        # Appended, because /dev/stdout may lead to a log.
-        with open(path, "ab") as stream:
-            stream.write(data)
-        return
-    import tempfile  # brings compression and random numbers along
-
-    folder, name = os.path.split(path)
-    handle, temporary = tempfile.mkstemp(prefix=f".{name}.", dir=folder or ".")
-    try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        # mkstemp makes files for the owner alone; these are for everybody that the umask allows.
-        mask = os.umask(0)
-        os.umask(mask)
-        os.chmod(temporary, 0o666 & ~mask)
-        os.replace(temporary, path)
-    except BaseException:
-        with contextlib.suppress(OSError):
-            os.unlink(temporary)
-        raise

@@ -2,21 +2,25 @@
 
 from actspec.isaaclab import actuators
 ArticulationCfg(spawn=..., actuators=actuators("robots/a1.yaml"))
+
+and logs of a running environment, `recorder`.
 """
 
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import replace
 from importlib.machinery import ModuleSpec
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from actspec.recorder import EnvironmentRecorder
     from actspec.spec.validate import Spec
     from actspec.targets.base import TargetOptions
 
-__all__ = ["actuators", "module"]
+__all__ = ["actuators", "module", "recorder"]
 
 
 def actuators(path: str | os.PathLike[str], *, target: str | None = None) -> dict[str, Any]:
@@ -72,6 +76,25 @@ def module(path: str | os.PathLike[str], *, target: str | None = None) -> dict[s
             if hasattr(cfg, "network_file"):
                 cfg.network_file = files[os.path.basename(cfg.network_file)]
     return names
+
+
+def recorder(
+    env: Any, *, environment: int = 0, entity: str = "robot", slides: Sequence[str] = ()
+) -> EnvironmentRecorder:
+    """A recorder of one of an environment's robots: `add()` after `reset()` and after each `step()`, then `save(path)`.
+
+    The torque is `applied_torque`: of explicit actuators what their model gives, of implicit ones Isaac Lab's own
+    estimate of what PhysX applies.
+
+    Args:
+        env: A `ManagerBasedRLEnv` or `DirectRLEnv`, wrapped or not.
+        environment: Which of them.
+        entity: Name of the robot in the scene; of a `DirectRLEnv` as it was added to `scene.articulations`.
+        slides: Its joints that are slides, in m and N.
+    """
+    from actspec.recorder import of_scene
+
+    return of_scene(env, "applied_torque", environment=environment, entity=entity, slides=slides)
 
 
 def _options(spec: Spec, version: str, target: str | None) -> TargetOptions:

@@ -9,7 +9,7 @@ what a delta action needs to know of a running environment, `delta_state`, and l
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -106,30 +106,20 @@ def delta_state(env: Any, delta: DeltaAction, entity: str = "robot") -> Callable
     return state
 
 
-def recorder(env: Any, *, environment: int = 0, entity: str = "robot") -> EnvironmentRecorder:
+def recorder(
+    env: Any, *, environment: int = 0, entity: str = "robot", slides: Sequence[str] = ()
+) -> EnvironmentRecorder:
     """A recorder of one of an environment's robots: `add()` after `reset()` and after each `step()`, then `save(path)`.
 
     Args:
         env: mjlab's environment, wrapped or not.
         environment: Which of them.
         entity: Name of the robot in the scene.
+        slides: Its joints that are slides, in m and N.
     """
-    from actspec.recorder import EnvironmentRecorder
+    from actspec.recorder import of_scene
 
-    inner = getattr(env, "unwrapped", env)
-    data = inner.scene[entity].data
-
-    def read() -> tuple[Any, Any, Any, Any]:
-        signals = (data.joint_pos_target, data.joint_pos, data.joint_vel, data.qfrc_actuator)
-        target, position, velocity, torque = (signal[environment] for signal in signals)
-        return target, position, velocity, torque
-
-    return EnvironmentRecorder(
-        list(inner.scene[entity].joint_names),
-        float(inner.step_dt),
-        read,
-        lambda: int(inner.episode_length_buf[environment]) == 0,
-    )
+    return of_scene(env, "qfrc_actuator", environment=environment, entity=entity, slides=slides)
 
 
 def _installed_release() -> str:

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import actspec
 from actspec.diagnostics import Collector, Diagnostic, EmitError, Span
-from actspec.files import FAULTS, replace_file, why
+from actspec.files import FAULTS, why
+from actspec.placing import finish, place
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
 if TYPE_CHECKING:
@@ -112,20 +113,21 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
     return tuple(found)
 
 
-def write(files: tuple[Output, ...], *, force: bool = False) -> None:
-    """Write the files that differ. Each is replaced in one step; a crash leaves the old one whole.
+def write(files: Sequence[Output], *, force: bool = False) -> None:
+    """Write the files that differ, all or none.
 
     Args:
         files: From `outputs`.
         force: Also replace files that actspec did not write, or that were edited since.
 
     Raises:
-        EmitError: a file would be lost, or cannot be written; nothing is written in the first case.
+        EmitError: a file would be lost, or cannot be written, or two are one; nothing is written.
     """
     collector = Collector()
+    _check_distinct(files, collector)
     if not force:
         for file in files:
-            if file.changed and file.old is not None and not _is_ours(file):
+            if file.changed and file.old is not None and not is_ours(file):
                 collector.error(
                     "OUT003",
                     "exists already, and is not as actspec wrote it",
@@ -133,15 +135,19 @@ def write(files: tuple[Output, ...], *, force: bool = False) -> None:
                     help="choose another folder with -o, or replace it with --force",
                 )
     collector.raise_if_failed(EmitError)
-    for file in files:
-        if not file.changed:
-            continue
-        try:
-            os.makedirs(os.path.dirname(file.path), exist_ok=True)
-            replace_file(file.path, file.data)
-        except OSError as err:
-            collector.error("OUT002", f"cannot be written: {err.strerror}", span=Span(file.path))
-    collector.raise_if_failed(EmitError)
+    write_files([(file.path, file.data) for file in files if file.changed])
+
+
+def write_files(files: Sequence[tuple[str, bytes]]) -> None:
+    """Put files in place, all or none; see `actspec.placing.place`.
+
+    Raises: EmitError: one cannot be written; nothing was.
+    """
+    try:
+        place(files)
+    except FAULTS as err:
+        path = getattr(err, "filename", None) or files[0][0]
+        raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(str(path))) from err
 
 
 def diff(files: tuple[Output, ...]) -> Iterator[str]:
@@ -181,6 +187,7 @@ def check_free(path: str, sources: Sequence[str], force: bool) -> None:
         raise EmitError.of(
             "OUT001", "is a folder", Span(path), help="name the file to write, e.g. robots/my_robot.yaml"
         )
+    finish([path])
     if not os.path.lexists(path):
         return
     if os.path.exists(path) and any(
@@ -200,11 +207,7 @@ def write_spec(path: str, text: str) -> None:
 
     Raises: EmitError: it cannot be written.
     """
-    try:
-        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
-        replace_file(path, text.encode("utf-8"))
-    except FAULTS as err:
-        raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(path)) from err
+    write_files([(path, text.encode("utf-8"))])
 
 
 def loss_record(loss: Approximation) -> dict[str, Any]:
@@ -218,6 +221,20 @@ def loss_record(loss: Approximation) -> dict[str, Any]:
         "why": loss.why,
         "max_torque_error": loss.max_torque_error,
     }
+
+
+def _check_distinct(files: Sequence[Output], collector: Collector) -> None:
+    """Report files of one path; names that differ by case alone are one on many file systems."""
+    first: dict[str, Output] = {}
+    for file in files:
+        other = first.setdefault(os.path.realpath(file.path).casefold(), file)
+        if other is not file:
+            collector.error(
+                "OUT004",
+                f"two targets of this run write it: '{other.target}' and '{file.target}'",
+                span=Span(file.path),
+                help="compile them one after the other, each into a folder of its own with -o",
+            )
 
 
 def _manifest(compilation: Compilation, options: TargetOptions, emission: Emission) -> bytes:
@@ -237,8 +254,8 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
     return (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
 
 
-def _is_ours(file: Output) -> bool:
-    """Whether the manifest beside a file says that actspec wrote it as it is."""
+def is_ours(file: Output) -> bool:
+    """Whether the manifest beside a file that is there says that actspec wrote it as it is."""
     assert file.old is not None
     beside = os.path.join(os.path.dirname(file.path), MANIFEST)
     try:

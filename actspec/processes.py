@@ -17,12 +17,14 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
+from actspec.guest import MOST_MEMORY, MOST_TIME, end_with_parent
+
 if TYPE_CHECKING:
     from multiprocessing.connection import Connection
     from multiprocessing.process import BaseProcess
 
-TIME_LIMIT = 60.0
-"""Chosen: seconds for one call; the slowest real file takes 0.1 s."""
+TIME_LIMIT = MOST_TIME
+"""Seconds for one call."""
 
 _GRACE = 5
 """Chosen: seconds beyond the limit in which the parent has ended a process that hangs, if it still can."""
@@ -89,7 +91,9 @@ class IsolatedCall(Generic[_T]):
     def answer(self) -> _T:
         """Wait for the answer to the call that was begun.
 
-        Raises: LostError: there is none; the next call has a new process.
+        Raises:
+            LostError: there is none; the next call has a new process.
+            ImportError: a library that it needs cannot be imported, in this process neither.
         """
         assert self._pipe is not None and self._process is not None
         try:
@@ -97,6 +101,8 @@ class IsolatedCall(Generic[_T]):
                 answer, fault = self._pipe.recv()
                 if fault is None:
                     return answer  # type: ignore[no-any-return]
+                if isinstance(fault, ImportError):
+                    raise fault
                 raise FaultError(fault)
             reason = f"{self._library} took longer than {self._limit:g} s for it"
         except (EOFError, OSError):
@@ -217,6 +223,7 @@ def _serve(
     # The parent decides what an interrupt means, and ends its processes.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     alarm = _end_with_parent()
+    _limit_memory()
     # One process a core is all the parallelism that there is to have, and nothing is drawn.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     os.environ.setdefault("MUJOCO_GL", "disable")
@@ -226,9 +233,14 @@ def _serve(
         while True:
             arguments = pipe.recv()
             alarm(int(limit) + _GRACE)
-            answer: tuple[object, str | None]
+            answer: tuple[object, str | ImportError | None]
             try:
                 answer = function(*arguments), None
+            except ImportError as err:
+                from actspec.libraries import missing_package
+
+                # Named here, where the stack still tells what was imported.
+                answer = None, ImportError(str(err), name=missing_package(err))
             except MemoryError:
                 answer = None, "there is not enough memory for it"
             except Exception as err:
@@ -244,15 +256,21 @@ def _end_with_parent() -> Callable[[int], object]:
     Returns: Sets the time [s] after which the system ends this process, for systems that cannot do better.
     """
     if sys.platform.startswith("linux"):
-        with suppress(ImportError, OSError, AttributeError):
-            import ctypes
-
-            set_signal_of_parents_death = 1  # PR_SET_PDEATHSIG in <linux/prctl.h>
-            ctypes.CDLL(None).prctl(set_signal_of_parents_death, signal.SIGKILL)
+        end_with_parent()
     if not hasattr(signal, "alarm"):
         return lambda _: None
     signal.signal(signal.SIGALRM, signal.SIG_DFL)
     return signal.alarm
+
+
+def _limit_memory() -> None:
+    """Have the system refuse this process more memory than a file is worth; not on Windows."""
+    with suppress(ImportError, OSError, ValueError):
+        import resource
+
+        _, most = resource.getrlimit(resource.RLIMIT_DATA)
+        bound = MOST_MEMORY if most == resource.RLIM_INFINITY else min(MOST_MEMORY, most)
+        resource.setrlimit(resource.RLIMIT_DATA, (bound, most))
 
 
 def _death(process: BaseProcess, library: str) -> str:

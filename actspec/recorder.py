@@ -113,10 +113,12 @@ class Recorder:
 
 
 def _numbers(part: Any) -> Any:
-    """A copy as numpy's array, of whatever numpy reads and of tensors on any device."""
+    """A copy as numpy's array, of whatever numpy reads, and of tensors and Warp's arrays on any device."""
     import numpy as np
 
-    return np.array(part.detach().cpu() if hasattr(part, "detach") else part, dtype=float)
+    if hasattr(part, "detach"):
+        part = part.detach().cpu()
+    return np.array(part.numpy() if hasattr(part, "numpy") else part, dtype=float)
 
 
 class EnvironmentRecorder:
@@ -171,3 +173,29 @@ class EnvironmentRecorder:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write the rows, but for the last, whose command is not known; as `Recorder.save`."""
         self._kept.save(path)
+
+
+def of_scene(
+    env: Any, torque: str, *, environment: int, entity: str, slides: Sequence[str]
+) -> EnvironmentRecorder:
+    """A recorder of a robot in an environment of mjlab or Isaac Lab, whose names differ in the torque's alone.
+
+    Args:
+        env: The environment, wrapped or not.
+        torque: Attribute of the robot's data.
+        environment: Which of them.
+        entity: Name of the robot in the scene.
+        slides: Its joints that are slides.
+    """
+    inner = getattr(env, "unwrapped", env)
+    robot = inner.scene[entity]
+    signals = ("joint_pos_target", "joint_pos", "joint_vel", torque)
+
+    def read() -> tuple[Any, Any, Any, Any]:
+        target, position, velocity, torque = (getattr(robot.data, name)[environment] for name in signals)
+        return target, position, velocity, torque
+
+    def restarted() -> bool:
+        return int(inner.episode_length_buf[environment]) == 0
+
+    return EnvironmentRecorder(list(robot.joint_names), float(inner.step_dt), read, restarted, slides=slides)

@@ -30,9 +30,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path.insert(0, str(ROOT))
 
 from actspec.audit.engine import audit  # noqa: E402
-from actspec.audit.outcome import SEVERITIES, Report  # noqa: E402
+from actspec.audit.outcome import Report  # noqa: E402
 from actspec.audit.settings import Settings  # noqa: E402
-from actspec.diagnostics import Severity, listed  # noqa: E402
+from actspec.diagnostics import SEVERITIES, Severity, listed  # noqa: E402
 from actspec.report import ReportOptions, render  # noqa: E402
 from actspec.report.findings import grouped  # noqa: E402
 from actspec.verify.environments import ISAACLAB, find_frameworks  # noqa: E402
@@ -190,7 +190,7 @@ def survey(found: Sequence[Collection]) -> tuple[str, list[str]]:
     verdicts = [_verdict(entry) for entry in told["verdicts"]]
     everything = _merged(runs)
     reasons, wrong = _judged(everything, verdicts)
-    return _text(found, runs, everything, reasons, told["untouched"]), wrong
+    return _text(found, runs, everything, reasons, told), wrong
 
 
 def _files(folder: Path, globs: Iterable[str]) -> tuple[str, ...]:
@@ -274,7 +274,7 @@ def _text(
     runs: Sequence[Run],
     found: Sequence[Found],
     reasons: dict[int, Verdict],
-    untouched: Sequence[dict[str, Any]],
+    told: dict[str, Any],
 ) -> str:
     files = {file.path: file for run in runs for file in run.report.case.files}
     unread = [file for file in files.values() if not file.readable]
@@ -342,7 +342,8 @@ def _text(
             by_reason.setdefault(reasons[id(one)], []).append(one)
     for verdict, members in by_reason.items():
         lines += _warning(verdict, members)
-    return "\n".join([*lines, *_untouched(untouched)]).rstrip() + "\n"
+    lines += [*_untouched(told["untouched"]), *_blind(told["blind"])]
+    return "\n".join(lines).rstrip() + "\n"
 
 
 def _untouched(told: Sequence[dict[str, Any]]) -> Iterator[str]:
@@ -370,6 +371,32 @@ def _untouched(told: Sequence[dict[str, Any]]) -> Iterator[str]:
             "Those for which something was changed, as they were on first sight:",
             "",
             *_wheels(block["changed"], "changed"),
+        )
+
+
+def _blind(told: Sequence[dict[str, Any]]) -> Iterator[str]:
+    """Samples that were drawn before they were read, each with all that was found in it."""
+    yield from (
+        "",
+        "## Blind samples",
+        "",
+        "Repositories that were chosen before a file of them was read, audited once, with every finding counted as it",
+        "was on first sight. What is said twice counts once as worth acting on, and once as true. Repositories without",
+        "a file to audit are not listed; three that had been read for other purposes are left out.",
+    )
+    for block in told:
+        files, useful, true, false = (sum(row[i] for row in block["sources"].values()) for i in range(4))
+        count = useful + true + false
+        yield from (
+            "",
+            f"### {block['name']}, on the rules of {block['rules']}",
+            "",
+            f"{useful} of {count} findings in {files} files are worth acting on ({100 * useful / count:.0f} %), "
+            f"{true} are true, {false} false. {' '.join(block['note'].split())}",
+            "",
+            f"Changed after it: {' '.join(block['after'].split())}",
+            "",
+            *_wheels(block["sources"], "found"),
         )
 
 

@@ -152,11 +152,18 @@ class Task:
     free: frozenset[str]
 
 
+OUTLIER = 3.0
+"""Error in halves of its interval from which on a figure is named."""
+SLOW = 10.0
+"""Time of a joint's fit from which on it is named [s]."""
+
+
 @dataclass(frozen=True, slots=True)
 class Figure:
-    """A figure that came out; value None: it was not told."""
+    """A figure that came out; value None: it was not told. `number` is that of the joint, or of its leg, from 1."""
 
     case: str
+    number: int
     joint: str
     field: str
     true: float
@@ -164,6 +171,17 @@ class Figure:
     low: float
     high: float
     seconds: float
+
+    @property
+    def halves(self) -> float:
+        """Its error in halves of the interval, on the truth's side."""
+        assert self.value is not None
+        half = self.high - self.value if self.true > self.value else self.value - self.low
+        return abs(self.value - self.true) / max(half, 1e-300)
+
+    @property
+    def owner(self) -> str:
+        return f"leg {self.number}, {self.joint}" if self.case == "leg" else f"joint {self.number}"
 
 
 def drawn(count: int, seed: int) -> dict[str, Array]:
@@ -266,8 +284,8 @@ def sensed(read: tuple[Array, ...], random: np.random.Generator, bits: int = 0) 
     }
 
 
-def fitted(task: Task) -> list[Figure]:
-    """One fit, and what came out."""
+def fitted(task: Task, number: int) -> list[Figure]:
+    """One fit, of the joint or leg with this number, and what came out."""
     sidecar = Sidecar()
     if task.stated:
         gains = {name: {"kp": one["kp"], "kd": one["kd"]} for name, one in task.bench.true.items()}
@@ -293,7 +311,7 @@ def fitted(task: Task) -> list[Figure]:
             low, high = parameter.low, parameter.high
             figures.append(
                 Figure(
-                    task.case, joint.joint, parameter.field, true[FIGURES[parameter.field]], parameter.value,
+                    task.case, number, joint.joint, parameter.field, true[FIGURES[parameter.field]], parameter.value,
                     nan if low is None else low, nan if high is None else high, seconds,
                 )
             )  # fmt: skip
@@ -302,7 +320,7 @@ def fitted(task: Task) -> list[Figure]:
                 wide = 1.96 * both.std
                 figures.append(
                     Figure(
-                        task.case, joint.joint, both.name, true["kd"] + true["b"], both.value,
+                        task.case, number, joint.joint, both.name, true["kd"] + true["b"], both.value,
                         both.value - wide, both.value + wide, seconds,
                     )
                 )  # fmt: skip
@@ -401,7 +419,6 @@ def judged(case: Case, figures: Sequence[Figure]) -> list[Line]:
         low, high = np.array([f.low for f in told]), np.array([f.high for f in told])
         error = np.abs(value - true) / (1.0 if field in ABSOLUTE else np.abs(true))
         goal = case.goals.get(field)
-        half = np.where(true > value, high - value, value - low)
         lines.append(
             Line(
                 field,
@@ -411,7 +428,7 @@ def judged(case: Case, figures: Sequence[Figure]) -> list[Line]:
                 float(np.median(error)),
                 math.nan if goal is None else float(np.mean(error <= 5 * goal)),
                 float(np.mean((low <= true) & (true <= high))),
-                float((np.abs(value - true) / np.maximum(half, 1e-300)).max()),
+                float(np.max([figure.halves for figure in told])),
             )
         )
     return lines
@@ -420,7 +437,7 @@ def judged(case: Case, figures: Sequence[Figure]) -> list[Line]:
 def table(case: Case, figures: Sequence[Figure]) -> list[str]:
     """A case as a table of the page."""
     seconds = [figure.seconds for figure in figures]
-    joints = len({(f.joint, f.seconds) for f in figures})
+    joints = len({f.owner for f in figures})
     rows = judged(case, figures)
     held = [
         f.low <= f.true <= f.high
@@ -442,7 +459,21 @@ def table(case: Case, figures: Sequence[Figure]) -> list[str]:
             for line in rows
         ),
         "",
+        *_named(figures),
     ]
+
+
+def _named(figures: Sequence[Figure]) -> list[str]:
+    """Which joints to look at: far off, or slow."""
+    off = [
+        f"{f.owner}: {f.field} ({f.halves:.1f})"
+        for f in figures
+        if f.value is not None and f.halves > OUTLIER
+    ]
+    slow = {f.owner: f.seconds for f in figures if f.seconds > SLOW}
+    late = [f"{owner} ({seconds:.1f} s)" for owner, seconds in slow.items()]
+    lines = [(f"Off by more than {OUTLIER:g} half intervals", off), (f"Over {SLOW:g} s a joint", late)]
+    return [line for words, named in lines if named for line in (f"{words}: {'; '.join(named)}.", "")]
 
 
 def _error(field: str, value: float) -> str:
@@ -482,7 +513,8 @@ def main() -> int:
         tasks = _tasks(arguments, cases, count, legs, pool)
         figures: dict[str, list[Figure]] = {case.name: [] for case in CASES}
         results = []
-        for done, found in enumerate(pool.map(fitted, tasks), 1):
+        numbers = [[other.case for other in tasks[:i]].count(task.case) + 1 for i, task in enumerate(tasks)]
+        for done, found in enumerate(pool.map(fitted, tasks, numbers), 1):
             results.append(found)
             for figure in found:
                 figures[figure.case].append(figure)

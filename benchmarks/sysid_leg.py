@@ -62,7 +62,7 @@ def leg_truth(
         figures[k] for k in ("kp", "kd", "armature", "tc", "b", "delay", "limit", "bias")
     )
     joints, dense = np.arange(n), np.zeros((n, n))
-    q, v = np.zeros(n), np.zeros(n)
+    q, v, rate = np.zeros(n), np.zeros(n), np.zeros(n)
     read = [np.empty((n_row, n)) for _ in range(3)]
     time = np.arange(n_row) * period
 
@@ -79,26 +79,29 @@ def leg_truth(
         mujoco.mj_fullM(compiled, data, dense)
         return np.linalg.inv(dense + np.diag(armature)), data.qfrc_bias.copy()
 
-    def move(q: Array, v: Array, a: Array, h: float) -> tuple[Array, Array]:
-        """A step by the midpoint rule; joints that come to a stand within it do so at that moment."""
+    def move(q: Array, v: Array, rate: Array, a: Array, h: float) -> tuple[Array, Array, Array]:
+        """A step by the midpoint rule; joints that come to a stand within it do so at that moment.
+
+        The middle's speed, for the velocity terms, is by the acceleration of the step before, `rate`.
+        """
         for _ in range(4 * n):
-            inverse, c = links(q + 0.5 * h * v, v)
+            inverse, c = links(q + 0.5 * h * v, v + 0.5 * h * rate)
             pull = drive(a, q, v) - b * v - c
             first = _accelerations(inverse, pull, v, tc)
             middle = v + 0.5 * h * first
             middle[(v != 0.0) & (middle * v <= 0.0)] = 0.0
             pull = drive(a, q + 0.5 * h * v, middle) - b * middle - c
             change = _accelerations(inverse, pull, v, tc)
-            after = v + h * change
+            after, rate = v + h * change, change
             turned = (v != 0.0) & (v * after < 0.0)
             if not turned.any():
-                return q + h * 0.5 * (v + after), after
+                return q + h * 0.5 * (v + after), after, change
             until = h * float((v[turned] / (v - after)[turned]).min())
             first_to = int(np.argmin(np.where(turned, v / np.where(turned, v - after, 1.0), np.inf)))
             q, v = q + until * (v + 0.5 * until * change), v + until * change
             v[first_to] = 0.0
             h -= until
-        return q, v
+        return q, v, rate
 
     for row in range(n_row):
         now = time[row]
@@ -109,7 +112,7 @@ def leg_truth(
         first, last = sent(at - delay + 1e-9, "right"), sent(at + step - delay - 1e-9, "right")
         share = np.where(last > first, (time[last] + delay - at) / step, 1.0)
         for a in command[first, joints] * share + command[last, joints] * (1.0 - share):
-            q, v = move(q, v, a, step)
+            q, v, rate = move(q, v, rate, a, step)
     return read[0], read[1], read[2]
 
 

@@ -364,6 +364,9 @@ def test_initial_state_refuses(steps: int) -> None:
         pytest.param(0.025, 0.01, 3, 0.005, id="half-goes-up"),  # 2.5: half-even would give 2
         pytest.param(0.0045, 0.003, 2, 0.0015, id="half-goes-up-though-inexact"),  # 1.4999999999999998
         pytest.param(0.002, 0.005, 0, -0.002, id="lost"),
+        pytest.param(3e-6, 0.002, 0, 0.0, id="a-seven-hundredth-is-none"),
+        pytest.param(0.002019, 0.002, 1, 0.0, id="a-hundredth-more-is-whole"),
+        pytest.param(0.00203, 0.002, 1, -3e-5, id="more-than-a-hundredth"),
     ],
 )
 def test_delay_steps(delay: float, step: float, steps: int, loss: float) -> None:

@@ -12,9 +12,11 @@ from typing import Any
 
 from actspec.audit.finding import Finding
 from actspec.audit.outcome import Means, Reported, Suppressed
+from actspec.audit.places import json_fault, json_places
 from actspec.audit.selection import is_diagnostic
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span
-from actspec.files import NotRegular, TooLarge, read_regular, replace_file
+from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.placing import replace_file
 
 FORMAT = "actspec-baseline/1"
 
@@ -23,6 +25,9 @@ MOST_BYTES = 64 << 20
 
 _OF_RUNS = ("AUD007", "AUD011")
 """What is said of a run, and not of a file."""
+
+_MOST = 1e300
+"""Numbers beyond are no floats."""
 
 SAME = 0.01
 """Chosen: figures that depend on inertia differ by less from one release of MuJoCo to the next."""
@@ -136,7 +141,9 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     Raises: AuditError: the file cannot be read or is no baseline.
     """
     try:
-        data: Any = json.loads(read_regular(path, MOST_BYTES).decode("utf-8"))
+        raw = read_regular(path, MOST_BYTES)
+        text = raw.decode("utf-8")
+        data: Any = json.loads(text)
     except (NotRegular, TooLarge) as err:
         raise _error("AUD005", f"the baseline cannot be read: {err}", path) from err
     except OSError as err:
@@ -144,28 +151,32 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         reason = (err.strerror or str(err)).lower()
         raise _error("AUD005", f"the baseline cannot be read: {reason}", path, help) from err
     except (ValueError, RecursionError) as err:
-        raise _error("AUD005", "this is not JSON in UTF-8", path) from err
+        at, why_not = json_fault(raw, err)
+        raise _error("AUD005", f"this is not JSON in UTF-8: {why_not}", path, at=at) from err
     found = data.get("format") if isinstance(data, dict) else None
     if found != FORMAT:
         newer = isinstance(found, str) and found.startswith("actspec-baseline/")
         message = (
             "the baseline is of another version of actspec" if newer else "this is no baseline of actspec"
         )
-        raise _error("AUD005", message, path, f"write it again with --write-baseline {path}")
+        at = json_places(text, [("format",)]).get(("format",), (0, 0))
+        raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
     entries: Counter[Entry] = Counter()
     records = data.get("findings")
-    for record in records if isinstance(records, list) else [None]:
+    for index, record in enumerate(records if isinstance(records, list) else [None]):
         known: dict[str, Any] = record if isinstance(record, dict) else {}
         texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint"), known.get("unit", "")]
         count, value = known.get("count"), known.get("value")
         if (
             not all(isinstance(text, str) for text in texts)
             or not isinstance(count, int)
-            or count < 1
-            or not isinstance(value, (int, float, type(None)))
+            or not 0 < count < _MOST
+            or not (value is None or (isinstance(value, (int, float)) and abs(value) < _MOST))
         ):
             message = "an entry of the baseline is not as actspec writes it"
-            raise _error("AUD005", message, path, f"write it again with --write-baseline {path}")
+            places = json_places(text, [("findings",), ("findings", index)])
+            at = places.get(("findings", index), places.get(("findings",), (0, 0)))
+            raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
         # Entries of earlier releases have the hash of a message in place of a figure.
         code, file, joint, unit = texts
         entries[Entry(former.get(code, code), file, joint, value, unit or None)] += count
@@ -202,5 +213,7 @@ def apply_baseline(
     return tuple(kept), tuple(suppressed), +left
 
 
-def _error(code: str, message: str, path: str, help: str | None = None) -> AuditError:
-    return AuditError([Diagnostic(code, Severity.ERROR, message, "", Span(path), help)])
+def _error(
+    code: str, message: str, path: str, help: str | None = None, at: tuple[int, int] = (0, 0)
+) -> AuditError:
+    return AuditError([Diagnostic(code, Severity.ERROR, message, "", Span(path, *at), help)])

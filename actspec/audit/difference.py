@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
@@ -145,7 +145,10 @@ def read_all(paths: Sequence[str], texts: Mapping[str, str]) -> tuple[FileReadin
             reason = reading.reason or ""
             for path, text in texts.items():
                 reason = reason.replace(path, text)
-            out.error("DIF001", f"cannot be read: {one_line(reason)}", span=Span(shown))
+            place = (
+                reading.place if reading.place.path != reading.path else replace(reading.place, path=shown)
+            )
+            out.error("DIF001", f"cannot be read: {one_line(reason)}", span=place)
         elif not reading.artifacts:
             out.error("DIF001", "describes no robot", span=Span(shown))
     out.raise_if_failed(AuditError)

@@ -63,7 +63,9 @@ def audit(
             return audit(pending, settings, spec=spec, progress=progress)
     readings = without_fragments(files.finish(progress))
     case = case_of(readings, settings.versions, settings.options, spec)
-    return judge(case, settings, spec=spec, whole=files.in_folders)
+    globs = files.exclude
+    said = globs.misspelt(files.named, files.met) if isinstance(globs, Exclude) else ()
+    return judge(case, settings, spec=spec, whole=files.in_folders, said=said)
 
 
 def judge(
@@ -73,6 +75,7 @@ def judge(
     *,
     spec: str | None = None,
     whole: Collection[str] = (),
+    said: Iterable[Diagnostic] = (),
 ) -> Report:
     """Run the rules over what was read.
 
@@ -82,6 +85,7 @@ def judge(
         rules: All rules; default: those of the registry.
         spec: As in `audit`.
         whole: Files that were found in a folder, so that the others of their robot are in the case.
+        said: What is wrong with the settings beside these files.
 
     Raises: AuditError: the baseline cannot be read.
     """
@@ -100,7 +104,7 @@ def judge(
     names = {name: rule for rule in everything if rule.code in ran for name in called[rule.code]}
     useless = certainly_unused(after.unused, names, case, whole, _looking(case, spec))
     about = (*without_reason(remarks), *unused(useless), *unknown(remarks, everything))
-    problems += dict.fromkeys(about)
+    problems += dict.fromkeys((*said, *about))
     kept, suppressed = _in_order(without_doubtful(after.kept)), list(after.suppressed)
     kept = _split(
         kept,

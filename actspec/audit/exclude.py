@@ -8,8 +8,14 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from difflib import get_close_matches
+
+from actspec.diagnostics import Diagnostic, Severity
+
+_NEAR = 0.8
+"""Likeness from which a name is a glob's, misspelt. Chosen: one letter of five."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +45,40 @@ class Exclude:
         # Links to files are known by their own names.
         full = os.path.join(os.path.realpath(os.path.dirname(full)), os.path.basename(full))
         return any(_excludes(glob, folder, full, above=named) for glob, folder in self.globs)
+
+    def misspelt(self, named: Iterable[str], met: Iterable[str]) -> Iterator[Diagnostic]:
+        """Globs that fit nothing, where something has nearly their name.
+
+        Only where all was looked at that a glob could name: a hook is handed some of the files. A glob without a near
+        name is left alone, for what it names may not be made yet.
+
+        Args:
+            named: What the user named.
+            met: Paths of all files and folders that were found, those that are passed over too.
+        """
+        if not self.globs:
+            return
+        whole = [os.path.join(os.path.realpath(path), "") for path in named if os.path.isdir(path)]
+        paths = [os.path.realpath(path) for path in met]
+        for glob, folder in dict.fromkeys(self.globs):
+            base = os.path.join(os.path.realpath(folder), "")
+            if not any(base.startswith(path) for path in whole):
+                continue
+            own = [path for path in paths if path.startswith(base)]
+            if any(_excludes(glob, folder, path, above=False) for path in own):
+                continue
+            names = {part for path in own for part in path[len(base) :].split(os.sep)}
+            parts = [part for part in os.path.normpath(glob).split(os.sep) if part not in names]
+            for part in parts:
+                near = get_close_matches(part, sorted(names), n=1, cutoff=_NEAR)
+                if near and not any(sign in part for sign in "*?"):
+                    yield Diagnostic(
+                        "AUD017",
+                        Severity.WARNING,
+                        f"the glob {glob!r} of exclude fits nothing here",
+                        help=f"did you mean {near[0]!r}?",
+                    )
+                    break
 
 
 def _excludes(glob: str, folder: str, path: str, *, above: bool) -> bool:

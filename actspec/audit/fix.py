@@ -8,14 +8,14 @@ from __future__ import annotations
 
 import ast
 import os
-import stat
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.finding import Fix, Safety, TextEdit
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import ActspecError, AuditError, Collector, Diagnostic, Severity, Span, listed
-from actspec.files import replace_file, why
+from actspec.files import why
+from actspec.placing import place
 from actspec.processes import IsolatedCall, LostError
 from actspec.readings.artifact import FileKind, FileReading
 from actspec.robot.view import ModelFile, ModelFormat
@@ -130,8 +130,8 @@ def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsa
     return Fixes(tuple(_fixed([fix for _, fix in taken], data)), tuple(dict.fromkeys(refused)))
 
 
-def write_fixes(files: Iterable[FixedFile]) -> None:
-    """Write fixed files, each in one step.
+def write_fixes(files: Sequence[FixedFile]) -> None:
+    """Write fixed files, all or none.
 
     Raises: AuditError: files that have changed since they were read, or cannot be written.
     """
@@ -144,18 +144,14 @@ def write_fixes(files: Iterable[FixedFile]) -> None:
                         "AUD012", "the file has changed since it was read; not fixed", span=Span(file.path)
                     )
                     continue
-            # Through a link, so that the link stays one.
-            target = os.path.realpath(file.path)
-            mode = stat.S_IMODE(os.stat(target).st_mode)
-            if not mode & (stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH):
-                # To put another file in its place needs no permission of its own.
-                out.error("AUD006", "the file cannot be written: it is read-only", span=Span(file.path))
-                continue
-            replace_file(target, file.new)
-            os.chmod(target, mode)
         except OSError as err:
-            out.error("AUD006", f"the file cannot be written: {why(err)}", span=Span(file.path))
+            out.error("AUD006", f"the file cannot be read again: {why(err)}", span=Span(file.path))
     out.raise_if_failed(AuditError)
+    try:
+        place([(file.path, file.new) for file in files])
+    except OSError as err:
+        message = f"the file cannot be written: {why(err)}"
+        raise AuditError.of("AUD006", message, Span(str(err.filename))) from err
 
 
 def _key(path: str) -> str:

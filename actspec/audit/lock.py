@@ -6,7 +6,6 @@ inertia is not in it: a lock is about actuators.
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import json
 import math
@@ -17,8 +16,9 @@ from typing import Any
 
 from actspec.audit.case import Case
 from actspec.audit.difference import Difference, compare_robots
+from actspec.audit.places import json_fault, json_places
 from actspec.audit.settings import read_versions
-from actspec.diagnostics import AuditError, Collector, Span, one_line, shortened
+from actspec.diagnostics import AuditError, Collector, Path, Span, one_line, shortened
 from actspec.fields import FIELDS
 from actspec.files import FAULTS, read_regular, why
 from actspec.readings.artifact import FileKind
@@ -155,23 +155,44 @@ def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]
     """
     out = Collector()
     lock: Any = None
-    with contextlib.suppress(ValueError, RecursionError):
-        lock = json.loads(data.decode("utf-8"))
+    text, place, why_not = "", Span(path), ""
+    try:
+        text = data.decode("utf-8")
+        lock = json.loads(text)
+    except (ValueError, RecursionError) as err:
+        at, reason = json_fault(data, err)
+        place, why_not = Span(path, *at), f": {reason}"
+    form: Path = ("format",)
     if not isinstance(lock, dict) or not str(lock.get("format", "")).startswith("actspec-lock/"):
-        out.error(
-            "LCK001", "is not a dynamics lock", span=Span(path), help="move it away and write a new one"
-        )
+        place = place if why_not else _spans(path, text, [form])[form]
+        help = "move it away and write a new one"
+        out.error("LCK001", f"is not a dynamics lock{why_not}", span=place, help=help)
     elif lock["format"] != FORMAT:
         told = shortened(str(lock["format"]))
-        out.error("LCK001", f"has the format {told}, and this actspec knows {FORMAT}", span=Span(path))
+        place = _spans(path, text, [form])[form]
+        out.error("LCK001", f"has the format {told}, and this actspec knows {FORMAT}", span=place)
     else:
-        for fault in _faults(lock, figures):
-            out.error("LCK002", fault, span=Span(path), help="write it again with `actspec lock FILE`")
+        faults = _faults(lock, figures)
+        spans = _spans(path, text, [at for at, _ in faults])
+        for way, fault in faults:
+            out.error("LCK002", fault, span=spans[way], help="write it again with `actspec lock FILE`")
         if not out.failed:
-            read_versions(lock["versions"], "versions", Span(path), out)
+            spans = _spans(path, text, [("versions", name) for name in lock["versions"]])
+            read_versions(lock["versions"], "versions", lambda name: spans["versions", name], out)
     out.raise_if_failed(AuditError)
     assert isinstance(lock, dict)
     return lock
+
+
+def _spans(path: str, text: str, wanted: Sequence[Path]) -> dict[Path, Span]:
+    """Where keys of a lock are written; what is not there, where it would be."""
+    ways = {way[:length] for way in wanted for length in range(1, len(way) + 1)}
+    places = json_places(text, ways)
+    found = {}
+    for way in wanted:
+        known = next((way[:length] for length in range(len(way), 0, -1) if way[:length] in places), None)
+        found[way] = Span(path) if known is None else Span(path, *places[known])
+    return found
 
 
 def versions_of(lock: Mapping[str, Any]) -> Versions:
@@ -225,53 +246,61 @@ def _locked_joint(name: str, entry: Mapping[str, Any], file: str) -> JointDynami
     return JointDynamics(name, entry["control"], place, figures, entry.get("network"))
 
 
-def _faults(lock: Mapping[str, Any], figures: bool) -> Sequence[str]:
-    """What is wrong with a lock that has the right format, the first fault of each robot."""
+def _faults(lock: Mapping[str, Any], figures: bool) -> Sequence[tuple[Path, str]]:
+    """What is wrong with a lock that has the right format, the first fault of each robot, by its path."""
     versions, files = lock.get("versions"), lock.get("files")
     if not isinstance(versions, dict) or not all(isinstance(value, str) for value in versions.values()):
-        return ["`versions` is not as actspec writes it"]
+        return [(("versions",), "`versions` is not as actspec writes it")]
     if not isinstance(files, dict):
-        return ["`files` is not as actspec writes it"]
+        return [(("files",), "`files` is not as actspec writes it")]
     kinds = [kind.value for kind in FileKind]
-    found = []
+    found: list[tuple[Path, str]] = []
     for name, entry in files.items():
+        here = ("files", name)
         robots = entry.get("robots") if isinstance(entry, dict) else None
         if not _is_relative(name):
-            found.append(f"{shortened(name)!r} is no relative path")
+            found.append((here, f"{shortened(name)!r} is no relative path"))
         elif not isinstance(robots, dict) or entry.get("kind") not in kinds:
-            found.append(f"the entry of {shortened(name)!r} is not as actspec writes it")
+            found.append((here, f"the entry of {shortened(name)!r} is not as actspec writes it"))
         elif figures:
             for robot, record in robots.items():
                 fault = _robot_fault(record)
                 if fault is not None:
-                    found.append(f"{shortened(name)}, {shortened(robot)}: {fault}")
+                    below, message = fault
+                    way = (*here, "robots", robot, *below)
+                    found.append((way, f"{shortened(name)}, {shortened(robot)}: {message}"))
     return found
 
 
-def _robot_fault(record: Any) -> str | None:
+def _robot_fault(record: Any) -> tuple[Path, str] | None:
+    """The path below the robot, and what is wrong there."""
     shape = "is not as actspec writes it"
     if not isinstance(record, dict) or not isinstance(record.get("joints"), dict):
-        return shape
+        return ("joints",), shape
     settings = record.get("settings")
     if not isinstance(settings, dict) or not all(
         key in SETTING_NOUNS and (isinstance(value, str) or _is_figure(value))
         for key, value in settings.items()
     ):
-        return shape
+        return ("settings",), shape
     hashes = {}
     for name, joint in record["joints"].items():
         texts = (joint.get("control"), joint.get("network", "")) if isinstance(joint, dict) else (None,)
         if not all(isinstance(text, str) for text in texts):
-            return f"{shortened(name)} {shape}"
+            return ("joints", name), f"{shortened(name)} {shape}"
         figures = {key: value for key, value in joint.items() if key not in ("hash", "control", "network")}
-        if not all(key in FIELDS and _is_figure(value) for key, value in figures.items()):
-            return f"{shortened(name)} {shape}"
+        wrong = next(
+            (key for key, value in figures.items() if not (key in FIELDS and _is_figure(value))), None
+        )
+        if wrong is not None:
+            return ("joints", name, wrong), f"{shortened(name)} {shape}"
         own = {key: value for key, value in joint.items() if key != "hash"}
         if _hash(own) != joint.get("hash"):
-            return f"the figures of {shortened(name)} do not match their hash: the lock has been edited"
+            message = f"the figures of {shortened(name)} do not match their hash: the lock has been edited"
+            return ("joints", name), message
         hashes[name] = joint["hash"]
     if _hash({"settings": settings, "joints": hashes}) != record.get("hash"):
-        return "the joints do not match their hash: the lock has been edited"
+        return ("hash",), "the joints do not match their hash: the lock has been edited"
     return None
 
 
@@ -284,6 +313,9 @@ def _is_figure(value: object) -> bool:
 
 
 def _is_relative(name: object) -> bool:
-    if not isinstance(name, str) or not name or "\0" in name or "\\" in name:
+    """Whether a name stays a path from the lock; only Windows takes `a:b` for a drive and splits at a backslash."""
+    if not isinstance(name, str) or not name or "\0" in name or name.startswith("/"):
         return False
-    return not name.startswith("/") and name[1:2] != ":"
+    if name[1:3] == ":/":
+        return False
+    return os.sep == "/" or not ("\\" in name or name[1:2] == ":")

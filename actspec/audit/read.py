@@ -48,7 +48,7 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
     try:
         actuators = resolved(path)
     except ActspecError as err:
-        return replace(reading, reason=read.reason_of(err.diagnostics, path), diagnostics=err.diagnostics)
+        return replace(read.unreadable(path, reading.kind, err.diagnostics), files=reading.files)
     return replace(reading, artifacts=(artifact_of(path, actuators),), diagnostics=actuators.diagnostics)
 
 

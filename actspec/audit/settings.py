@@ -10,10 +10,11 @@ from typing import Any, TypeVar
 
 from actspec.audit.finding import Confidence
 from actspec.audit.ignores import REMARKS
+from actspec.audit.places import Places, shown, toml_places
 from actspec.audit.rule import Rule
 from actspec.audit.selection import ALL, guess, is_diagnostic, strength
 from actspec.audit.settings_file import SHARED_FILE, find_settings
-from actspec.diagnostics import AuditError, Collector, Severity, Span, listed, nearest, shortened
+from actspec.diagnostics import AuditError, Collector, Path, Severity, Span, listed, nearest, shortened
 from actspec.readings.versions import Versions
 
 BACKENDS = ("physx", "ovphysx", "newton")
@@ -23,6 +24,9 @@ NEVER = "never"
 """`fail-on` for findings that never fail the run."""
 
 _VERSION = re.compile(r"\d{1,6}(\.\d{1,6}){0,3}")
+
+_MOST = 1e300
+"""Whole numbers beyond are no floats."""
 
 _T = TypeVar("_T")
 
@@ -79,8 +83,8 @@ def load_settings(rules: Sequence[type[Rule]], config: str | None = None, start:
     collector.raise_if_failed(AuditError)
     if found is None:
         return Settings()
-    path, data = found
-    reader = _Reader(path, rules, collector)
+    path, data, text = found
+    reader = _Reader(path, text, rules, collector)
     settings = reader.document(data)
     collector.raise_if_failed(AuditError)
     return settings
@@ -107,28 +111,38 @@ def check_selectors(
             )
 
 
-def read_versions(data: Mapping[str, str], where: str, span: Span | None, out: Collector) -> Versions:
-    """Versions by the names of `Versions`' fields; what is wrong goes to `out`."""
+def read_versions(
+    data: Mapping[str, str], where: str, place: Callable[[str], Span] | None, out: Collector
+) -> Versions:
+    """Versions by the names of `Versions`' fields.
+
+    Args:
+        data: Name to version.
+        where: What holds them, for people.
+        place: Of each in a file; None: they are options.
+        out: Gets what is wrong.
+    """
     known = tuple(Versions.__dataclass_fields__)
     taken: dict[str, str] = {}
     for written, text in data.items():
         name = written.replace("-", "_")
-        place = f"{where}.{written}" if span is not None else where
+        named = f"{where}.{shortened(written)}" if place is not None else where
+        span = None if place is None else place(written)
         if name not in known:
             near = nearest(name, known)
             out.error(
                 "AUD002",
                 f"'{shortened(written)}' is not a simulator or backend that files can be for",
-                where=place,
+                where=named,
                 span=span,
                 help=f"did you mean '{near}'?" if near else f"one of {', '.join(known)}",
             )
         elif name == "backend" and text not in BACKENDS:
             message = f"must be one of {', '.join(BACKENDS)}, got '{shortened(text)}'"
-            out.error("AUD004", message, where=place, span=span)
+            out.error("AUD004", message, where=named, span=span)
         elif name != "backend" and not _VERSION.fullmatch(text):
             message = f"must be a version such as 2.3, got '{shortened(text)}'"
-            out.error("AUD004", message, where=place, span=span)
+            out.error("AUD004", message, where=named, span=span)
         else:
             taken[name] = text
     return Versions(**taken)
@@ -153,27 +167,31 @@ def named_versions(targets: Sequence[str], out: Collector) -> Versions:
 
 
 class _Reader:
-    """Settings out of parsed TOML; every error goes to the collector."""
+    """Settings out of parsed TOML; every error goes to the collector, with the place of its key."""
 
-    def __init__(self, path: str, rules: Sequence[type[Rule]], out: Collector) -> None:
+    def __init__(self, path: str, text: str, rules: Sequence[type[Rule]], out: Collector) -> None:
         self.path = path
+        self.text = text
         self.rules = rules
         self.out = out
         self.folder = os.path.dirname(path) or "."
+        self.places: Places | None = None
 
     def document(self, data: dict[str, Any]) -> Settings:
         """From the whole file."""
+        way: Path = ()
         if os.path.basename(self.path) == SHARED_FILE:
-            tool = self._table(data.get("tool", {}), "tool")
-            own, prefix = self._table(tool.get("actspec", {}), "tool.actspec"), "tool.actspec"
+            tool = self._table(data.get("tool", {}), ("tool",))
+            way = ("tool", "actspec")
+            own = self._table(tool.get("actspec", {}), way)
         else:
-            own, prefix = data, ""
-        self._known(own, ("audit",), prefix)
-        where = f"{prefix}.audit".lstrip(".")
-        return self._audit(self._table(own.get("audit", {}), where), where)
+            own = data
+        self._known(own, ("audit",), way)
+        way = (*way, "audit")
+        return self._audit(self._table(own.get("audit", {}), way), way)
 
-    def _audit(self, data: dict[str, Any], where: str) -> Settings:
-        readers: dict[str, tuple[str, Callable[[Any, str], Any]]] = {
+    def _audit(self, data: dict[str, Any], way: Path) -> Settings:
+        readers: dict[str, tuple[str, Callable[[Any, Path], Any]]] = {
             "select": ("select", self._selectors),
             "ignore": ("ignore", self._selectors),
             "per-file-ignores": ("per_file_ignores", self._per_file),
@@ -181,11 +199,11 @@ class _Reader:
             "fail-on": ("fail_on", self._fail_on),
             "min-confidence": (
                 "min_confidence",
-                lambda value, place: self._one_of(value, place, {c.value: c for c in Confidence}),
+                lambda value, way: self._one_of(value, way, {c.value: c for c in Confidence}),
             ),
             "min-severity": (
                 "min_severity",
-                lambda value, place: self._one_of(value, place, {s.value: s for s in Severity}),
+                lambda value, way: self._one_of(value, way, {s.value: s for s in Severity}),
             ),
             "rules": ("options", self._options),
             "versions": ("versions", self._versions),
@@ -193,125 +211,127 @@ class _Reader:
             "exclude": ("exclude", self._texts),
             "force-exclude": ("force_exclude", self._yes_or_no),
         }
-        self._known(data, tuple(readers), where)
+        self._known(data, tuple(readers), way)
         taken: dict[str, Any] = {}
         for key, value in data.items():
             if key in readers:
                 name, read = readers[key]
-                taken[name] = read(value, f"{where}.{key}")
+                taken[name] = read(value, (*way, key))
         return Settings() if self.out.failed else Settings(folder=self.folder, **taken)
 
-    def _error(self, code: str, message: str, where: str, help: str | None = None) -> None:
-        self.out.error(code, message, where=where, span=Span(self.path), help=help)
+    def _span(self, way: Path) -> Span:
+        """Where a key or an item is written, or the nearest that it is in."""
+        if self.places is None:
+            self.places = toml_places(self.text)
+        for length in range(len(way), 0, -1):
+            if way[:length] in self.places:
+                return Span(self.path, *self.places[way[:length]])
+        return Span(self.path)
 
-    def _known(self, data: dict[str, Any], known: Sequence[str], where: str) -> None:
+    def _error(self, code: str, message: str, way: Path, help: str | None = None) -> None:
+        self.out.error(code, message, where=shown(way), span=self._span(way), help=help)
+
+    def _known(self, data: dict[str, Any], known: Sequence[str], way: Path) -> None:
         for key in data:
             if key not in known:
                 near = nearest(key.lower().replace("_", "-"), known)
-                table = f"{where}.audit".lstrip(".")
                 choice = (
-                    f"the settings stand below [{table}]"
+                    f"the settings stand below [{shown((*way, 'audit'))}]"
                     if "audit" in known
                     else f"known keys: {listed(known, len(known))}"
                 )
-                self._error(
-                    "AUD002",
-                    "unknown key",
-                    f"{where}.{shortened(key)}".lstrip("."),
-                    f"did you mean '{near}'?" if near else choice,
-                )
+                help = f"did you mean '{near}'?" if near else choice
+                self._error("AUD002", "unknown key", (*way, key), help)
 
-    def _table(self, value: Any, where: str) -> dict[str, Any]:
+    def _table(self, value: Any, way: Path) -> dict[str, Any]:
         if isinstance(value, dict):
             return value
-        self._error("AUD004", f"must be a table, got {_got(value)}", where)
+        self._error("AUD004", f"must be a table, got {_got(value)}", way)
         return {}
 
-    def _selectors(self, value: Any, where: str) -> tuple[str, ...]:
+    def _selectors(self, value: Any, way: Path) -> tuple[str, ...]:
         if not isinstance(value, list) or not all(isinstance(item, str) for item in value):
-            self._error("AUD004", f"must be a list of codes or names, got {_got(value)}", where)
+            self._error("AUD004", f"must be a list of codes or names, got {_got(value)}", way)
             return ()
-        check_selectors(value, self.rules, where, Span(self.path), self.out)
+        for index, item in enumerate(value):
+            check_selectors([item], self.rules, shown(way), self._span((*way, index)), self.out)
         return tuple(value)
 
-    def _texts(self, value: Any, where: str) -> tuple[str, ...]:
+    def _texts(self, value: Any, way: Path) -> tuple[str, ...]:
         if isinstance(value, list) and all(isinstance(item, str) for item in value):
             return tuple(value)
-        self._error("AUD004", f"must be a list of globs, got {_got(value)}", where)
+        self._error("AUD004", f"must be a list of globs, got {_got(value)}", way)
         return ()
 
-    def _yes_or_no(self, value: Any, where: str) -> bool:
+    def _yes_or_no(self, value: Any, way: Path) -> bool:
         if not isinstance(value, bool):
-            self._error("AUD004", f"must be true or false, got {_got(value)}", where)
+            self._error("AUD004", f"must be true or false, got {_got(value)}", way)
         return value is True
 
-    def _per_file(self, value: Any, where: str) -> tuple[tuple[str, tuple[str, ...]], ...]:
-        table = self._table(value, where)
-        return tuple((glob, self._selectors(item, f'{where}."{glob}"')) for glob, item in table.items())
+    def _per_file(self, value: Any, way: Path) -> tuple[tuple[str, tuple[str, ...]], ...]:
+        table = self._table(value, way)
+        return tuple((glob, self._selectors(item, (*way, glob))) for glob, item in table.items())
 
-    def _one_of(self, value: Any, where: str, known: Mapping[str, _T]) -> _T | None:
+    def _one_of(self, value: Any, way: Path, known: Mapping[str, _T]) -> _T | None:
         if isinstance(value, str) and value in known:
             return known[value]
         near = nearest(value, tuple(known)) if isinstance(value, str) else None
         message = f"must be one of {', '.join(known)}, got {_got(value)}"
-        self._error("AUD004", message, where, f"did you mean '{near}'?" if near else None)
+        self._error("AUD004", message, way, f"did you mean '{near}'?" if near else None)
         return None
 
-    def _severities(self, value: Any, where: str) -> dict[str, Severity]:
+    def _severities(self, value: Any, way: Path) -> dict[str, Severity]:
         found = {}
-        for selector, item in self._table(value, where).items():
-            check_selectors([selector], self.rules, where, Span(self.path), self.out)
-            severity = self._one_of(item, f"{where}.{selector}", {s.value: s for s in Severity})
+        for selector, item in self._table(value, way).items():
+            check_selectors([selector], self.rules, shown(way), self._span((*way, selector)), self.out)
+            severity = self._one_of(item, (*way, selector), {s.value: s for s in Severity})
             if severity is not None:
                 found[selector] = severity
         return found
 
-    def _fail_on(self, value: Any, where: str) -> Severity | None:
+    def _fail_on(self, value: Any, way: Path) -> Severity | None:
         known: dict[str, Severity | None] = {s.value: s for s in Severity}
-        return self._one_of(value, where, {**known, NEVER: None})
+        return self._one_of(value, way, {**known, NEVER: None})
 
-    def _options(self, value: Any, where: str) -> dict[str, dict[str, float]]:
+    def _options(self, value: Any, way: Path) -> dict[str, dict[str, float]]:
         codes = {name: rule for rule in self.rules for name in (rule.code, *rule.names())}
         found: dict[str, dict[str, float]] = {}
-        for key, options in self._table(value, where).items():
-            place = f"{where}.{shortened(key)}"
+        for key, options in self._table(value, way).items():
+            here = (*way, key)
             rule = codes.get(key)
             if rule is None:
                 near = guess(key, self.rules)
-                self._error(
-                    "AUD003", "no rule has this code or name", place, near and f"did you mean '{near}'?"
-                )
+                help = near and f"did you mean '{near}'?"
+                self._error("AUD003", "no rule has this code or name", here, help)
                 continue
-            table = self._table(options, place)
+            table = self._table(options, here)
             if not rule.options and table:
-                self._error("AUD002", f"{rule.code} has no options", place)
+                self._error("AUD002", f"{rule.code} has no options", here)
                 continue
-            self._known(table, tuple(rule.options), place)
+            self._known(table, tuple(rule.options), here)
             for name, number in table.items():
                 if isinstance(number, bool) or not isinstance(number, (int, float)) or number != number:
-                    self._error(
-                        "AUD004", f"must be a number, got {_got(number)}", f"{place}.{shortened(name)}"
-                    )
+                    self._error("AUD004", f"must be a number, got {_got(number)}", (*here, name))
+                elif not -_MOST < number < _MOST:
+                    self._error("AUD004", f"must be a finite number, got {_got(number)}", (*here, name))
                 elif name in rule.options:
                     found.setdefault(rule.code, {})[name] = float(number)
         return found
 
-    def _versions(self, value: Any, where: str) -> Versions:
+    def _versions(self, value: Any, way: Path) -> Versions:
         texts: dict[str, str] = {}
-        for key, text in self._table(value, where).items():
+        for key, text in self._table(value, way).items():
             if isinstance(text, str):
                 texts[key] = text
             else:
                 # 3.10 as a number is 3.1.
-                self._error(
-                    "AUD004", f"must be text, got {_got(text)}", f"{where}.{shortened(key)}", 'write "2.3"'
-                )
-        return read_versions(texts, where, Span(self.path), self.out)
+                self._error("AUD004", f"must be text, got {_got(text)}", (*way, key), 'write "2.3"')
+        return read_versions(texts, shown(way), lambda key: self._span((*way, key)), self.out)
 
-    def _baseline(self, value: Any, where: str) -> str | None:
+    def _baseline(self, value: Any, way: Path) -> str | None:
         if isinstance(value, str) and value and "\0" not in value:
             return os.path.normpath(os.path.join(self.folder, value))
-        self._error("AUD004", f"must be a path, got {_got(value)}", where)
+        self._error("AUD004", f"must be a path, got {_got(value)}", way)
         return None
 
 

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import re
 import sys
 from collections.abc import Iterator
 from typing import Any
 
+from actspec.audit.places import toml_fault
 from actspec.diagnostics import Collector, Span
-from actspec.files import FAULTS, read_regular, why
+from actspec.files import FAULTS, place_of, read_regular, why
 
 OWN_FILE = "actspec.toml"
 SHARED_FILE = "pyproject.toml"
@@ -18,8 +18,10 @@ MOST_BYTES = 1 << 20
 """Chosen: a settings file is written by hand."""
 
 
-def find_settings(config: str | None, start: str, collector: Collector) -> tuple[str, dict[str, Any]] | None:
-    """The settings file and its TOML; None where there is none.
+def find_settings(
+    config: str | None, start: str, collector: Collector
+) -> tuple[str, dict[str, Any], str] | None:
+    """The settings file, its TOML and its text; None where there is none.
 
     Args:
         config: The file; None: the nearest one, from `start` upwards. In one folder actspec.toml goes before
@@ -28,7 +30,7 @@ def find_settings(config: str | None, start: str, collector: Collector) -> tuple
         collector: For errors.
     """
     if config is not None:
-        return config, _read(config, collector)
+        return (config, *_read(config, collector))
     return next(_candidates(start, collector), None)
 
 
@@ -40,7 +42,7 @@ def excluded(config: str | None) -> tuple[tuple[str, ...], str, bool]:
     found = find_settings(config, ".", Collector())
     if found is None:
         return (), ".", False
-    path, data = found
+    path, data, _ = found
     table: Any = data.get("tool", {}) if os.path.basename(path) == SHARED_FILE else {"actspec": data}
     for key in ("actspec", "audit"):
         table = table.get(key) if isinstance(table, dict) else None
@@ -50,18 +52,18 @@ def excluded(config: str | None) -> tuple[tuple[str, ...], str, bool]:
     return texts, os.path.dirname(path) or ".", own.get("force-exclude") is True
 
 
-def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any]]]:
+def _candidates(start: str, collector: Collector) -> Iterator[tuple[str, dict[str, Any], str]]:
     folder = os.path.abspath(start)
     while not collector.failed:
         own = _shown(os.path.join(folder, OWN_FILE))
         if os.path.isfile(own):
-            yield own, _read(own, collector)
+            yield (own, *_read(own, collector))
         shared = _shown(os.path.join(folder, SHARED_FILE))
         if os.path.isfile(shared):
-            data = _read(shared, collector, quietly=True)
+            data, text = _read(shared, collector, quietly=True)
             tool = data.get("tool")
             if isinstance(tool, dict) and "actspec" in tool:
-                yield shared, data
+                yield shared, data, text
         parent = os.path.dirname(folder)
         if parent == folder:
             return
@@ -76,8 +78,8 @@ def _shown(path: str) -> str:
         return path
 
 
-def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str, Any]:
-    """A TOML file; empty after an error, which is collected.
+def _read(path: str, collector: Collector, *, quietly: bool = False) -> tuple[dict[str, Any], str]:
+    """A TOML file and its text; empty after an error, which is collected.
 
     Args:
         path: The file.
@@ -93,18 +95,16 @@ def _read(path: str, collector: Collector, *, quietly: bool = False) -> dict[str
         data = read_regular(path, MOST_BYTES)
     except FAULTS as err:
         collector.error("AUD001", f"the settings cannot be read: {why(err)}", span=Span(path))
-        return {}
+        return {}, ""
     try:
-        return tomllib.loads(data.decode("utf-8"))
+        text = data.decode("utf-8")
+        return tomllib.loads(text), text
     except UnicodeDecodeError as err:
-        line = data.count(b"\n", 0, err.start) + 1
-        message, span = f"the file is not UTF-8, got the byte 0x{data[err.start]:02x}", Span(path, line)
-    except tomllib.TOMLDecodeError as err:
-        at = re.search(r" \(at line (\d+), column (\d+)\)$", str(err))
-        span = Span(path, int(at[1]), int(at[2])) if at else Span(path)
-        message = f"this is not TOML: {str(err)[: at.start()] if at else err}"
-    except RecursionError:
-        message, span = "arrays or tables are nested too deeply", Span(path)
+        message = f"the file is not UTF-8, got the byte 0x{data[err.start]:02x}"
+        span = Span(path, *place_of(data, err.start))
+    except (ValueError, RecursionError) as err:
+        at, why_not = toml_fault(data, err)
+        message, span = f"this is not TOML: {why_not}", Span(path, *at)
     if not quietly or b"actspec" in data:
         collector.error("AUD001", message, span=span)
-    return {}
+    return {}, ""

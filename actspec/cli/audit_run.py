@@ -26,7 +26,8 @@ from actspec.diagnostics import (
     Span,
     one_line,
 )
-from actspec.files import FAULTS, replace_file, why
+from actspec.files import FAULTS, why
+from actspec.placing import replace_file
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, least_shown, render, renderer
@@ -54,7 +55,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     settings = _settings(arguments)
     renderer(output_format)
     report = _audited(arguments, settings, pending)
-    # Not taken apart at the end, which takes long for thousands of findings; see `entry`.
+    # Not taken apart at the end, which takes long for thousands of findings; see `actspec.cli.main._KEPT`.
     arguments.report = report
     _check_spec(report, arguments.spec)
     if arguments.diff:
@@ -78,7 +79,7 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     if output_format not in ("json", "sarif"):
         print_diagnostics(remarks(report, options.least))
     if arguments.output is None:
-        _print(text)
+        sys.stdout.write(text)
     if report.misnamed or not (report.complete or settings.fail_on is None):
         return EXIT_FAILED
     # Whoever uploads SARIF has its findings judged there.
@@ -139,7 +140,7 @@ def _show_fixes(report: Report, unsafe: bool) -> int:
         print(_nothing_to_fix(report, unsafe), file=sys.stderr)
     for file in fixes.files:
         for line in diff_lines(file.old, file.new, file.path, file.path):
-            _print(line)
+            sys.stdout.write(line)
     if not report.complete:
         return EXIT_FAILED
     return EXIT_FINDINGS if fixes.files else EXIT_CLEAN
@@ -240,9 +241,3 @@ def _write(path: str, text: str) -> None:
         replace_file(path, text.encode("utf-8", "backslashreplace"))
     except FAULTS as err:
         raise AuditError.of("AUD006", f"the report cannot be written: {why(err)}", Span(path)) from err
-
-
-def _print(text: str) -> None:
-    """Print a report; what the terminal's encoding has no character for is escaped."""
-    encoding = sys.stdout.encoding or "utf-8"
-    sys.stdout.write(text.encode(encoding, "backslashreplace").decode(encoding))

@@ -12,8 +12,6 @@ from actspec.diagnostics import (
     EXIT_FINDINGS,
     Collector,
     Diagnostic,
-    EmitError,
-    Span,
     SpecError,
     one_line,
 )
@@ -31,8 +29,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Let each distinct actuator of a spec, alone on its inertia, follow a step, a swing and a chirp: as PD and "
-        "limit, that with one further part of its model (filter, delay, torque-speed line), and all of it; by the "
-        "law, and in MuJoCo at the spec's step.",
+        "limit, that with one further part of its model (filter, delay, torque-speed line, network), and all of it; by "
+        "the law, and in MuJoCo at the spec's step.",
         "actspec compare robots/a1.yaml --delay 10ms --plot a1.svg",
         "0 nothing at or above --fail-on; 1 findings; 2 could not run",
     )
@@ -66,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare, print, draw."""
     from actspec import api
     from actspec.cli.options import failing, joints_named
-    from actspec.output import check_free
+    from actspec.output import check_free, write_files
     from actspec.report import compare as report
     from actspec.report.figures import drawn
     from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -113,8 +111,7 @@ def run(arguments: argparse.Namespace) -> int:
     findings: list[Diagnostic] = [item for one in found for item in one.findings]
     charts = [chart for one in found for chart in report.charts(one)]
     pictures = [(path, drawn(charts, path)) for path in arguments.plot] if charts else []
-    for path, data in pictures:
-        _write(path, data)
+    write_files(pictures)
     if arguments.output_format == "json":
         print_json(report.record(found, findings))
     else:
@@ -144,12 +141,3 @@ def _check_plots(paths: list[str], out: Collector) -> None:
             )
         if os.path.isdir(path) or not os.path.isdir(os.path.dirname(path) or os.curdir):
             out.error("CMP011", f"'{path}' cannot be written: there is no such folder", where="--plot")
-
-
-def _write(path: str, data: bytes) -> None:
-    from actspec.files import FAULTS, replace_file, why
-
-    try:
-        replace_file(path, data)
-    except FAULTS as err:
-        raise EmitError.of("OUT001", f"cannot be written: {why(err)}", Span(path)) from err

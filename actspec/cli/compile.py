@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
 from collections.abc import Iterator
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 from actspec import api, output
 from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.placing import finish
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
 from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
@@ -59,16 +61,18 @@ def run(arguments: argparse.Namespace) -> int:
         )
         for index, path in enumerate(arguments.spec)
     ]
+    dry = arguments.check or arguments.diff
+    if not dry:
+        folders = (options.folder for compilation in done for options in compilation.targets)
+        finish(os.path.join(folder, output.MANIFEST) for folder in folders)
     files = [output.outputs(compilation) for compilation in done]
     stale = any(file.changed for group in files for file in group)
     refused = [loss for compilation in done for loss in compilation.unaccepted] if arguments.strict else []
     doubtful = (
         [item for compilation in done for item in doubts(compilation.diagnostics)] if arguments.strict else []
     )
-    dry = arguments.check or arguments.diff
     if not dry and not refused and not doubtful:
-        for group in files:
-            output.write(group, force=arguments.force)
+        output.write([file for group in files for file in group], force=arguments.force)
     if arguments.output_format == "json":
         print_json(_record(done, files))
     else:
@@ -93,8 +97,6 @@ def _folder(arguments: argparse.Namespace, index: int) -> str | None:
     """With -o and several specs, each robot gets a folder of its own below it."""
     if arguments.output is None or len(arguments.spec) == 1:
         return None if arguments.output is None else str(arguments.output)
-    import os
-
     file, variant = split(arguments.spec[index])
     name = os.path.splitext(os.path.basename(file))[0]
     if variant is not None:

@@ -57,8 +57,9 @@ def run(arguments: argparse.Namespace) -> int:
     answers = answers_of(arguments)
     spec = api.load(named(arguments.spec, arguments.variant))
     logs, against = logs_of(arguments)
-    actuators = api.resolve(spec, api.load_robot(spec))
-    found = diagnose(actuators, arguments.spec, logs, against, answers)
+    robot = api.load_robot(spec)
+    actuators = api.resolve(spec, robot)
+    found = diagnose(actuators, robot, arguments.spec, logs, against, answers)
     if arguments.output_format == "json":
         print_json(record(found))
     else:

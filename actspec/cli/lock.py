@@ -28,7 +28,8 @@ from actspec.diagnostics import (
     Span,
     one_line,
 )
-from actspec.files import FAULTS, replace_file, why
+from actspec.files import FAULTS, why
+from actspec.placing import replace_file
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines, record
 from actspec.report.tables import many

@@ -7,13 +7,15 @@ import gc
 import os
 import sys
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib import import_module
 from keyword import iskeyword
-from typing import Any, NoReturn
+from typing import Any
 
 import actspec
 from actspec.cli.options import Lines
-from actspec.diagnostics import EXIT_FAILED
+from actspec.cli.streams import StreamError, printing
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FAILED
 
 COMMANDS = {
     "compile": "compile a spec to its targets",
@@ -22,6 +24,7 @@ COMMANDS = {
     "verify": "show by numbers that every target agrees",
     "compare": "show what each part of an actuator's model changes",
     "diagnose": "judge a spec by logs, and say what to do",
+    "ablate": "write variants of a spec, to train beside each other",
     "audit": "audit robot files, with or without a spec",
     "report": "write one page: verdict, pictures, what to do",
     "rule": "explain a rule of the audit",
@@ -67,24 +70,53 @@ def main(argv: Sequence[str] | None = None) -> int:
         argv: Arguments; default: those of the process.
 
     Returns: 0 clean, 1 findings, 2 could not run.
+
+    Raises: SystemExit: of the parser, after help or for wrong usage.
     """
-    return _main(_parsed(sys.argv[1:] if argv is None else argv))
+    with printing():
+        return _main(_parsed(sys.argv[1:] if argv is None else argv))
 
 
-def entry() -> NoReturn:
-    """Run the process's command and end the process.
+_KEPT: list[argparse.Namespace] = []
+"""What a command leaves in its arguments, which is not taken apart before the process ends."""
 
-    It ends without taking every module apart, which would be a tenth of a compile's time: all files are
-    closed by then, and no other process is left.
+
+def run_process() -> int:
+    """Run the process's command; for `actspec.__main__`, which ends the process.
+
+    Returns: The exit code.
     """
-    # Else pydantic looks through every installed package for plugins that see what is validated.
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
-    # What a command leaves in here is not taken apart either.
-    arguments = _parsed(sys.argv[1:])
-    code = _main(arguments)
-    sys.stdout.flush()
-    sys.stderr.flush()
-    os._exit(code)
+    with printing():
+        try:
+            try:
+                arguments = _parsed(sys.argv[1:])
+                _KEPT.append(arguments)
+                code = _main(arguments)
+            except SystemExit as stop:
+                code = stop.code if isinstance(stop.code, int) else EXIT_CLEAN
+            sys.stdout.flush()
+            sys.stderr.flush()
+        except StreamError as err:
+            return _unprinted(err)
+        return code
+
+
+def run_lost(reason: str) -> int:
+    """Say that the command's process was ended; for `actspec.__main__`.
+
+    Returns: The exit code.
+    """
+    from actspec.diagnostics import Diagnostic, Severity
+    from actspec.report.terminal import print_failure
+
+    with printing(), suppress(StreamError):
+        arguments = _parsed(sys.argv[1:])
+        help = "actspec audit reads what it can of such a model from its text"
+        said = Diagnostic("ENV005", Severity.ERROR, reason, help=help)
+        print_failure((said,), getattr(arguments, "output_format", "text"), arguments.command)
+        sys.stdout.flush()
+        sys.stderr.flush()
+    return EXIT_FAILED
 
 
 def _parsed(argv: Sequence[str]) -> argparse.Namespace:
@@ -110,15 +142,19 @@ def _main(arguments: argparse.Namespace) -> int:
         code = _run(arguments)
         sys.stdout.flush()
         return code
-    except BrokenPipeError:
-        # The reader has gone (`| head`): nothing to say, and nobody to say it to.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return EXIT_FAILED
+    except StreamError as err:
+        return _unprinted(err)
     except KeyboardInterrupt:
         return 130
     finally:
         if collecting:
             gc.enable()
+
+
+def _unprinted(err: StreamError) -> int:
+    if str(err):
+        print(f"actspec: {err}", file=sys.stderr)
+    return EXIT_FAILED
 
 
 def _run(arguments: argparse.Namespace) -> int:
@@ -129,11 +165,14 @@ def _run(arguments: argparse.Namespace) -> int:
         code: int = _module(command).run(arguments)
         return code
     except ActspecError as err:
-        from actspec.report.terminal import print_failure
+        said = err.diagnostics
+    except StreamError:
+        raise
+    except Exception as err:
+        from actspec.cli.faults import diagnostic
 
-        print_failure(err.diagnostics, getattr(arguments, "output_format", "text"), command)
-        return EXIT_FAILED
+        said = (diagnostic(err),)
+    from actspec.report.terminal import print_failure
 
-
-if __name__ == "__main__":
-    entry()
+    print_failure(said, getattr(arguments, "output_format", "text"), command)
+    return EXIT_FAILED

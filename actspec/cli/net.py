@@ -112,6 +112,7 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
     command.add_argument("--html", metavar="PAGE", help="write it as a page too")
+    command.add_argument("--force", action="store_true", help="replace a page that is there")
     add_format(command)
 
 
@@ -339,6 +340,10 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     from actspec.report.net import evaluate_lines, evaluate_record
 
     require("scipy", "onnx")
+    if arguments.html is not None:
+        from actspec.output import check_free
+
+        check_free(arguments.html, [arguments.spec, *arguments.log, *arguments.policy], arguments.force)
     logs, actuators, robot = read_all(arguments)
     if not os.path.isfile(arguments.network):
         raise LogError.of(
@@ -364,15 +369,11 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     with Progress("rolling out") as progress:
         found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
     if arguments.html is not None:
-        from actspec.files import FAULTS, replace_file, why
+        from actspec.output import write_files
         from actspec.report.net_page import evaluate_page
 
         page = evaluate_page(found, data, law, arguments.network)
-        try:
-            replace_file(arguments.html, page.encode("utf-8", "backslashreplace"))
-        except FAULTS as err:
-            message = f"cannot be written: {why(err)}"
-            raise LogError.of("OUT001", message, Span(arguments.html)) from err
+        write_files([(arguments.html, page.encode("utf-8", "backslashreplace"))])
     if arguments.output_format == "json":
         print_json(evaluate_record(found, out.sorted()))
     else:

@@ -135,8 +135,17 @@ def failing(findings: Iterable[Diagnostic], fail_on: str) -> bool:
     return any(SEVERITIES.index(item.severity) >= least for item in findings)
 
 
-def quantity_of(text: str, kind: Kind, option: str, code: str, out: Collector) -> float | None:
-    """A number above 0 of an option, in SI; None: it is none, which `out` is given.
+def quantity_of(
+    text: str,
+    kind: Kind,
+    option: str,
+    code: str,
+    out: Collector,
+    *,
+    zero: bool = False,
+    most: float = math.inf,
+) -> float | None:
+    """A number of an option, in SI; None: it is none, which `out` is given.
 
     Args:
         text: With its unit, `30Hz`.
@@ -144,18 +153,51 @@ def quantity_of(text: str, kind: Kind, option: str, code: str, out: Collector) -
         option: For messages.
         code: Of the diagnostic.
         out: Takes it.
+        zero: Whether 0 is one.
+        most: Largest [SI].
     """
-    from actspec.units import UnitError, parse_quantity
+    from actspec.units import Kind, UnitError, format_number, parse_quantity
 
     try:
         value = parse_quantity(text, kind).value
     except UnitError as err:
         out.error(code, err.message, where=option, help=err.help)
         return None
-    if not 0.0 < value < math.inf:
-        out.error(code, f"must be above 0, got {text}", where=option)
+    if value < 0.0 or value == math.inf or (value == 0.0 and not zero):
+        out.error(code, f"must be {'at least' if zero else 'above'} 0, got {text}", where=option)
+        return None
+    if value > most:
+        unit = "" if kind is Kind.RATIO else f" {kind.rotary_unit}"
+        out.error(code, f"must be at most {format_number(most)}{unit}, got {text}", where=option)
         return None
     return value
+
+
+def quantity_needed(
+    text: str, kind: Kind, option: str, code: str, *, zero: bool = False, most: float = math.inf
+) -> float:
+    """The same for a command that reads recordings, where nothing else is asked at once.
+
+    Raises: LogError: it is none.
+    """
+    from actspec.diagnostics import Collector
+    from actspec.logs import LogError
+
+    out = Collector()
+    value = quantity_of(text, kind, option, code, out, zero=zero, most=most)
+    out.raise_if_failed(LogError)
+    assert value is not None
+    return value
+
+
+def natural(text: str) -> int:
+    """A whole number from 0 on, as a seed is, for argparse.
+
+    Raises: argparse.ArgumentTypeError: the text is none.
+    """
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 0 to 999999999")
+    return int(text)
 
 
 def configured_versions(targets: Sequence[str]) -> Versions:

@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import argparse
-from typing import Any
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
 
 from actspec import api
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Severity, Span
-from actspec.units import Kind, UnitError, parse_quantity
+from actspec.cli.options import quantity_needed
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Diagnostic, Severity, Span
+from actspec.units import Kind
+
+if TYPE_CHECKING:
+    from actspec.logs import Log
 
 
 def add_logs(command: argparse.ArgumentParser) -> None:
@@ -18,45 +23,51 @@ def add_logs(command: argparse.ArgumentParser) -> None:
     )
 
 
-def read_all(arguments: argparse.Namespace) -> tuple[list[Any], Any, Any]:
-    """Logs, spec and robot; all faults of the logs at once."""
+def read_logs(paths: Sequence[str], code: str, more: Sequence[str] = ()) -> list[Log]:
+    """Logs, all their faults at once.
+
+    Args:
+        paths: Each a recording of its own.
+        code: Of what is said where two of them are the same.
+        more: Logs that may be among the others.
+
+    Returns: Those of `paths`, then those of `more`.
+
+    Raises: LogError: one cannot be read, or is there twice.
+    """
     from actspec.logs import LogError, load_log
 
     logs, out = [], Collector()
-    for path in (*arguments.log, *getattr(arguments, "policy", ())):
+    for path in (*paths, *more):
         try:
             logs.append(load_log(path))
         except LogError as err:
             for item in err.diagnostics:
                 out.add(item)
     seen: dict[str, str] = {}
-    for log in logs[: len(arguments.log)]:
-        if (other := seen.setdefault(log.sha256, log.path)) != log.path or [x.path for x in logs].count(
-            log.path
-        ) > 1:
-            out.error("LRN014", f"the same bytes as {other}", span=Span(log.path), help="name each log once")
+    for log in logs[: len(paths)]:
+        if paths.count(log.path) > 1:
+            out.error(code, "is named twice", span=Span(log.path), help="name each log once")
+        elif (other := seen.setdefault(log.sha256, log.path)) != log.path:
+            out.error(code, f"the same bytes as {other}", span=Span(log.path), help="name each log once")
     out.raise_if_failed(LogError)
+    return logs
+
+
+def read_all(arguments: argparse.Namespace) -> tuple[list[Any], Any, Any]:
+    """Logs, spec and robot; all faults of the logs at once."""
+    logs = read_logs(arguments.log, "LRN014", getattr(arguments, "policy", ()))
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
     return logs, api.resolve(spec, robot), robot
 
 
-def warned(out: Collector) -> int:
+def warned(findings: Iterable[Diagnostic]) -> int:
     """Exit code: 1 with a warning."""
-    warned = any(item.severity is Severity.WARNING for item in out)
+    warned = any(item.severity is Severity.WARNING for item in findings)
     return EXIT_FINDINGS if warned else EXIT_CLEAN
 
 
 def seconds_of(text: str | None, option: str) -> float | None:
     """An option's time [s]."""
-    from actspec.logs import LogError
-
-    if text is None:
-        return None
-    try:
-        value = parse_quantity(text, Kind.TIME).value
-    except UnitError as err:
-        raise LogError.of("LRN015", err.message, where=option, help=err.help) from err
-    if not value > 0:
-        raise LogError.of("LRN015", f"must be above 0, got {text}", where=option)
-    return value
+    return None if text is None else quantity_needed(text, Kind.TIME, option, "LRN015")

@@ -11,7 +11,6 @@ from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
     Collector,
-    EmitError,
     Span,
     SpecError,
     listed,
@@ -20,10 +19,13 @@ from actspec.diagnostics import (
 from actspec.study.level import TASKS
 
 if TYPE_CHECKING:
+    from actspec.report.overview import Overview
     from actspec.spec.validate import Spec
 
 LOGS = (".csv", ".npz", ".parquet")
 """Suffixes of logs."""
+IMPORTED = "spec.yaml"
+"""Name of a spec that does not stand anywhere."""
 MOST_BYTES = 64 * 1024 * 1024
 """Of what `verify` wrote. Chosen: that of a humanoid has 200 kB."""
 
@@ -47,6 +49,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("-o", "--output", required=True, metavar="FILE", help="page to write")
     add_variant(command)
+    command.add_argument(
+        "--joints",
+        metavar="FILE|NAMES",
+        help="names of the joints, where a configuration has patterns and no robot file is at hand",
+    )
     command.add_argument("--title", metavar="TEXT", help="default: the robot's name")
     command.add_argument("--against", metavar="LOG", help="another log of the same commands")
     command.add_argument("--task", choices=TASKS, help="what the policy is to do")
@@ -56,13 +63,17 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--transfer", type=float, metavar="SHARE", help="score on the robot over that in simulation"
     )
     command.add_argument("--verify", metavar="JSON", help="what `actspec verify --output-format json` wrote")
+    command.add_argument("--ablation", metavar="DIR", help="what `actspec ablate` wrote")
     command.add_argument(
         "--figures", metavar="DIR", help="write each picture as SVG, and what it draws as CSV"
     )
     command.add_argument("--force", action="store_true", help="replace files that are there")
     add_fail_on(command)
     command.add_argument(
-        "--output-format", choices=("html", "markdown"), default="html", help="of the page; default: html"
+        "--output-format",
+        choices=("html", "markdown", "json"),
+        default="html",
+        help="of the page; default: html",
     )
 
 
@@ -71,21 +82,22 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec import api
     from actspec.audit.rules import case_of, check_actuators
     from actspec.cli.diagnose import answers_of, logs_of
-    from actspec.files import FAULTS, replace_file, why
-    from actspec.output import check_free
+    from actspec.output import check_free, write_files
     from actspec.report.figures import files_of
-    from actspec.report.overview import Overview, figures, markdown, page
+    from actspec.report.overview import Overview, figures
     from actspec.report.terminal import Progress, print_diagnostics
     from actspec.study.compare import compare, simulator_of
     from actspec.study.diagnose import diagnose
 
     answers = answers_of(arguments)
     agreement = None if arguments.verify is None else _agreement(arguments.verify)
+    ablation = None if arguments.ablation is None else _ablation(arguments.ablation)
     out = Collector()
     arguments.log = [path for path in arguments.file if path.lower().endswith(LOGS)]
     sources = [*arguments.file, *filter(None, [arguments.against, arguments.verify])]
     check_free(arguments.output, sources, arguments.force)
-    spec, path = _spec([path for path in arguments.file if path not in arguments.log], arguments.variant)
+    files = [path for path in arguments.file if path not in arguments.log]
+    spec, path = _spec(files, arguments)
     logs, against = logs_of(arguments)
     robot = api.load_robot(spec)
     actuators = api.resolve(spec, robot)
@@ -103,13 +115,15 @@ def run(arguments: argparse.Namespace) -> int:
         path,
         actuators,
         case_of(actuators, {}),
-        diagnose(actuators, path, logs, against, answers),
+        diagnose(actuators, robot, path, logs, against, answers),
         tuple(arguments.log),
         comparison,
         (*actuators.diagnostics, *check_actuators(actuators, {})),
         agreement,
+        ablation,
+        () if path in files else tuple(files),
     )
-    text = page(shown) if arguments.output_format == "html" else markdown(shown)
+    text = _text(shown, arguments.output_format)
     written = [(arguments.output, text.encode("utf-8", "backslashreplace"))]
     if arguments.figures is not None:
         drawn = [(one.kind, one.joints[0], one.chart) for one in figures(shown)]
@@ -117,13 +131,7 @@ def run(arguments: argparse.Namespace) -> int:
             path = os.path.join(arguments.figures, name)
             check_free(path, sources, arguments.force)
             written.append((path, data))
-    try:
-        if arguments.figures is not None:
-            os.makedirs(arguments.figures, exist_ok=True)
-        for path, data in written:
-            replace_file(path, data)
-    except FAULTS as err:
-        raise EmitError.of("OUT001", f"cannot be written: {why(err)}", Span(arguments.output)) from err
+    write_files(written)
     print_diagnostics(shown.diagnosis.notes)
     print(f"wrote {one_line(arguments.output)}")
     if arguments.figures is not None:
@@ -131,7 +139,20 @@ def run(arguments: argparse.Namespace) -> int:
     return EXIT_FINDINGS if failing(shown.everything, arguments.fail_on) else EXIT_CLEAN
 
 
-def _spec(files: list[str], variant: str | None) -> tuple[Spec, str]:
+def _text(shown: Overview, form: str) -> str:
+    """The page, as it was asked for."""
+    import json
+
+    from actspec.report.overview import page
+    from actspec.report.overview_markdown import markdown
+    from actspec.report.overview_record import record
+
+    if form == "json":
+        return json.dumps(record(shown), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return page(shown) if form == "html" else markdown(shown)
+
+
+def _spec(files: list[str], arguments: argparse.Namespace) -> tuple[Spec, str]:
     """The spec that is named, or one of robot files, and what commands call it.
 
     Raises: ActspecError: it is neither, or cannot be read.
@@ -159,9 +180,9 @@ def _spec(files: list[str], variant: str | None) -> tuple[Spec, str]:
         message = f"a spec stands alone, beside logs: {listed(files)}"
         raise SpecError.of("RPT002", message, where="FILE", help="name the spec, or the robot's files")
     if specs:
-        return api.load(named(specs[0], variant)), specs[0]
-    found = drafted(files, "spec.yaml", None, configured_versions([]))
-    return validate(document_from_text(found.spec.text, "spec.yaml")), "SPEC"
+        return api.load(named(specs[0], arguments.variant)), specs[0]
+    found = drafted(files, IMPORTED, None, configured_versions([]), joints=arguments.joints)
+    return validate(document_from_text(found.spec.text, IMPORTED)), IMPORTED
 
 
 def _agreement(path: str) -> dict[str, Any]:
@@ -169,19 +190,48 @@ def _agreement(path: str) -> dict[str, Any]:
 
     Raises: SpecError: it is something else.
     """
+    command = "actspec verify SPEC --output-format json > verify.json"
+    return _read(path, "actspec-verify/1", "rows", "`actspec verify --output-format json` writes", command)
+
+
+def _ablation(folder: str) -> dict[str, Any]:
+    """What `ablate` wrote.
+
+    Raises: SpecError: it is something else, or not there.
+    """
+    path = os.path.join(folder, "ablation.json")
+    return _read(
+        path, "actspec-ablation/1", "variants", "`actspec ablate` writes", "actspec ablate SPEC LOG -o DIR"
+    )
+
+
+def _read(path: str, form: str, needed: str, writer: str, command: str) -> dict[str, Any]:
+    """Another command's JSON.
+
+    Args:
+        path: Of the file.
+        form: Its `format`.
+        needed: A key that it has where the command succeeded.
+        writer: Who writes it, for the message.
+        command: That does.
+    """
     import json
 
     from actspec.files import FAULTS, NotRegular, TooLarge, read_regular, why
 
     try:
-        found = json.loads(read_regular(path, MOST_BYTES))
+        data = read_regular(path, MOST_BYTES)
     except (NotRegular, TooLarge, *FAULTS) as err:
-        raise SpecError.of("RPT001", f"cannot be read: {why(err)}", Span(path)) from err
+        raise SpecError.of("RPT001", f"cannot be read: {why(err)}", Span(path), help=command) from err
+    try:
+        found = json.loads(data, parse_constant=_no_number)
     except (ValueError, RecursionError) as err:
         raise SpecError.of("RPT001", f"is no JSON: {one_line(str(err))}", Span(path)) from err
-    if not isinstance(found, dict) or found.get("format") != "actspec-verify/1" or "rows" not in found:
-        message = "is not what `actspec verify --output-format json` writes"
-        raise SpecError.of(
-            "RPT001", message, Span(path), help="actspec verify SPEC --output-format json > verify.json"
-        )
+    if not isinstance(found, dict) or found.get("format") != form or not isinstance(found.get(needed), list):
+        raise SpecError.of("RPT001", f"is not what {writer}", Span(path), help=command)
     return found
+
+
+def _no_number(text: str) -> None:
+    """NaN and Infinity, which JSON does not have."""
+    raise ValueError(f"{text} is no number")

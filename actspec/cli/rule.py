@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import sys
 
 from actspec.audit.ignores import REMARKS
@@ -13,8 +14,8 @@ from actspec.audit.rules import all_rules
 from actspec.audit.selection import DIAGNOSTICS, selected, strength
 from actspec.audit.settings import check_selectors
 from actspec.cli.options import add_format, describe
-from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, Span, one_line
-from actspec.files import FAULTS, replace_file, why
+from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, one_line
+from actspec.output import write_files
 from actspec.report.terminal import print_json
 from actspec.spec.plausible import CHECKS, Check
 from actspec.study import findings as diagnosis
@@ -43,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.symptom is not None:
         return _symptoms(arguments.symptom)
     rules = all_rules()
+    arguments.rule = [_code(selector) for selector in arguments.rule]
     checks = () if arguments.all else _checks(arguments.rule)
     if arguments.docs is not None:
         _write(arguments.docs, rules)
@@ -65,15 +67,15 @@ def run(arguments: argparse.Namespace) -> int:
             if any(strength(selector, code, name) > 1 for selector in arguments.rule)
         ]
         texts += [
-            f"{selector}\n\nThis is no rule: it is reported about robot files. docs/checks.md says when.\n"
+            f"{selector}\n\nThis is no rule: {told}\n"
             for selector in arguments.rule
-            if selector.startswith("ROBOT")
+            if (told := _elsewhere(selector)) is not None
         ]
         texts += [
             f"# {check.code} {check.name}\n\n{check.judges}\n\n{check.because}\n\n"
             + (
-                "`diagnose` reports it (docs/diagnose.md).\n"
-                if check in diagnosis.CHECKS
+                f"`{command}` reports it (docs/{command}.md).\n"
+                if (command := {"DGN": "diagnose", "CMP": "compare"}.get(check.code[:3]))
                 else "`validate`, `show` and `compile` report it (docs/checks.md). `sure: true` beside a value keeps "
                 f"it,\n`accept: {{spec.{check.code}: reason}}` all that the check reports.\n"
             )
@@ -81,6 +83,25 @@ def run(arguments: argparse.Namespace) -> int:
         ]
         sys.stdout.write("\n".join([*texts, *(page(rule) for rule in rules)]))
     return EXIT_CLEAN
+
+
+ELSEWHERE = {
+    "ROBOT": "it is reported about robot files. docs/checks.md says when.",
+    "SYS": "`sysid` reports it. docs/sysid.md says when, and what helps.",
+    "LOG": "it is reported about logs. docs/sysid.md says when, and what helps.",
+}
+"""Letters of codes that a page of the docs has a table of, to what is said of them."""
+
+
+def _elsewhere(selector: str) -> str | None:
+    """What is said of a code that has no page of its own; None: it has one, or there is none."""
+    letters = selector.rstrip("0123456789")
+    return ELSEWHERE.get(letters) if len(selector) - len(letters) in (0, 3) else None
+
+
+def _code(selector: str) -> str:
+    """A code as it is written, whatever its letters' case; names stay."""
+    return selector.upper() if re.fullmatch(r"[A-Za-z]+[0-9]*", selector) else selector
 
 
 def _symptoms(word: str) -> int:
@@ -102,7 +123,7 @@ def _checks(selectors: list[str]) -> tuple[Check, ...]:
     """The checks of a spec's numbers, and of a diagnosis, that selectors name."""
     return tuple(
         check
-        for check in (*CHECKS, *diagnosis.CHECKS)
+        for check in (*CHECKS, *diagnosis.CHECKS, *diagnosis.COMPARED)
         if any(strength(selector, check.code, check.name) > 1 for selector in selectors)
     )
 
@@ -115,7 +136,9 @@ def _chosen(
     if not selectors:
         out.error("AUD010", "names no rule", where="CODE", help="actspec rule LIM101, or --all")
     others = [
-        selector for selector in selectors if not any(strength(selector, c.code, c.name) > 1 for c in checks)
+        selector
+        for selector in selectors
+        if _elsewhere(selector) is None and not any(strength(selector, c.code, c.name) > 1 for c in checks)
     ]
     check_selectors(others, rules, "CODE", None, out)
     out.raise_if_failed(AuditError)
@@ -125,12 +148,4 @@ def _chosen(
 def _write(folder: str, rules: tuple[type[Rule], ...]) -> None:
     """One file a rule, and the index."""
     texts = {f"{rule.code.lower()}.md": page(rule) for rule in rules} | {INDEX: index(rules)}
-    out = Collector()
-    for name, text in texts.items():
-        path = os.path.join(folder, name)
-        try:
-            os.makedirs(folder, exist_ok=True)
-            replace_file(path, text.encode("utf-8"))
-        except FAULTS as err:
-            out.error("AUD006", f"the page cannot be written: {why(err)}", span=Span(path))
-    out.raise_if_failed(AuditError)
+    write_files([(os.path.join(folder, name), text.encode("utf-8")) for name, text in texts.items()])

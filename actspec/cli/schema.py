@@ -23,6 +23,8 @@ WRITTEN = (
     "verify",
     "compare",
     "diagnosis",
+    "ablation",
+    "overview",
     "sysid",
     "net-data",
     "net-train",
@@ -40,7 +42,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         command,
         "Print a JSON Schema: of files that people write (spec, results, network, delta, log for its sidecar), or of "
         "what actspec writes: the JSON of compile, show (actuators), validate, verify, compare, diagnose (diagnosis), "
-        "sysid, net, delta, audit (report), rule (rules) and diff, and files.",
+        "ablate (ablation), report (overview), sysid, net, delta, audit (report), rule (rules) and diff, and files.",
         "actspec schema > actspec.schema.json",
         "0 printed; 2 there is no such schema",
     )

@@ -3,30 +3,34 @@
 from __future__ import annotations
 
 import argparse
+import math
 from dataclasses import fields
 from typing import Any
 
 from actspec import api
 from actspec.cli import sysid_import, sysid_report
-from actspec.cli.options import Lines, add_format, describe, joints_named
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, ResolveError, Severity, Span, listed
+from actspec.cli.options import Lines, add_format, describe, joints_named, natural, quantity_of
+from actspec.cli.recordings import add_logs, read_logs, warned
+from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed
 from actspec.report.terminal import Progress, print_diagnostics, print_json
 from actspec.sysid.identified import METHODS
-from actspec.units import Kind, UnitError, parse_quantity
+from actspec.units import Kind
 
-FLAWS: tuple[tuple[str, str, Kind, str], ...] = (
-    ("--position-noise", "position_noise", Kind.POSITION, '"0.5 mrad"'),
-    ("--velocity-noise", "velocity_noise", Kind.SPEED, '"0.05 rad/s"'),
-    ("--torque-noise", "torque_noise", Kind.RATIO, '"2 %%" of its root mean square'),
-    ("--velocity-filter", "velocity_filter", Kind.FREQUENCY, "40Hz, the cutoff of a low-pass"),
-    ("--jitter", "jitter", Kind.RATIO, '"15 %%" of the time between rows'),
-    ("--dropped", "dropped", Kind.RATIO, '"1 %%" of the rows'),
-    ("--play", "play", Kind.POSITION, '"0.3 deg", between joint and encoder'),
-    ("--sag", "sag", Kind.RATIO, '"10 %%" of the torque-speed line, at full torque'),
-    ("--torque-scale", "torque_scale", Kind.RATIO, '"5 %%" too much torque in the log'),
-    ("--torque-constant", "torque_constant", Kind.TORQUE_CONSTANT, '"0.1 N*m/A": log the current'),
+FLAWS: tuple[tuple[str, str, Kind, float, str], ...] = (
+    ("--position-noise", "position_noise", Kind.POSITION, math.inf, '"0.5 mrad"'),
+    ("--velocity-noise", "velocity_noise", Kind.SPEED, math.inf, '"0.05 rad/s"'),
+    ("--torque-noise", "torque_noise", Kind.RATIO, math.inf, '"2 %%" of its root mean square'),
+    ("--velocity-filter", "velocity_filter", Kind.FREQUENCY, math.inf, "40Hz, the cutoff of a low-pass"),
+    ("--jitter", "jitter", Kind.RATIO, 0.45, '"15 %%" of the time between rows'),
+    ("--dropped", "dropped", Kind.RATIO, 0.9, '"1 %%" of the rows'),
+    ("--play", "play", Kind.POSITION, math.inf, '"0.3 deg", between joint and encoder'),
+    ("--sag", "sag", Kind.RATIO, 1.0, '"10 %%" of the torque-speed line, at full torque'),
+    ("--torque-scale", "torque_scale", Kind.RATIO, math.inf, '"5 %%" too much torque in the log'),
+    ("--torque-constant", "torque_constant", Kind.TORQUE_CONSTANT, math.inf, '"0.1 N*m/A": log the current'),
 )
-"""Options of `simulate`: name, field of `Flaws`, kind, example."""
+"""Options of `simulate`: name, field of `Flaws`, kind, largest value, example."""
+MOST_BITS = 40
+"""Of an encoder. Chosen: finer than the ten digits of a log."""
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -82,7 +86,9 @@ def _add_design(command: argparse.ArgumentParser) -> None:
     command.add_argument("--rate", default="500 Hz", metavar="RATE", help="of the commands; default 500 Hz")
     command.add_argument("--together", action="store_true", help="move all joints at once")
     command.add_argument("--linear", action="store_true", help="let a chirp's frequency grow linearly")
-    command.add_argument("--seed", type=int, default=0, metavar="N", help="of phases and levels; default 0")
+    command.add_argument(
+        "--seed", type=natural, default=0, metavar="N", help="of phases and levels; default 0"
+    )
 
 
 def _add_simulate(command: argparse.ArgumentParser) -> None:
@@ -99,9 +105,11 @@ def _add_simulate(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("-o", "--output", required=True, metavar="LOG", help="the new log, .csv or .npz")
     command.add_argument("--force", action="store_true", help="replace a file that is there")
-    command.add_argument("--seed", type=int, required=True, metavar="N", help="of all noise")
-    command.add_argument("--encoder-bits", type=int, default=0, metavar="N", help="over one turn, e.g. 14")
-    for name, field, _, example in FLAWS:
+    command.add_argument("--seed", type=natural, required=True, metavar="N", help="of all noise")
+    command.add_argument(
+        "--encoder-bits", type=natural, default=0, metavar="N", help="over one turn, e.g. 14"
+    )
+    for name, field, *_, example in FLAWS:
         command.add_argument(name, dest=field, metavar="VALUE", help=f"e.g. {example}")
 
 
@@ -113,10 +121,7 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
         "actspec sysid fit robots/a1.yaml hip.csv -o results/hip.yaml",
         "0 written; 1 written, with a warning; 2 nothing was written",
     )
-    command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
-    command.add_argument(
-        "log", nargs="+", metavar="LOG", help="CSV, NPZ or Parquet; its sidecar lies beside it"
-    )
+    add_logs(command)
     command.add_argument("-o", "--output", metavar="RESULTS", help="results file to write (YAML)")
     command.add_argument(
         "--method",
@@ -162,13 +167,17 @@ def _need_scipy() -> None:
 
 
 def _design(arguments: argparse.Namespace) -> int:
-    from actspec.logs import write_log
+    from actspec.logs import LogError, check_log_path, write_log
     from actspec.output import check_free
     from actspec.sysid.design import design
 
     check_free(arguments.output, [arguments.spec], arguments.force)
-    duration = _quantity(arguments.duration, Kind.TIME, "--duration")
-    rate = _quantity(arguments.rate, Kind.FREQUENCY, "--rate")
+    check_log_path(arguments.output)
+    out = Collector()
+    duration = quantity_of(arguments.duration, Kind.TIME, "--duration", "SYS042", out)
+    rate = quantity_of(arguments.rate, Kind.FREQUENCY, "--rate", "SYS042", out)
+    out.raise_if_failed(LogError)
+    assert duration is not None and rate is not None
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
     actuators = joints_named(api.resolve(spec, robot), arguments.joint, "--joint")
@@ -195,16 +204,22 @@ def _design(arguments: argparse.Namespace) -> int:
 
 
 def _simulate(arguments: argparse.Namespace) -> int:
-    from actspec.logs import load_log, write_log
+    from actspec.logs import LogError, check_log_path, load_log, write_log
     from actspec.output import check_free
     from actspec.sysid.virtual import Flaws, follow
 
     check_free(arguments.output, [arguments.spec, arguments.commands], arguments.force)
+    check_log_path(arguments.output)
+    out = Collector()
     values: dict[str, Any] = {
-        field: _quantity(text, kind, name)
-        for name, field, kind, _ in FLAWS
+        field: quantity_of(text, kind, name, "SYS042", out, zero=True, most=most)
+        for name, field, kind, most, _ in FLAWS
         if (text := getattr(arguments, field)) is not None
     }
+    if arguments.encoder_bits > MOST_BITS:
+        message = f"must be at most {MOST_BITS}, got {arguments.encoder_bits}"
+        out.error("SYS042", message, where="--encoder-bits")
+    out.raise_if_failed(LogError)
     assert set(values) <= {field.name for field in fields(Flaws)}
     commands = load_log(arguments.commands)
     spec = api.load(arguments.spec)
@@ -231,7 +246,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
 
 
 def _fit(arguments: argparse.Namespace) -> int:
-    from actspec.logs import load_log
+    from actspec.logs import check_results_path
     from actspec.output import check_free, write_spec
     from actspec.report.sysid import sysid_lines, sysid_record
     from actspec.sysid.methods import fit_by
@@ -240,9 +255,10 @@ def _fit(arguments: argparse.Namespace) -> int:
 
     output = arguments.output
     if output is not None:
+        check_results_path(output)
         check_free(output, [arguments.spec, *arguments.log, *arguments.validate], arguments.force)
-    logs = [load_log(path) for path in arguments.log]
-    validation = [load_log(path) for path in arguments.validate]
+    read = read_logs(arguments.log, "SYS035", arguments.validate)
+    logs, validation = read[: len(arguments.log)], read[len(arguments.log) :]
     spec = api.load(arguments.spec)
     robot = api.load_robot(spec)
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
@@ -256,22 +272,8 @@ def _fit(arguments: argparse.Namespace) -> int:
         print("\n".join(sysid_lines(found)))
         if output is not None:
             print(f"wrote {output}")
-    warned = any(item.severity is Severity.WARNING for item in found.findings)
-    return EXIT_FINDINGS if warned else EXIT_CLEAN
+    return warned(found.findings)
 
 
 def _names(text: str) -> list[str]:
     return [name.strip() for name in text.split(",") if name.strip()]
-
-
-def _quantity(text: str, kind: Kind, option: str) -> float:
-    """An option's number in SI."""
-    from actspec.logs import LogError
-
-    try:
-        value = parse_quantity(text, kind).value
-    except UnitError as err:
-        raise LogError.of("SYS042", err.message, where=option, help=err.help) from err
-    if value < 0:
-        raise LogError.of("SYS042", f"must be at least 0, got {text}", where=option)
-    return value

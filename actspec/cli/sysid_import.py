@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 
-from actspec.cli.options import describe
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Severity
+from actspec.cli.options import describe, quantity_needed
+from actspec.cli.recordings import warned
+from actspec.diagnostics import Collector
 from actspec.logs import LogError
 from actspec.report.terminal import print_diagnostics
-from actspec.units import Kind, UnitError, parse_quantity
+from actspec.units import Kind
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -54,6 +55,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, and write the results file."""
+    from actspec.logs import check_results_path
     from actspec.output import check_free, write_spec
     from actspec.report.foreign import imported_lines
     from actspec.spec.document import document_from_text
@@ -61,11 +63,14 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec.sysid.foreign import foreign_text, read_foreign
     from actspec.sysid.foreign.figures import Options
 
+    check_results_path(arguments.output)
     check_free(arguments.output, [arguments.file], arguments.force)
     options = Options(
         joints=tuple(arguments.joint),
         layout=tuple(block.strip() for block in arguments.layout.split(",") if block.strip()),
-        step=None if arguments.step is None else _step(arguments.step),
+        step=None
+        if arguments.step is None
+        else quantity_needed(arguments.step, Kind.TIME, "--step", "SYS042"),
         commit=arguments.commit,
         names=_mapped(arguments.map),
         linear=arguments.linear,
@@ -78,19 +83,7 @@ def run(arguments: argparse.Namespace) -> int:
     print_diagnostics(collector.sorted())
     print("\n".join(imported_lines(found)))
     print(f"wrote {arguments.output}")
-    warned = any(item.severity is Severity.WARNING for item in collector)
-    return EXIT_FINDINGS if warned else EXIT_CLEAN
-
-
-def _step(text: str) -> float:
-    """A time above 0 [s]."""
-    try:
-        value = parse_quantity(text, Kind.TIME).value
-    except UnitError as err:
-        raise LogError.of("SYS042", err.message, where="--step", help=err.help) from err
-    if value <= 0.0:
-        raise LogError.of("SYS042", f"must be above 0, got {text}", where="--step")
-    return value
+    return warned(collector)
 
 
 def _mapped(texts: list[str]) -> dict[str, tuple[str, str]]:

@@ -55,8 +55,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
-    from actspec.files import FAULTS, replace_file, why
-    from actspec.output import check_free
+    from actspec.output import check_free, write_files
     from actspec.report.sysid_page import Identified, render
     from actspec.spec.document import load_document
     from actspec.spec.results import validate_results
@@ -87,10 +86,7 @@ def run(arguments: argparse.Namespace) -> int:
     shown = Identified(
         document.path, results, document.text_sha256, spec, actuators, replays, tuple(logs), out.sorted()
     )
-    try:
-        replace_file(arguments.output, render(shown).encode("utf-8", "backslashreplace"))
-    except FAULTS as err:
-        raise LogError.of("OUT001", f"cannot be written: {why(err)}", Span(arguments.output)) from err
+    write_files([(arguments.output, render(shown).encode("utf-8", "backslashreplace"))])
     print_diagnostics(shown.findings)
     print(f"wrote {one_line(arguments.output)}")
     missing = any(item.severity is not Severity.INFO for item in shown.findings)

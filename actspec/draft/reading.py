@@ -120,7 +120,8 @@ def _check(reading: FileReading, out: Collector) -> None:
             for item in errors:
                 out.add(item)
         else:
-            out.error("DRF004", f"cannot be read: {reading.reason}", span=place, help=including(reading.path))
+            help = including(reading.path)
+            out.error("DRF004", f"cannot be read: {reading.reason}", span=reading.place, help=help)
     elif reading.kind is FileKind.SPEC:
         out.error(
             "DRF005", "is a spec already", span=place, help="`actspec compile` writes configurations from it"

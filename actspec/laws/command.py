@@ -53,12 +53,17 @@ def filter_gain(cutoff: float, step: float) -> float:
     return -math.expm1(-2.0 * math.pi * cutoff * step)
 
 
+SAME_STEP = 0.01
+"""Share of a step by which a delay may be off whole steps and nothing is lost. Chosen: a simulator knows no time
+between its steps, logs tell no delay that closely, and a loss as large as a command's jump would be a false alarm."""
+
+
 class DelaySteps(NamedTuple):
     """A delay in whole steps.
 
     Attributes:
         steps: Number of steps.
-        loss: steps * h - delay [s]; positive: later than asked for.
+        loss: steps * h - delay [s]; positive: later than asked for; 0 within `SAME_STEP` of a step.
     """
 
     steps: int
@@ -89,7 +94,7 @@ def delay_steps(delay: float, step: float) -> DelaySteps:
     # The quotient of two decimals may come out a hair below the half, the loss a hair off zero.
     steps = math.floor(delay / step + 0.5 + 1e-9)
     loss = steps * step - delay
-    return DelaySteps(steps, 0.0 if abs(loss) < 1e-9 * step else loss)
+    return DelaySteps(steps, 0.0 if abs(loss) <= SAME_STEP * step else loss)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,7 @@ from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.laws.network import NetworkLaw
 from actspec.readings.onnx_network import NetworkFileError, OnnxMissing, read_onnx
 from actspec.spec.network import NetworkManifest
+from actspec.targets.mujoco.networks import FORMAT, NAME
 
 if TYPE_CHECKING:
     import numpy as np
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-NAME, FORMAT = "networks.json", "actspec-runtime/1"
 MAX_BYTES = 64 * 1024 * 1024
 """Largest file [bytes]. Chosen: actuator networks have some tens of kilobytes."""
 

@@ -15,10 +15,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span
-from actspec.files import replace_file
 from actspec.laws.network import Dense, Layers
 from actspec.learn.torchscript import loaded, program_of
 from actspec.logs import LogError
+from actspec.placing import finish, place
 from actspec.readings.onnx_network import ACTIVATIONS, NetworkFileError, read_onnx
 
 if TYPE_CHECKING:
@@ -66,6 +66,7 @@ def check_output(path: str, *, force: bool) -> None:
         folder = os.path.dirname(folder)
     if folder and not os.path.isdir(folder):
         out.error("LRN001", "not a folder", where="-o", span=Span(folder))
+    finish(paths.values())
     for there in (there for there in paths.values() if os.path.lexists(there) and not force):
         out.error("OUT001", "the file is there already", span=Span(there), help="--force replaces it")
     out.raise_if_failed(LogError)
@@ -107,18 +108,16 @@ def file_entries(paths: Mapping[str, str], data: Mapping[str, bytes]) -> dict[st
 
 
 def write_files(path: str, data: Mapping[str, bytes], manifest: str) -> None:
-    """Write a network's files, the manifest last.
+    """Write a network's files, all or none.
 
     Raises:
-        LogError: one cannot be written; those from before are whole.
+        LogError: one cannot be written; nothing was.
     """
     paths = network_paths_of(path)
     try:
-        if folder := os.path.dirname(path):
-            os.makedirs(folder, exist_ok=True)
-        for form, found in data.items():
-            replace_file(paths[form], found)
-        replace_file(paths["manifest"], manifest.encode())
+        place(
+            [*((paths[form], found) for form, found in data.items()), (paths["manifest"], manifest.encode())]
+        )
     except OSError as err:
         message = f"cannot be written: {err.strerror or err}"
         raise LogError.of("LRN001", message, Span(err.filename or path)) from err

@@ -48,7 +48,6 @@ def train_lstm(
 ) -> Trained:
     """Train an LSTM; see `train.train`. The dataset has the samples `TAPS`."""
     import numpy as np
-    import torch
 
     _, torque, joint = gathered(data, parts.train)
     own = joint_scales(torque, joint, len(data.actuators))
@@ -56,10 +55,9 @@ def train_lstm(
     scales = _scales(data.tracks, parts.train)
     seen, unseen = (_pieces(data, rows, scales, own, size) for rows in (parts.train, parts.validate))
     found = []
-    with torch.random.fork_rng(devices=[]):
-        for k in range(options.seeds):
-            mine = replace(options, seed=options.seed + k)
-            found.append(_run(seen, unseen, mine, scales, size, part_of(progress, k, options.seeds)))
+    for k in range(options.seeds):
+        mine = replace(options, seed=options.seed + k)
+        found.append(_run(seen, unseen, mine, scales, size, part_of(progress, k, options.seeds)))
     best = min(range(len(found)), key=lambda k: found[k][1].loss)
     runs = []
     law = NetworkLaw(found[best][0], (0,), data.period)

@@ -34,7 +34,7 @@ def spline(time: Array, signal: Array) -> Any:
 
     good = np.isfinite(signal)
     time, signal = time[good], signal[good]
-    noise = scatter(signal)
+    noise = scatter(signal, time)
     if len(time) < 5 or not noise > 0.0:
         return CubicSpline(time, signal)
     low, high = (math.log(end) for end in STIFFNESS)

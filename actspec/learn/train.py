@@ -108,34 +108,41 @@ def train(
         options: How.
         progress: Called with epochs done, of how many.
     """
-    import numpy as np
     import torch
 
-    if options.kind == "lstm":
-        from actspec.learn.recurrent import train_lstm
-
-        return train_lstm(data, parts, options, progress)
-    seen, unseen = gathered(data, parts.train), gathered(data, parts.validate)
-    basis = whitening(seen[0])
-    own = joint_scales(seen[1], seen[2], len(data.actuators))
-    size = float(np.sqrt(np.mean(seen[1] ** 2))) or 1.0
-    spare = [slacks(data, part) / size for part in (parts.train, parts.validate)]
     threads = torch.get_num_threads()
     # A batch is done before a second thread has begun, and on a busy machine the two wait for each other.
     torch.set_num_threads(1)
     try:
         with torch.random.fork_rng(devices=[]):
-            found = [
-                _run(
-                    (*_tensors(seen, basis, own, size), single_tensor(spare[0])),
-                    (*_tensors(unseen, basis, own, size), single_tensor(spare[1])),
-                    replace(options, seed=options.seed + k),
-                    part_of(progress, k, options.seeds),
-                )
-                for k in range(options.seeds)
-            ]
+            if options.kind == "lstm":
+                from actspec.learn.recurrent import train_lstm
+
+                return train_lstm(data, parts, options, progress)
+            return _train_perceptron(data, parts, options, progress)
     finally:
         torch.set_num_threads(threads)
+
+
+def _train_perceptron(
+    data: Dataset, parts: Split, options: TrainOptions, progress: Callable[[int, int], None] | None
+) -> Trained:
+    import numpy as np
+
+    seen, unseen = gathered(data, parts.train), gathered(data, parts.validate)
+    basis = whitening(seen[0])
+    own = joint_scales(seen[1], seen[2], len(data.actuators))
+    size = float(np.sqrt(np.mean(seen[1] ** 2))) or 1.0
+    spare = [slacks(data, part) / size for part in (parts.train, parts.validate)]
+    found = [
+        _run(
+            (*_tensors(seen, basis, own, size), single_tensor(spare[0])),
+            (*_tensors(unseen, basis, own, size), single_tensor(spare[1])),
+            replace(options, seed=options.seed + k),
+            part_of(progress, k, options.seeds),
+        )
+        for k in range(options.seeds)
+    ]
     best = min(range(len(found)), key=lambda k: found[k][1].loss)
     runs = []
     for layers, run in found:

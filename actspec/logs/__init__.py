@@ -10,7 +10,20 @@ from __future__ import annotations
 
 from actspec.logs.log import BASE, SIGNALS, BaseLog, JointLog, Log, LogError
 from actspec.logs.read import load_log
-from actspec.logs.write import write_log
+from actspec.logs.sidecar import check_results_path
+from actspec.logs.write import check_log_path, write_log
 from actspec.spec.sidecar import Sidecar
 
-__all__ = ["BASE", "SIGNALS", "BaseLog", "JointLog", "Log", "LogError", "Sidecar", "load_log", "write_log"]
+__all__ = [
+    "BASE",
+    "SIGNALS",
+    "BaseLog",
+    "JointLog",
+    "Log",
+    "LogError",
+    "Sidecar",
+    "check_log_path",
+    "check_results_path",
+    "load_log",
+    "write_log",
+]

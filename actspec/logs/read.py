@@ -78,6 +78,12 @@ def load_log(path: str) -> Log:
             continue
         kind = SIGNALS[signal]
         scale = 1.0 if kind is None else _scale(column, kind, sidecar, linear, path, out)
+        if (bits := _unsigned(table.columns[column.index])) is not None:
+            message = (
+                f"jumps between 0 and {2**bits - 1}: a signed number of {bits} bits, read as an unsigned one"
+            )
+            help = f"subtract {2**bits} from what is above {2 ** (bits - 1) - 1}"
+            out.error("LOG014", message, where=column.theirs, span=Span(path, 1, column.index + 1), help=help)
         if kind is None and not set(table.columns[column.index].tolist()) <= {0.0, 1.0}:
             out.error("LOG014", "must be 0 or 1 in every row", where=column.theirs, span=Span(path, 1))
         found.setdefault(joint, {})[signal] = table.columns[column.index] * scale
@@ -92,6 +98,18 @@ def load_log(path: str) -> Log:
     joints = {name: JointLog(name, linear.get(name), **signals) for name, signals in found.items()}
     digest = hashlib.sha256(table.data).hexdigest()
     return Log(path, digest, time, joints, sidecar, tuple(ignored), table.first_row, moved)
+
+
+def _unsigned(values: Array) -> int | None:
+    """Bits of a whole number below 0 that was read as one above it, as counts of a servo's bus; None: it was not."""
+    import numpy as np
+
+    known = values[np.isfinite(values)]
+    if not len(known) or known.min() < 0.0 or np.any(known != np.round(known)):
+        return None
+    turns = np.abs(np.diff(known))
+    near = (bits for bits in (16, 32) if 0.5 * 2**bits <= known.max() < 2**bits)
+    return next((bits for bits in near if turns.max(initial=0.0) > 0.9 * 2**bits), None)
 
 
 def _base(

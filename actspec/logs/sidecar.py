@@ -6,8 +6,9 @@ import math
 import os
 from datetime import date
 
-from actspec.diagnostics import Collector, SpecError, shortened
+from actspec.diagnostics import Collector, Span, SpecError, shortened
 from actspec.logs.log import LogError
+from actspec.logs.tables import ENDINGS
 from actspec.spec.document import load_document
 from actspec.spec.sidecar import FORMAT, Sidecar
 from actspec.spec.validate import checked
@@ -16,6 +17,25 @@ from actspec.spec.validate import checked
 def sidecar_path(path: str) -> str:
     """Where the sidecar of a log stands: the log's name with `.yaml`."""
     return os.path.splitext(path)[0] + ".yaml"
+
+
+def check_results_path(path: str) -> None:
+    """Refuse a results file where the sidecar of a log is looked for: that log could not be read any more.
+
+    Raises: LogError: a log of this name stands beside it.
+    """
+    folder, name = os.path.split(path)
+    stem = os.path.splitext(name)[0]
+    if not os.path.isdir(folder or os.curdir) or sidecar_path(name) != name:
+        return
+    for other in sorted(os.listdir(folder or os.curdir)):
+        begin, ending = os.path.splitext(other)
+        if begin == stem and ending.lower() in ENDINGS:
+            message = (
+                f"this is where the sidecar of {other} is looked for: that log could not be read any more"
+            )
+            help = f"name another file, e.g. {os.path.join(folder, stem)}-results.yaml"
+            raise LogError.of("SYS036", message, Span(path), help=help)
 
 
 def load_sidecar(path: str) -> Sidecar:

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 MAX_BYTES = 256 * 2**20
 """Largest file [bytes]. Chosen: ten minutes of 29 joints at 200 Hz are 140 MB of text."""
+ENDINGS = (".csv", ".tsv", ".txt", ".npz", ".parquet")
+"""Of the files that are read."""
 PICKLES = (".pkl", ".pickle", ".pt", ".pth", ".npy", ".mat", ".h5", ".hdf5", ".bag", ".mcap", ".db3")
 
 
@@ -48,7 +50,7 @@ def read_table(path: str) -> Table:
         LogError: with every fault of the file, each with its row.
     """
     suffix = os.path.splitext(path)[1].lower()
-    readers = {".csv": _text, ".tsv": _text, ".txt": _text, ".npz": _npz, ".parquet": _parquet}
+    readers = dict(zip(ENDINGS, (_text, _text, _text, _npz, _parquet), strict=True))
     if suffix not in readers:
         help = "write CSV, NPZ or Parquet with columns `time [s]`, `JOINT.position [rad]`, ..."
         if suffix in PICKLES:

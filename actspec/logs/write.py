@@ -7,8 +7,9 @@ import os
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Span
-from actspec.files import FAULTS, replace_file, why
+from actspec.files import FAULTS, why
 from actspec.logs.log import BASE, SIGNALS, JointLog, Log, LogError
+from actspec.placing import replace_file
 
 if TYPE_CHECKING:
     import numpy as np
@@ -20,14 +21,29 @@ DIGITS = 10
 """Significant digits of a number. Chosen: finer than any encoder."""
 
 
+WRITTEN = (".csv", ".txt", ".npz")
+"""Endings of logs that are written; the first two are CSV."""
+
+
+def check_log_path(path: str) -> None:
+    """Refuse a path whose ending is of no log that is written.
+
+    Raises: LogError: it is.
+    """
+    if os.path.splitext(path)[1].lower() not in WRITTEN:
+        message = f"a log is written as {', '.join(WRITTEN[:-1])} or {WRITTEN[-1]}, by the ending of its name"
+        raise LogError.of("LOG001", message, Span(path))
+
+
 def write_log(log: Log) -> None:
-    """Write the rows of a log to its path, in one step; the sidecar is not written.
+    """Write the rows of a log to its path, in one step, with its folders; the sidecar is not written.
 
     Raises:
         LogError: it cannot be written; what was there is untouched.
     """
     import numpy as np
 
+    check_log_path(log.path)
     names = ["time [s]"]
     columns: list[Array] = [log.time]
     for joint in log.joints.values():
@@ -49,6 +65,7 @@ def write_log(log: Log) -> None:
         np.savetxt(text, np.column_stack(columns), fmt=f"%.{DIGITS}g", delimiter=",")
         data = text.getvalue().encode()
     try:
+        os.makedirs(os.path.dirname(log.path) or ".", exist_ok=True)
         replace_file(log.path, data)
     except FAULTS as err:
         raise LogError.of("LOG001", f"the log cannot be written: {why(err)}", Span(log.path)) from err

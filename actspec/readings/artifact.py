@@ -6,7 +6,6 @@ files. An `Artifact` is one robot as one file has it. Nothing here was executed.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
@@ -19,7 +18,13 @@ if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
 
 
-_COMMENT = re.compile(rb"<!--.*?-->", re.DOTALL)
+def without_comments(data: bytes) -> bytes:
+    """The text of an XML file without its comments; one that is not closed stays."""
+    kept, at = [], 0
+    while (begin := data.find(b"<!--", at)) >= 0 and (end := data.find(b"-->", begin + 4)) >= 0:
+        kept.append(data[at:begin])
+        at = end + 3
+    return b"".join((*kept, data[at:]))
 
 
 class FileKind(str, Enum):
@@ -242,7 +247,7 @@ class Artifact:
     def states(self, tag: bytes) -> bool:
         """Whether a robot file or one of its includes has an element; what is in a comment does not count."""
         files = () if self.robot is None else self.robot.files
-        return any(tag in file.data and tag in _COMMENT.sub(b"", file.data) for file in files)
+        return any(tag in file.data and tag in without_comments(file.data) for file in files)
 
 
 NAMES_NOTHING = ("AUD014", "AUD016")
@@ -256,12 +261,13 @@ class FileReading:
     Attributes:
         path: As the user named it.
         kind: What it is; None when nobody can tell.
-        reason: Why it could not be read; None when it was.
+        reason: Why it could not be read, without the place; None when it was.
         artifacts: The robots in it, in order.
         files: Its bytes and those of its includes, for excerpts, inline remarks and fixes.
         diagnostics: What the reader says about it.
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
+        refused: The place that `reason` is about; None: the file as a whole.
     """
 
     path: str
@@ -272,6 +278,7 @@ class FileReading:
     diagnostics: tuple[Diagnostic, ...] = ()
     in_folder: bool = False
     put_aside: bool = False
+    refused: Span | None = None
 
     @property
     def names_nothing(self) -> bool:
@@ -282,6 +289,17 @@ class FileReading:
     def readable(self) -> bool:
         """Whether it was read."""
         return self.reason is None
+
+    @property
+    def place(self) -> Span:
+        """Where it is refused."""
+        return self.refused or Span(self.path)
+
+    @property
+    def told(self) -> str:
+        """Why it could not be read, with the place ahead where that is less than the file."""
+        place = "" if self.refused is None else f"{self.refused}: "
+        return f"{place}{self.reason}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,6 +17,7 @@ from typing import Any, TypeAlias
 import yaml
 
 from actspec.diagnostics import Collector, Span, listed, one_line
+from actspec.files import place_of
 from actspec.readings.artifact import (
     ActuatorGroup,
     Artifact,
@@ -30,6 +31,8 @@ from actspec.robot.view import ModelFile
 
 MOST_STEPS = 200_000
 """Chosen: values visited in one file, aliases counted each time."""
+MOST_JOINTS = 2000
+"""Chosen: joints that one list names; every field's list is held against every name."""
 MOST_DEPTH = 40
 """Chosen: deepest nesting that is followed."""
 
@@ -121,12 +124,12 @@ def read_deploy(path: str, data: bytes) -> FileReading:
     try:
         root = compose(data)
     except Unfit as err:
-        return FileReading(path, None, str(err), files=(file,))
+        return FileReading(path, None, str(err), files=(file,), refused=err.span(path))
     name = os.path.splitext(os.path.basename(path))[0]
     try:
         configs = () if root is None else tuple(_Reader(path).configs(root, (), name, 0))
     except Unfit as err:
-        return FileReading(path, FileKind.DEPLOY, str(err), files=(file,))
+        return FileReading(path, FileKind.DEPLOY, str(err), files=(file,), refused=err.span(path))
     if not configs:
         return FileReading(path, None, "it has no gains (kp, kps, stiffness, ...)", files=(file,))
     return FileReading(
@@ -140,7 +143,19 @@ def read_deploy(path: str, data: bytes) -> FileReading:
 
 
 class Unfit(Exception):
-    """The file is no YAML that can be read, or too much of it."""
+    """The file is no YAML that can be read, or too much of it.
+
+    Attributes:
+        at: Line and column, from 1; 0 where there is none.
+    """
+
+    def __init__(self, message: str, at: tuple[int, int] = (0, 0)) -> None:
+        super().__init__(message)
+        self.at = at
+
+    def span(self, path: str) -> Span:
+        """The place in a file."""
+        return Span(path, *self.at)
 
 
 def compose(data: bytes) -> yaml.Node | None:
@@ -152,7 +167,8 @@ def compose(data: bytes) -> yaml.Node | None:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as err:
-        raise Unfit(f"it is not UTF-8 at byte {err.start}") from None
+        at = err.start + len(data) - len(err.object)
+        raise Unfit(f"it is not UTF-8, byte 0x{err.object[err.start]:02x}", place_of(data, at)) from None
     loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
     try:
         depth = 0
@@ -160,16 +176,25 @@ def compose(data: bytes) -> yaml.Node | None:
         for count, event in enumerate(yaml.parse(text, Loader=loader)):
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > MOST_DEPTH:
-                raise Unfit(f"it is nested more than {MOST_DEPTH} deep")
+                raise Unfit(f"it is nested more than {MOST_DEPTH} deep", _at(event.start_mark))
             if count > MOST_STEPS:
-                raise Unfit(f"it has more than {MOST_STEPS} values")
+                raise Unfit(f"it has more than {MOST_STEPS} values", _at(event.start_mark))
         node: yaml.Node | None = yaml.compose(text, Loader=loader)
     except yaml.MarkedYAMLError as err:
-        at = f" (line {err.problem_mark.line + 1})" if err.problem_mark else ""
-        raise Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}{at}") from None
+        mark = err.problem_mark or err.context_mark
+        place = _at(mark) if mark else (0, 0)
+        raise Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}", place) from None
+    except yaml.reader.ReaderError as err:
+        before = text[: err.position]
+        place = before.count("\n") + 1, len(before) - before.rfind("\n")
+        raise Unfit(f"it is not YAML: {one_line(err.reason)}", place) from None
     except (yaml.YAMLError, ValueError) as err:
         raise Unfit(f"it is not YAML: {one_line(str(err))}") from None
     return node
+
+
+def _at(mark: Any) -> tuple[int, int]:
+    return mark.line + 1, mark.column + 1
 
 
 class _Reader:
@@ -190,9 +215,9 @@ class _Reader:
             name: What a robot in it is called: the file's stem, or its key at the top.
             depth: How deep it is.
         """
-        self._step()
+        self._step(node)
         if depth > MOST_DEPTH:
-            raise Unfit(f"it is nested more than {MOST_DEPTH} deep")
+            raise Unfit(f"it is nested more than {MOST_DEPTH} deep", _at(node.start_mark))
         if isinstance(node, yaml.SequenceNode):
             for item in node.value:
                 yield from self.configs(item, above, name, depth + 1)
@@ -212,7 +237,7 @@ class _Reader:
         found: _Block = {}
         merged: list[yaml.MappingNode] = []
         for key, value in node.value:
-            self._step()
+            self._step(key)
             if not isinstance(key, yaml.ScalarNode):
                 continue
             if key.tag == "tag:yaml.org,2002:merge":
@@ -225,7 +250,7 @@ class _Reader:
         for part in merged:
             # A merged mapping's own merges are left: nobody writes them, and they may form a circle.
             for key, value in part.value:
-                self._step()
+                self._step(key)
                 if isinstance(key, yaml.ScalarNode):
                     found.setdefault(str(key.value), value)
         return found
@@ -245,8 +270,7 @@ class _Reader:
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
         everything = {joint: None for values in fields.values() for joint in values}
-        order = [joint for joint in joints or () if joint in everything]
-        order += [joint for joint in everything if joint not in order]
+        order = list(dict.fromkeys((*(joint for joint in joints or () if joint in everything), *everything)))
         groups = []
         for joint in order:
             own = {field: values[joint] for field, values in fields.items() if joint in values}
@@ -278,7 +302,7 @@ class _Reader:
                 continue
             found: dict[str, Setting] = {}
             for joint, item in zip(joints, node.value, strict=True):
-                self._step()
+                self._step(item)
                 value = item.value if name == "command" else _number(item)
                 if isinstance(value, (str, float)):
                     found[joint] = Setting(value, self._span(item))
@@ -292,7 +316,7 @@ class _Reader:
             return Setting((), self._span(block["format"]))
         names: list[str | None] = []
         for item in node.value:
-            self._step()
+            self._step(item)
             if not isinstance(item, yaml.ScalarNode):
                 return Setting((), self._span(node))
             names.append(None if item.tag == "tag:yaml.org,2002:null" else str(item.value))
@@ -316,9 +340,11 @@ class _Reader:
     def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
         if not isinstance(node, yaml.SequenceNode) or not node.value:
             return None
+        if len(node.value) > MOST_JOINTS and all(isinstance(item, yaml.ScalarNode) for item in node.value):
+            raise Unfit(f"the list of joints has more than {MOST_JOINTS} names", _at(node.start_mark))
         found: dict[str, Span] = {}
         for item in node.value:
-            self._step()
+            self._step(item)
             if not isinstance(item, yaml.ScalarNode) or item.tag != "tag:yaml.org,2002:str":
                 return None
             found[str(item.value)] = self._span(item)
@@ -339,7 +365,7 @@ class _Reader:
             return {}
         values: list[tuple[float | None, Span]] = []
         for item in node.value:
-            self._step()
+            self._step(item)
             values.append((_number(item), self._span(item)))
         if joints is not None and len(joints) == len(values):
             return {
@@ -376,12 +402,12 @@ class _Reader:
         return found
 
     def _span(self, node: yaml.Node) -> Span:
-        return Span(self.path, node.start_mark.line + 1, node.start_mark.column + 1)
+        return Span(self.path, *_at(node.start_mark))
 
-    def _step(self) -> None:
+    def _step(self, node: yaml.Node) -> None:
         self.steps += 1
         if self.steps > MOST_STEPS:
-            raise Unfit(f"it has more than {MOST_STEPS} values")
+            raise Unfit(f"it has more than {MOST_STEPS} values", _at(node.start_mark))
 
 
 def _is_per_joint(node: yaml.Node | None) -> bool:

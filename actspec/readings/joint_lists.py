@@ -85,7 +85,7 @@ def _of_files(path: str) -> Iterator[Joints]:
         readings = pending.finish()
     for reading in readings:
         if not reading.readable:
-            raise _refusal(f"cannot be read: {reading.reason}", path, None)
+            raise _refusal(f"cannot be read: {reading.reason}", path, None, reading.refused)
         for artifact in reading.artifacts:
             if artifact.robot is not None:
                 views = artifact.robot.joints
@@ -101,7 +101,7 @@ def _named(data: bytes, path: str) -> Iterator[Joints]:
     try:
         root = compose(data)
     except Unfit as err:
-        raise _refusal(str(err), path, None) from None
+        raise _refusal(str(err), path, None, err.span(path)) from None
     pending = [] if root is None else [("joints", root)]
     # Aliases may form a circle, or be many.
     for key, node in itertools.islice(pending, MOST_STEPS):
@@ -135,7 +135,8 @@ def _distinct(names: str, text: str) -> Joints:
     return tuple(found)
 
 
-def _refusal(message: str, text: str, help: str | None) -> AuditError:
-    span = Span(one_line(text)) if os.path.exists(text) else None
+def _refusal(message: str, text: str, help: str | None, span: Span | None = None) -> AuditError:
+    if span is None and os.path.exists(text):
+        span = Span(text)
     shown = "" if span is not None else f"{one_line(text)!r}: "
     return AuditError.of("DRF011", f"{shown}{message}", span, where="--joints", help=help)

@@ -1,8 +1,8 @@
 """Which artifacts describe the same robot.
 
-By joint names, which are the truth, by what the files and folders call the robot, because every quadruped of one
-vendor has the same joint names, and by figures, because every pendulum has: a Go1 and a Go2 are never compared by
-accident.
+Joint names alone do not tell: every quadruped of one vendor has the same, and so have most humanoids. What must be
+shared beside them is the robot's name, or its folder, or a reference to the file; and figures may speak against it,
+because every pendulum is called so: a Go1 and a Go2 are never compared by accident.
 """
 
 from __future__ import annotations
@@ -46,10 +46,17 @@ _GENERIC = frozenset((
     "play", "deploy", "actuator", "actuators", "articulation", "articulations", "constants",
     "joint", "joints", "minimal", "main", "base", "hand", "hands", "handless", "with", "custom",
     "copy", "new", "old", "test", "mjx", "feetonly", "position", "torque", "motor", "velocity",
-    "unitree", "asset", "assets", "source", "the", "and", "of", "my",
+    "unitree", "asset", "assets", "source", "the", "and", "of", "my", "models", "resources", "data", "src",
+))
+
+_KINDS = frozenset((
+    "humanoid", "humanoids", "biped", "bipedal", "quadruped", "quadrupeds", "quadrupedal", "hexapod", "legged",
+    "wheeled", "wheel", "leg", "legs", "dog", "arm", "arms", "gripper", "manipulator", "mobile", "procedural",
+    "generated", "walker", "pendulum", "cartpole",
 ))
 # fmt: on
-"""Words that say nothing about which robot it is. Chosen: from the names in the surveyed repositories."""
+"""Words that say nothing about which robot it is (the first), and what kind of robot it is. Chosen: from the names in
+the surveyed repositories."""
 
 _NUMBERED = re.compile(r"(?!(?:v|ver|rev|run|exp|seed|scene|task|copy|test)\d)([a-z]+)\d")
 """Letters before the first digit of a word, which are a family's; not of versions and runs."""
@@ -60,11 +67,12 @@ _WORD = re.compile(r"[A-Z]+(?=[A-Z][a-z])|[A-Z]?[a-z]+[0-9]*|[A-Z]+[0-9]*|[0-9]+
 def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot, ...]:
     """Put the artifacts of one robot together.
 
-    Artifacts that name their joints (models, specs, deploy files) come together when they share joints
-    and their names do not contradict. A configuration joins the robot of its name, where at least half of
-    its patterns match a joint, else the one whose joints all of its patterns match; where several do,
-    none: nothing is guessed. Ranges of randomisation without actuators join the robot that their file's name tells,
-    or the only one.
+    Artifacts that name their joints (models, specs, deploy files) come together when they share joints and the
+    robot's name; a file that is called nothing belongs to those of its folder, or to the only one with its joints. A
+    configuration joins the robot whose file it names, or that of its name where at least half of its patterns match a
+    joint, else the one whose joints all of its patterns match and that nothing tells from it; where several do, none:
+    nothing is guessed. Ranges of randomisation without actuators join the robot that their file's name tells, or the
+    only one.
 
     Args:
         artifacts: All robots of all files.
@@ -82,6 +90,9 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
         # A file without a name of its own goes by its folder, which says nothing against the file beside it.
         unnamed = not calls[one][0] or not calls[other][0]
         named = _agree(words[one], words[other]) or (unnamed and bool(calls[one][1] & calls[other][1]))
+        if _says_nothing(words[one], words[other]):
+            # Called nothing, or after its kind only: a humanoid of another folder is another one.
+            named = named or _home(artifacts[one].path) == _home(artifacts[other].path)
         return named and not _told_apart(
             artifacts[one].path, artifacts[other].path, words[one] & words[other]
         )
@@ -114,6 +125,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             groups.append([index])
         else:
             home.append(index)
+    groups = _with_nameless(groups, words, sets)
     named = [tuple(group) for group in groups]
     unnamed = [i for i, own in enumerate(names) if own is None]
     configs = [i for i in unnamed if not _is_events(artifacts[i])]
@@ -124,10 +136,10 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             next(group for group in groups if min(bound) in group).append(index)
             continue
         fitting = [g for g, joints in enumerate(joints_of) if _fits(artifacts[index].config, joints)]
-        alike = [
+        alike = _that_is_named(artifacts, index, named) or [
             g
             for g, joints in enumerate(joints_of)
-            if any(words[index] & words[i] for i in named[g])
+            if any(_shared(words[index], words[i]) for i in named[g])
             and _fits(artifacts[index].config, joints, VARIANT)
         ]
         silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
@@ -140,7 +152,7 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
             groups[choice[0]].append(index)
     for index in unnamed:
         if _is_events(artifacts[index]):
-            called = words[index] | telling(os.path.splitext(os.path.basename(artifacts[index].path))[0])
+            called = words[index] | telling(_stem(artifacts[index].path))
             named_so = [group for group in groups if any(called & words[i] for i in group)]
             homes = named_so if len(named_so) == 1 else groups if not named_so and len(groups) == 1 else []
             if homes:
@@ -151,6 +163,38 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
         Robot(_name(artifacts, words, sorted(group)), tuple(sorted(group))) for group in groups if group
     ]
     return tuple(sorted(robots, key=lambda robot: robot.artifacts))
+
+
+def _with_nameless(
+    groups: Sequence[list[int]], words: Sequence[frozenset[str]], sets: Sequence[frozenset[str]]
+) -> list[list[int]]:
+    """Groups, a file that is called nothing in the only one that has all of its joints."""
+    found = list(groups)
+    for group in groups:
+        others = [other for other in found if other is not group and sets[group[0]] <= sets[other[0]]]
+        if len(group) == 1 and sets[group[0]] and not words[group[0]] and len(others) == 1:
+            others[0].extend(group)
+            found.remove(group)
+    return found
+
+
+def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[Sequence[int]]) -> list[int]:
+    """The groups with the model whose file a configuration names; none where it is called as any may be."""
+    config = artifacts[index].config
+    setting = None if config is None else config.settings.get("model")
+    stem = _stem(setting.value) if setting is not None and isinstance(setting.value, str) else ""
+    if not telling(stem) - _KINDS:
+        return []
+    return [
+        g
+        for g, group in enumerate(groups)
+        if any(_stem(artifacts[i].path) == stem for i in group if artifacts[i].robot is not None)
+        and _fits(config, [n for i in group for n in joint_names(artifacts[i]) or ()], VARIANT)
+    ]
+
+
+def _stem(path: str) -> str:
+    return os.path.splitext(os.path.basename(path))[0]
 
 
 def _is_events(artifact: Artifact) -> bool:
@@ -181,12 +225,18 @@ def distinctive(artifact: Artifact) -> frozenset[str]:
 
 def _names_of(artifact: Artifact) -> tuple[frozenset[str], frozenset[str]]:
     """Telling words of the artifact's own name, and of its folder."""
-    stem = os.path.splitext(os.path.basename(artifact.path))[0]
+    stem = _stem(artifact.path)
     folder = os.path.basename(os.path.dirname(os.path.abspath(artifact.path)))
     own = telling(artifact.name)
     if artifact.config is None or artifact.config.framework is Framework.DEPLOY:
         own |= telling(stem)
-    return own or telling(stem), telling(folder)
+    return own or telling(stem) or _included(artifact), telling(folder)
+
+
+def _included(artifact: Artifact) -> frozenset[str]:
+    """Telling words of the files that a model includes: a scene is of the robot in it."""
+    files = () if artifact.robot is None else artifact.robot.files[1:]
+    return frozenset(word for file in files for word in telling(_stem(file.path)))
 
 
 @lru_cache(maxsize=1024)  # a folder's files share most of it
@@ -211,18 +261,35 @@ def _words(text: str) -> Iterable[str]:
     ]
 
 
+def _shared(one: frozenset[str], other: frozenset[str]) -> frozenset[str]:
+    """The words by which two names are of one robot: of its kind where neither has any other."""
+    common = one & other
+    return common - _KINDS or (common if one <= _KINDS and other <= _KINDS else frozenset())
+
+
+def _says_nothing(one: frozenset[str], other: frozenset[str]) -> bool:
+    """Whether names tell neither that it is one robot nor that it is two."""
+    return not _shared(one, other) and (not one or not other or bool(one & other))
+
+
+def _home(path: str) -> str:
+    """The folder of a file, without those that only say what kind of files are in them."""
+    parts = os.path.dirname(os.path.abspath(path)).split(os.sep)
+    while len(parts) > 1 and not telling(parts[-1]):
+        parts.pop()
+    return os.sep.join(parts)
+
+
 def _agree(one: frozenset[str], other: frozenset[str]) -> bool:
     """Whether names may be of one robot: they share a word, and no sign tells models of one family apart.
 
     Signs are a letter or digit of its own (`anymal_b`, `anymal_c`) and a number in a word (`gr1t1`, `gr2t2`, `kr16`,
     `kr120`), unless one begins as the other does (`gr2t2`, `gr2t2d`) or it is a version's (`v2`).
     """
-    if not one or not other:
-        return True
     apart = one - other, other - one
     signs = [{word.rpartition("_")[0] for word in mine if "_" in word} for mine in apart]
     numbered = any(_is_another_number(mine, its) for mine in apart[0] for its in apart[1])
-    return bool(one & other) and not signs[0] & signs[1] and not numbered
+    return bool(_shared(one, other)) and not signs[0] & signs[1] and not numbered
 
 
 def _is_another_number(one: str, other: str) -> bool:
@@ -249,8 +316,20 @@ def _told_apart(one: str, other: str, shared: frozenset[str]) -> bool:
 def _may_be_one(
     artifacts: Sequence[Artifact], figures: Callable[[int], _Figures], one: int, other: int, kinds: int
 ) -> bool:
-    """Whether figures do not speak against one robot. An MJCF and a URDF are compared, whatever they say."""
-    return artifacts[one].kind is not artifacts[other].kind or are_alike(figures(one), figures(other), kinds)
+    """Whether figures do not speak against one robot.
+
+    An MJCF and a URDF of one name (three kinds are asked for) are compared, whatever they say; of another name, where
+    the joints turn as far or the links weigh as much.
+    """
+    mine, its = figures(one), figures(other)
+    if artifacts[one].kind is artifacts[other].kind:
+        return are_alike(mine, its, kinds)
+    body = [{kind: of[kind] for kind in _BODY & of.keys()} for of in (mine, its)]
+    return kinds > 2 or are_alike(body[0], body[1], kinds)
+
+
+_BODY = frozenset(("range", "inertia"))
+"""Kinds of figure that no training changes."""
 
 
 _Figures = Mapping[str, Mapping[str, tuple[float, ...]]]

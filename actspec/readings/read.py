@@ -5,14 +5,15 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
-from actspec.readings.artifact import Artifact, FileKind, FileReading
+from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
+from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
@@ -38,6 +39,8 @@ _ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
 
 _OTHER_ROBOT = re.compile(rb"<!DOCTYPE\s+\w+\s+PUBLIC\s")
 """The devices of a robot in YARP's own format, whose root is called as a URDF's."""
+
+_INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 
 KINDS = {"mujoco": FileKind.MJCF, "mujocoinclude": FileKind.MJCF, "robot": FileKind.URDF}
 """Root element to the kind of file; a `mujocoinclude` is a part of a model."""
@@ -125,7 +128,7 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     try:
         document = open_document(path)
     except RobotError as err:
-        return replace(_unreadable(path, None, err.diagnostics), files=_main_file(path))
+        return replace(unreadable(path, None, err.diagnostics), files=_main_file(path))
     tag = document.root.tag
     kind = KINDS.get(tag)
     if kind is None:
@@ -134,7 +137,7 @@ def read_robot(path: str, *, keep_matrices: bool, refusal: str | None = None) ->
     try:
         view = _view(document, kind, refusal)
     except RobotError as err:
-        return replace(_unreadable(path, kind, err.diagnostics), files=document.files)
+        return replace(unreadable(path, kind, err.diagnostics), files=document.files)
     if view.inertia is not None:
         from actspec.readings.joint import joint_inertias
 
@@ -157,6 +160,8 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
         try:
             return read_mjcf(document.files, document, poses=POSES, shapes=False)
         except RobotError as err:
+            if err.diagnostics[0].code == TOO_LARGE:
+                raise
             refusal = reason_of(err.diagnostics, document.files[0].path)
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
@@ -179,8 +184,12 @@ def reason_of(diagnostics: Sequence[Diagnostic], path: str) -> str:
     return f"{place}: {where}{first.message}"
 
 
-def _unreadable(path: str, kind: FileKind | None, diagnostics: Sequence[Diagnostic]) -> FileReading:
-    return FileReading(path, kind, reason_of(diagnostics, path), diagnostics=tuple(diagnostics))
+def unreadable(path: str, kind: FileKind | None, diagnostics: Sequence[Diagnostic]) -> FileReading:
+    """A file that a stage refused: its first error is the reason."""
+    first = next(item for item in diagnostics if item.severity is Severity.ERROR)
+    reason = f"{first.where}: {first.message}" if first.where else first.message
+    refused = first.span if first.span is not None and first.span.line else None
+    return FileReading(path, kind, reason, diagnostics=tuple(diagnostics), refused=refused)
 
 
 def _main_file(path: str) -> tuple[ModelFile, ...]:
@@ -223,8 +232,12 @@ class PendingFiles:
         """
         self._skip_other = skip_other
         self._excluded: list[str] = []
+        self.named, self.exclude = tuple(paths), exclude
+        self.met: list[str] = []
+        """Files and folders that were found, those that are passed over too."""
 
         def passes_over(path: str, named: bool) -> bool:
+            self.met.append(path)
             if exclude is None or not exclude(path, named):
                 return False
             self._excluded.append(path)
@@ -388,22 +401,38 @@ def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...
     """The readings without parts that another one includes: they are judged there.
 
     A part is an MJCF that MuJoCo refuses alone, or that has no `<compiler>`: angles, classes and limits may then be its
-    includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model.
+    includer's. Any other that MuJoCo takes alone stays, whoever includes it: it is a model. What MuJoCo refuses alone
+    is also left to an includer that cannot be read, of which that is said.
 
     Args:
         readings: All of one audit.
     """
-    included = {
-        os.path.realpath(part.path)
-        for reading in readings
-        for part in reading.files
-        if part.include and reading.artifacts
-    }
-    return tuple(
-        reading
-        for reading in readings
-        if not (_is_part(reading) and os.path.realpath(reading.path) in included)
-    )
+    included: dict[str, bool] = {}
+    for reading in readings:
+        for part in reading.files:
+            if part.include:
+                path = os.path.realpath(part.path)
+                included[path] = included.get(path, False) or bool(reading.artifacts)
+        if not reading.artifacts:
+            for path in _named_by_includes(reading):
+                included.setdefault(os.path.realpath(path), False)
+    return tuple(reading for reading in readings if not _is_judged_elsewhere(reading, included))
+
+
+def _named_by_includes(reading: FileReading) -> Iterator[str]:
+    """Files that an MJCF which could not be put together includes, from its text."""
+    for file in reading.files[:1]:
+        if b"<mujoco" in file.data:
+            for name in _INCLUDE.findall(without_comments(file.data)):
+                yield os.path.join(os.path.dirname(reading.path), os.fsdecode(name))
+
+
+def _is_judged_elsewhere(reading: FileReading, included: Mapping[str, bool]) -> bool:
+    """Whether a file is a part of others, by the included files' paths to whether one of them could be read."""
+    read_there = included.get(os.path.realpath(reading.path)) if _is_part(reading) else None
+    if read_there is None:
+        return False
+    return read_there or all(one.text_only is not None for one in reading.artifacts)
 
 
 def _is_part(reading: FileReading) -> bool:

@@ -10,10 +10,10 @@ from actspec.diagnostics import Diagnostic, one_line
 from actspec.ir import Command, JointKind, Level
 from actspec.report.axes import Axis
 from actspec.report.plot import COMMAND, Chart, Line, Points
-from actspec.report.tables import escaped, markdown_table, table
+from actspec.report.tables import escaped, markdown_table, percent, table
 from actspec.report.terminal import diagnostic_record, json_number
 from actspec.study.compare import Compared, Comparison, Trace
-from actspec.study.measures import bounds_at
+from actspec.study.measures import bounds_at, has_line
 from actspec.study.metrics import Metrics
 from actspec.study.variants import NAMES, NO_NETWORK
 from actspec.units import format_number
@@ -159,18 +159,19 @@ def answer(rows: Sequence[Compared]) -> str:
     for name, words, own in (
         ("filter", "the filter", whole.filter_cutoff is not None),
         ("delay", "the delay", whole.delay is not None),
-        ("dc_motor", "the torque-speed line", whole.level is Level.DC_MOTOR),
+        ("dc_motor", "the torque-speed line", whole.level is not Level.IDEAL_PD),
+        ("network", "the network", True),
     ):
         if name in of:
             share, course = max(
                 (row.change or 0.0, course) for course, row in of[name].items() if course != "chirp"
             )
             changes.append(
-                (share, f"{words}{'' if own else ' (not in the spec)'} {_share(share)} of the {course}")
+                (share, f"{words}{'' if own else ' (not in the spec)'} {percent(share)} of the {course}")
             )
     large = [text for share, text in sorted(changes, reverse=True) if share > ALIKE]
     if not large:
-        return f"nothing changes a step or a swing of PD and limit by more than {_share(ALIKE)}"
+        return f"nothing changes a step or a swing of PD and limit by more than {percent(ALIKE)}"
     return f"changes of PD and limit: {', '.join(large)}"
 
 
@@ -185,14 +186,14 @@ def _cells(of: Mapping[str, Compared]) -> list[str]:
     return [
         step.variant,
         _time(one.rise_time),
-        _share(one.overshoot),
+        percent(one.overshoot),
         _time(one.settling_time),
         f"{format_number(one.steady_state_error or 0.0, 2)} {angle}",
         "-" if three.bandwidth is None else f"{format_number(three.bandwidth, 3)} Hz",
         f"{format_number(two.peak_torque, 4)} {unit}",
         _time(two.rise_time),
-        _share(two.saturated),
-        f"unstable: {', '.join(unstable)}" if unstable else _share(max(departures)),
+        percent(two.saturated),
+        f"unstable: {', '.join(unstable)}" if unstable else percent(max(departures)),
     ]
 
 
@@ -218,10 +219,6 @@ def _time(value: float | None) -> str:
     return "-" if value is None else f"{format_number(value * 1e3, 3)} ms"
 
 
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{100.0 * value:.2g} %"
-
-
 def charts(found: Comparison) -> Iterator[Chart]:
     """A step and an envelope of each distinct actuator."""
     for rows in by_actuator(found):
@@ -230,7 +227,7 @@ def charts(found: Comparison) -> Iterator[Chart]:
         yield envelope_chart(of)
 
 
-_COLOURS = {"ideal_pd": 1, "filter": 3, "delay": 4, "dc_motor": 2, "spec": 0}
+_COLOURS = {"ideal_pd": 1, "filter": 3, "delay": 4, "dc_motor": 2, "network": 4, "spec": 0}
 _DASHES = {"filter": "dashed", "delay": "dashed", "dc_motor": "dashed"}
 
 
@@ -250,15 +247,16 @@ def step_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     marks: list[Any] = [
         Line(np.array([0.0, held]), np.full(2, first.amplitude), "command", COMMAND, "dotted"),
     ]
-    for name in (name for name in NAMES if name in of):
+    # The broad line below the others.
+    for name in sorted((name for name in NAMES if name in of), key=lambda name: name != "spec"):
         row = of[name]["step"]
         broad = name == "spec"
         marks.append(
             Line(row.law.time, row.law.answer, name, _COLOURS[name], _DASHES.get(name, ""), broad=broad)
         )
-        if broad and row.simulated is not None:
-            seen: Trace = row.simulated
-            marks.append(Line(seen.time, seen.answer, "spec, in MuJoCo", 1, "dotted"))
+    whole: Trace | None = of["spec"]["step"].simulated if "spec" in of else None
+    if whole is not None:
+        marks.append(Line(whole.time, whole.answer, "spec, in MuJoCo", 3, "dotted"))
     title = f"{first.actuator.joint}: step worth half of the effort limit"
     return Chart(
         title, Axis("time", "s", low=0.0, high=float(seen_until)), Axis(label, unit), marks, width=420
@@ -277,13 +275,14 @@ def envelope_chart(of: Mapping[str, Mapping[str, Compared]]) -> Chart:
     marks: list[Any] = []
     if row.actuator.effort_limit.known:
         bounds = bounds_at(row.actuator, speeds)
-        marks += [Line(speeds, bounds[0], "motor", COMMAND), Line(speeds, bounds[1], "", COMMAND)]
+        label = "motor" if has_line(row.actuator) else "limit"
+        marks += [Line(speeds, bounds[0], label, COMMAND), Line(speeds, bounds[1], "", COMMAND)]
     for name in shown:
         at = of[name]["swing"].law
         marks.append(Points(at.speed[:-1], at.torque, name, _COLOURS[name]))
     return Chart(
         f"{row.actuator.joint}: torque against speed in a swing worth twice the effort limit",
         Axis("speed", "rad/s" if hinge else "m/s"),
-        Axis("torque", "N*m" if hinge else "N"),
+        Axis("torque", "N*m") if hinge else Axis("force", "N"),
         marks,
     )

@@ -7,7 +7,7 @@ from dataclasses import asdict
 from typing import Any
 
 from actspec.diagnostics import listed, one_line
-from actspec.report.tables import many, table
+from actspec.report.tables import many, percent, table
 from actspec.report.terminal import diagnostic_record
 from actspec.study.advice import Advice
 from actspec.study.diagnose import Diagnosis
@@ -37,7 +37,8 @@ def record(found: Diagnosis) -> dict[str, Any]:
 
 def _joint(one: JointMeasures) -> dict[str, Any]:
     values = asdict(one)
-    values["torque_error"] = {name: {"rmse": value} for name, value in one.torque_error.items()}
+    for key in ("torque_error", "position_error"):
+        values[key] = {name: {"rmse": value} for name, value in values[key].items()}
     return values
 
 
@@ -64,15 +65,22 @@ def lines(found: Diagnosis) -> Iterator[str]:
     if found.joints:
         yield ""
         yield from table([_HEAD, *(_row(one) for one in found.joints)])
-        laws = dict.fromkeys(name for one in found.joints for name in one.torque_error)
-        if laws:
-            yield ""
-            yield "torque of each level's law against the logged one, RMSE:"
-            rows = [["joint", *laws]]
-            rows += [
-                [one_line(j.joint), *(_number(j.torque_error.get(law)) for law in laws)] for j in found.joints
-            ]
-            yield from table(rows)
+        for words, errors in (
+            ("torque of each level's law", {one.joint: one.torque_error for one in found.joints}),
+            (
+                "position under each level's law, 1 s from a logged state",
+                {one.joint: one.position_error for one in found.joints},
+            ),
+        ):
+            laws = dict.fromkeys(name for of in errors.values() for name in of)
+            if laws:
+                yield ""
+                yield f"{words} against the logged one, RMSE:"
+                rows = [["joint", *laws]]
+                rows += [
+                    [one_line(joint), *(_number(of.get(law)) for law in laws)] for joint, of in errors.items()
+                ]
+                yield from table(rows)
         if any(one.gap is not None for one in found.joints):
             yield ""
             yield "to the other log:"
@@ -130,14 +138,14 @@ def _row(one: JointMeasures) -> list[str]:
     return [
         one_line(one.joint),
         f"{one.torque_from}",
-        _share(one.saturated),
-        _share(one.at_edge),
-        _share(one.beyond),
+        percent(one.saturated),
+        percent(one.at_edge),
+        percent(one.beyond),
         _number(one.rms_torque),
         _number(one.peak_torque),
         _number(one.peak_speed),
         _number(one.continuous_ratio),
-        _share(one.high_frequency),
+        percent(one.high_frequency),
         "-" if one.command_band is None else f"{one.command_band:.3g} Hz",
         _number(one.tracking_rmse),
     ]
@@ -165,13 +173,9 @@ def gain_of(one: Advice) -> str:
         return "nobody reports what it gains"
     shown = f"{one.low:.0%}" if one.low == one.high else f"{one.low:.0%} to {one.high:.0%}"
     if one.measured:
-        return f"takes {shown} of the torque's error away on these logs"
-    return f"{shown} of the gap, {one.source}"
+        return f"takes {shown} of the law's error away on these logs"
+    return f"{shown} of the gap ({one.source})"
 
 
 def _number(value: float | None) -> str:
     return "-" if value is None else format_number(value, 3)
-
-
-def _share(value: float | None) -> str:
-    return "-" if value is None else f"{100.0 * value:.2g} %"

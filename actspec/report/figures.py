@@ -14,6 +14,7 @@ from typing import Any
 from actspec.diagnostics import one_line
 from actspec.report.axes import Axis, plot_style
 from actspec.report.plot import Band, Bars, Chart, Line, Mark, Points, svg
+from actspec.report.row_pictures import Stacks, stacks
 
 SUFFIXES = (".svg", ".png", ".pdf")
 """Of pictures that can be written."""
@@ -33,6 +34,11 @@ class MatplotlibMissing(ImportError):
     """PNG and PDF need matplotlib, which is not installed."""
 
 
+def picture_of(chart: Chart | Stacks) -> str:
+    """A chart as one `<svg>` element."""
+    return svg(chart) if isinstance(chart, Chart) else stacks(chart)
+
+
 def drawn(charts: Sequence[Chart], path: str) -> bytes:
     """Charts as one file, two beside each other.
 
@@ -47,8 +53,8 @@ def drawn(charts: Sequence[Chart], path: str) -> bytes:
     return _svg(charts).encode("utf-8") if kind == ".svg" else _matplotlib(charts, kind[1:])
 
 
-def _svg(charts: Sequence[Chart]) -> str:
-    pictures = [svg(chart) for chart in charts]
+def _svg(charts: Sequence[Chart | Stacks]) -> str:
+    pictures = [picture_of(chart) for chart in charts]
     sizes = [_size(picture) for picture in pictures]
     rows = [max(high for _, high in sizes[k : k + 2]) + 22.0 for k in range(0, len(sizes), 2)]
     columns = min(2, len(charts))
@@ -146,7 +152,7 @@ def _literal(text: str) -> str:
     return f"\u200b{shown}" if shown.startswith("_") else shown
 
 
-def files_of(charts: Iterable[tuple[str, str, Chart]]) -> Iterator[tuple[str, bytes]]:
+def files_of(charts: Iterable[tuple[str, str, Chart | Stacks]]) -> Iterator[tuple[str, bytes]]:
     """Each chart as SVG and what it draws as CSV, under names of kind and joint.
 
     Args:
@@ -163,8 +169,16 @@ def files_of(charts: Iterable[tuple[str, str, Chart]]) -> Iterator[tuple[str, by
         yield f"{name}.csv", _csv(chart).encode("utf-8")
 
 
-def _csv(chart: Chart) -> str:
-    """Every line and cloud below each other: series, x, y."""
+def _csv(chart: Chart | Stacks) -> str:
+    """Every line and cloud below each other: series, x, y; of sums a row each, with its parts."""
+    if isinstance(chart, Stacks):
+        out = io.StringIO()
+        table = csv.writer(out, lineterminator="\n")
+        table.writerow(["joint", *(f"{part} [{chart.axis.unit}]" for part in chart.parts)])
+        table.writerows(
+            [one_line(name), *(f"{value:.7g}" for value in values)] for name, values in chart.rows
+        )
+        return out.getvalue()
     axes = [f"{axis.label} [{axis.unit}]" if axis.unit else axis.label for axis in (chart.x, chart.y)]
     out = io.StringIO()
     table = csv.writer(out, lineterminator="\n")

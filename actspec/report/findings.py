@@ -17,6 +17,9 @@ MOST_ALIKE = 3
 _FIGURE = re.compile(r"(?<![\w./-])[-+]?(?:x?\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf)(?![\w/]|[.]\w)|'[^']*'")
 """Figures and quoted texts in a message; not digits in a joint's or file's name."""
 
+_MORE = re.compile(r"# % (?:more|less|faster|slower)|# times(?: the| as fast)?|\b(?:more|less)\b| \(#\)")
+"""Which of two figures is the larger, in the words of the rules."""
+
 
 @dataclass(frozen=True, slots=True)
 class FindingGroup:
@@ -147,9 +150,12 @@ def _unread_together(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]
 
 
 def _said(group: FindingGroup) -> tuple[object, ...]:
-    """What a group says, but for its place and joints."""
+    """What a group says, but for its place and joints, and for which copy of a file it is held to."""
     item, finding = group.first, group.first.finding
-    return (finding.code, finding.message, finding.help, item.severity, item.confidence)
+    texts = [finding.message, finding.help or ""]
+    for path in {span.path for span in finding.related if span.path != finding.span.path}:
+        texts = [text.replace(path, "#") for text in texts]
+    return (finding.code, *texts, item.severity, item.confidence)
 
 
 def _without_copies(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
@@ -213,20 +219,23 @@ def _folded(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
     candidates: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         item, finding = group.first, group.first.finding
-        whose = (finding.code, finding.span.path, item.severity, item.confidence)
+        # What two files say otherwise is one thing to settle, however many joints have it.
+        held_to = {span.path for span in finding.related} - {finding.span.path}
+        other = next(iter(held_to)) if len(held_to) == 1 and finding.expected is not None else None
+        whose = (other, finding.code, finding.span.path, item.severity, item.confidence)
         candidates.setdefault(whose, []).append(group)
     alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for key, some in candidates.items():
-        if len(some) <= MOST_ALIKE:
+        if len(some) <= _most(key):
             alike[key] = some
             continue
         for group in some:
             finding = group.first.finding
-            texts = (_FIGURE.sub("#", text or "") for text in (finding.message, finding.help))
+            texts = (_plain(text or "") for text in (finding.message, finding.help))
             alike.setdefault((*key, *texts), []).append(group)
     found: list[FindingGroup] = []
-    for same in alike.values():
-        if len(same) <= MOST_ALIKE:
+    for key, same in alike.items():
+        if len(same) <= _most(key):
             found += same
             continue
         worst = max(same, key=_badness)
@@ -237,6 +246,16 @@ def _folded(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
         )
     place = {id(group.first): index for index, group in enumerate(groups)}
     return tuple(sorted(found, key=lambda group: place[id(group.first)]))
+
+
+def _most(key: tuple[object, ...]) -> int:
+    """Groups that are shown one by one: one, where they hold a file to one other."""
+    return MOST_ALIKE if key[0] is None else 1
+
+
+def _plain(text: str) -> str:
+    """A text without its figures, and without which of two is more."""
+    return _MORE.sub("#", _FIGURE.sub("#", text))
 
 
 def _badness(group: FindingGroup) -> float:

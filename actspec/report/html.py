@@ -71,7 +71,7 @@ def _link(code: str) -> str:
 
 
 def _state(file: FileReading) -> str:
-    return "read" if file.reason is None else f"not read: {file.reason}"
+    return "read" if file.reason is None else f"not read: {file.told}"
 
 
 def _files(report: Report) -> Iterator[str]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 from actspec.audit.outcome import Report, Reported
@@ -11,14 +10,14 @@ from actspec.readings.artifact import FileReading
 from actspec.readings.ledger import LedgerRow
 from actspec.report import ReportOptions
 from actspec.report.ledger import JSON_FIELDS, JSON_FLAGS
-from actspec.report.terminal import diagnostic_record, json_number
+from actspec.report.terminal import diagnostic_record, json_number, json_text
 
 FORMAT = "actspec-report/1"
 
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as one JSON object."""
-    return json.dumps(record(report, options.least), indent=2, ensure_ascii=True, allow_nan=False) + "\n"
+    return json_text(record(report, options.least))
 
 
 def record(report: Report, least: Severity = Severity.INFO) -> dict[str, Any]:

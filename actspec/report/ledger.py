@@ -12,7 +12,7 @@ from actspec.fields import DAMPING_PARTS, FIELDS, Field, Role
 from actspec.ir import JointKind
 from actspec.readings.artifact import Artifact
 from actspec.readings.ledger import LedgerRow
-from actspec.report.page import plain
+from actspec.report.page import CARDS, head_of, plain
 from actspec.report.tables import Style, table
 from actspec.units import format_number
 
@@ -323,13 +323,14 @@ def _ledger_text(sheet: Sheet) -> list[str]:
     return table([*heads, *rows], headings=len(heads))
 
 
-def sheet_table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
+def sheet_table(sheet: Sheet, css: str = "", above: str = "", *, cards: bool = False) -> Iterator[str]:
     """A sheet as HTML; figures, from the third column on, stand right.
 
     Args:
         sheet: The table.
         css: Class of the headings of figures.
         above: A line before it.
+        cards: Whether a row is a card on a phone; see `plain_table`.
     """
     if above:
         yield above
@@ -338,12 +339,13 @@ def sheet_table(sheet: Sheet, css: str = "", above: str = "") -> Iterator[str]:
         ("<th>" if place < 2 or title == "ratio" else figure_head) + f"{plain(title)}</th>"
         for place, title in enumerate(sheet.titles())
     )
-    yield f'<div class="wide"><table><tr>{"".join(heads)}</tr>'
+    yield f'<div class="wide"><table{CARDS * cards}><tr>{"".join(heads)}</tr>'
+    names = [head_of(title, cards) for title in sheet.titles()]
     for number, (row, cells) in enumerate(zip(sheet.rows, sheet.cells(most=6), strict=True)):
         yield '<tr class="differs">' if number in sheet.differing else "<tr>"
         for place, (raw, text) in enumerate(zip(row, cells, strict=True)):
             kind = ' class="long"' if not isinstance(raw, str) else ' class="n"' if place > 1 else ""
-            yield f"<td{kind}>{plain(text)}</td>"
+            yield f"<td{kind}{names[place]}>{plain(text)}</td>"
         yield "</tr>"
     yield "</table></div>"
     yield from (f'<p class="faint">{plain(note)}</p>' for note in sheet.notes)

@@ -8,7 +8,8 @@ from typing import Any
 
 from actspec.diagnostics import Diagnostic, one_line
 from actspec.laws.network import NetworkLaw
-from actspec.learn.evaluate import HORIZON, Errors, Evaluation, errors_of
+from actspec.learn.closed_loop import HORIZON
+from actspec.learn.evaluate import Errors, Evaluation, errors_of
 from actspec.learn.inspect import Inspection
 from actspec.learn.recurrent import along
 from actspec.learn.survey import JointData

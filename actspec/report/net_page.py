@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import actspec
 from actspec.joints import JointKind
 from actspec.laws.network import NetworkLaw
-from actspec.learn.evaluate import FAIR, GOOD, HORIZON, Evaluation, JointErrors, predicted
+from actspec.learn.closed_loop import HORIZON
+from actspec.learn.evaluate import FAIR, GOOD, Evaluation, JointErrors, predicted
 from actspec.learn.windows import Dataset, Track
 from actspec.report.axes import Axis, plot_style
 from actspec.report.page import figure, fold, plain, plain_table, whole
@@ -46,7 +47,7 @@ def _body(found: Evaluation, data: Dataset, law: NetworkLaw, path: str) -> Itera
     yield f"<h1>Network {plain(path)}</h1>"
     logs = ", ".join(dict.fromkeys(track.log.path for track in data.tracks))
     yield f"<p>Judged on {plain(logs)}. Grade: <b>{found.grade}</b>, that of its worst joint.</p>"
-    yield from plain_table(*_table(found, unit), right=(1, 2, 3, 4, 5))
+    yield from plain_table(*_table(found, unit), right=tuple(range(1, 5 + len(found.baselines))))
     shares = [
         f"below {100 * most:g} % of the effort limit and R2 above {least:g}" for most, least in (GOOD, FAIR)
     ]
@@ -55,26 +56,28 @@ def _body(found: Evaluation, data: Dataset, law: NetworkLaw, path: str) -> Itera
         share = format_number(100.0 * found.outside["any"], 3)
         yield f"<p>{share} % of the rows lie outside of the range that it was trained on.</p>"
     yield from _motion(found, data)
+    worst = max(found.joints, key=lambda joint: joint.errors.relative_error or 0.0)
     for joint in found.joints:
         actuator = next(a for a in data.actuators if a.joint == joint.joint)
         tracks = [t for t in data.tracks if t.joint == joint.joint and len(t.rows)]
         torques = predicted(law, tracks, Bounds.of(actuator))
         title = f"{joint.joint}: {joint.grade}"
-        yield from fold(title, _joint(joint, tracks, torques, unit), shown=len(found.joints) == 1)
+        yield from fold(title, _joint(joint, tracks, torques, unit), shown=joint is worst)
     yield f"<footer>actspec {actspec.__version__}</footer>"
 
 
 def _table(found: Evaluation, unit: str) -> tuple[list[str], list[list[str]]]:
     """Heads, and a row a joint, the last of all."""
-    heads = ["joint", f"RMSE [{unit}]", "relative", f"worst [{unit}]", "R2", *found.baselines, "grade"]
+    bases = [f"RMSE of {name} [{unit}]" for name in found.baselines]
+    heads = ["joint", f"RMSE [{unit}]", "relative", f"worst [{unit}]", "R2", *bases, "grade"]
     rows = []
-    for name, e, bases, grade in (
+    for name, e, of, grade in (
         *((j.joint, j.errors, j.baselines, j.grade) for j in found.joints),
         ("all", found.overall, found.baselines, found.grade),
     ):
         relative = "-" if e.relative_error is None else f"{100 * e.relative_error:.3g} %"
         r2 = "-" if e.r2 is None else format_number(e.r2, 4)
-        others = [format_number(bases[b].rmse, 3) for b in found.baselines]
+        others = [format_number(of[b].rmse, 3) for b in found.baselines]
         rows.append([name, format_number(e.rmse, 3), relative, format_number(e.worst, 3), r2, *others, grade])
     return heads, rows
 
@@ -88,7 +91,14 @@ def _motion(found: Evaluation, data: Dataset) -> Iterator[str]:
         return
     unit = "m" if data.actuators[0].kind is JointKind.SLIDE else "rad"
     marks = [
-        Line(np.linspace(0.0, HORIZON, len(rmse) + 1)[1:], rmse, name, COLOURS[name])
+        # One law lies on the other where no torque-speed line acts: the one below is seen between the dashes.
+        Line(
+            np.linspace(0.0, HORIZON, len(rmse) + 1)[1:],
+            rmse,
+            name,
+            COLOURS[name],
+            "dashed" if name == "ideal_pd" else "",
+        )
         for name, rmse in found.growth.items()
     ]
     title = f"Position error of rollouts in MuJoCo, {HORIZON:g} s each"

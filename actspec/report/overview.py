@@ -3,32 +3,30 @@
 from __future__ import annotations
 
 import math
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import actspec
 from actspec.audit.case import Case
-from actspec.diagnostics import Diagnostic, Severity, listed, one_line
-from actspec.ir import ActuatorSet, JointActuator, JointKind, Origin
-from actspec.report import compare as comparing
-from actspec.report.axes import Axis, plot_style
+from actspec.diagnostics import Diagnostic, Severity, listed
+from actspec.ir import ActuatorSet, JointActuator, Origin
+from actspec.report.axes import plot_style
 from actspec.report.diagnosis import days_of, gain_of, verdict
+from actspec.report.figures import picture_of
 from actspec.report.ledger import ledger_sheets, sheet_table
-from actspec.report.overview_figures import Figure, envelopes, steps, trackings
+from actspec.report.overview_figures import Figure, dampings, envelopes, steps, trackings
 from actspec.report.page import articles, figure, fold, plain, plain_table, whole
-from actspec.report.plot import svg
-from actspec.report.row_pictures import stacks
-from actspec.report.tables import escaped, many, markdown_table
+from actspec.report.tables import many, percent
 from actspec.resources import data_path
 from actspec.study.advice import Advice
 from actspec.study.compare import Comparison, distinct
 from actspec.study.diagnose import Diagnosis
 from actspec.study.findings import MOST
+from actspec.study.variants import NO_NETWORK
 from actspec.units import format_number
 
-LONGEST = 60_000
-"""Characters of Markdown. Source: a comment on a pull request takes 65 536."""
 OPEN = 8
 """So many figures are shown, more are folded away."""
 
@@ -47,6 +45,8 @@ class Overview:
         comparison: Of the variants.
         findings: Of spec and comparison; those of the diagnosis are in it.
         agreement: What `verify --output-format json` wrote; None: it was not given.
+        ablation: What `ablate` wrote, likewise.
+        imported: Robot files that were read in place of a spec.
     """
 
     title: str
@@ -58,6 +58,18 @@ class Overview:
     comparison: Comparison
     findings: tuple[Diagnostic, ...]
     agreement: Mapping[str, Any] | None
+    ablation: Mapping[str, Any] | None
+    imported: tuple[str, ...] = ()
+
+    @property
+    def named(self) -> str:
+        """The spec in a command line."""
+        return shlex.quote(self.spec)
+
+    @property
+    def importing(self) -> str | None:
+        """The command that makes the spec; None: it is there."""
+        return f"actspec import {shlex.join(self.imported)} -o {self.named}" if self.imported else None
 
     @property
     def everything(self) -> tuple[Diagnostic, ...]:
@@ -75,6 +87,7 @@ def figures(shown: Overview) -> list[Figure]:
     return [
         *envelopes(shown.actuators, groups, tracks),
         *steps(shown.comparison),
+        *dampings(shown.actuators),
         *trackings(tracks, shown.actuators),
     ]
 
@@ -85,24 +98,23 @@ def page(shown: Overview) -> str:
     body = [
         f"<h1>{plain(shown.title)}</h1>",
         *_section("verdict", "", _verdict(shown)),
-        *_nav(),
+        *_nav((*SECTIONS, *(("ablation",) if shown.ablation is not None else ()))),
         *_section("joints", "Joints", _joints(shown)),
         *_section("advice", "What to do, the cheapest first", _advice(shown)),
         *_section("envelopes", "Torque against speed", _figures(drawn, "envelope", "")),
-        *_section(
-            "steps", "Steps", _figures(drawn, "step", "no joint has an inertia: name a model in the spec")
-        ),
-        *_section("damping", "Damping by origin", _damping(shown)),
+        *_section("steps", "Steps", _steps(shown, drawn)),
+        *_section("damping", "Damping by origin", _figures(drawn, "damping", "")),
         *_section(
             "tracking",
             "Tracking",
-            _figures(drawn, "tracking", f"actspec report {shown.spec} LOG.csv -o page.html"),
+            _figures(drawn, "tracking", f"actspec report {shown.named} LOG.csv -o page.html"),
         ),
         *_section("findings", "Findings", _all_findings(shown)),
         *_section("ledger", "Ledger: what acts on each joint", _ledger(shown)),
         *_section("randomization", "Randomisation", _randomization(shown)),
         *_section("identification", "Identified values", _identification(shown)),
         *_section("agreement", "Agreement of the targets", _agreement(shown)),
+        *(() if shown.ablation is None else _section("ablation", "Ablation", _ablation(shown.ablation))),
         f'<p class="faint">actspec {plain(actspec.__version__)}; {plain(shown.spec)}'
         f"{plain('; ' + ', '.join(shown.logs)) if shown.logs else ''}</p>",
     ]
@@ -124,8 +136,8 @@ def _section(name: str, title: str, lines: Iterator[str]) -> Iterator[str]:
     yield "</section>"
 
 
-def _nav() -> Iterator[str]:
-    yield "<nav>" + " ".join(f'<a href="#{name}">{name}</a>' for name in SECTIONS) + "</nav>"
+def _nav(names: Sequence[str]) -> Iterator[str]:
+    yield "<nav>" + " ".join(f'<a href="#{name}">{name}</a>' for name in names) + "</nav>"
 
 
 def _verdict(shown: Overview) -> Iterator[str]:
@@ -149,13 +161,14 @@ def _verdict(shown: Overview) -> Iterator[str]:
         yield "</ul>"
     if found.advice:
         first = found.advice[0]
-        yield f"<p>First: <strong>{plain(first.action)}</strong>, {plain(first.why)}: {plain(_cost(first))}.</p>"
+        yield f"<p>First: <strong>{plain(first.action)}</strong>, {plain(first.why)}: {plain(cost(first))}.</p>"
     level = found.level
     other = "" if level.recommended == level.current else f"; the spec has {level.current}"
     yield f"<p>Model level: <strong>{plain(level.recommended)}</strong>{plain(other)}.</p>"
 
 
-def _cost(advice: Advice) -> str:
+def cost(advice: Advice) -> str:
+    """Work and gain of a step, in words."""
     return f"{days_of(advice)}; {gain_of(advice)}"
 
 
@@ -163,20 +176,23 @@ def _joints(shown: Overview) -> Iterator[str]:
     """A row a joint: bars of what the log has of what the motor has, else its figures."""
     measures = {one.joint: one for one in shown.diagnosis.joints}
     if not measures:
-        yield from _told(f"actspec report {shown.spec} LOG.csv -o page.html", "bars of load need a log")
+        yield from _told(f"actspec report {shown.named} LOG.csv -o page.html", "bars of load need a log")
         heads = ["joint", "level", "kp", "kd", "effort limit", "J", "natural frequency"]
-        yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+        yield f'<div class="wide"><table class="cards"><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
         for actuator in shown.actuators.joints:
-            cells = _stated(actuator)
+            cells = stated(actuator)
             yield (
                 f'<tr data-joint="{plain(actuator.joint)}"><td>{plain(actuator.joint)}</td>'
-                + "".join(f'<td class="n">{plain(cell)}</td>' for cell in cells)
+                + "".join(
+                    f'<td class="n" data-head="{plain(head)}">{plain(cell)}</td>'
+                    for head, cell in zip(heads[1:], cells, strict=True)
+                )
                 + "</tr>"
             )
         yield "</table></div>"
         return
     heads = ["joint", "RMS of limit", "saturated", "beyond", "speed of no load", "command band", "of"]
-    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+    yield f'<div class="wide"><table class="cards"><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
     for actuator in shown.actuators.joints:
         one = measures.get(actuator.joint)
         yield f'<tr data-joint="{plain(actuator.joint)}"><td>{plain(actuator.joint)}</td>'
@@ -192,20 +208,23 @@ def _joints(shown: Overview) -> Iterator[str]:
             (one.peak_speed / speed if speed else None, 1.0),
             (None if one.command_band is None else one.command_band / one.fast, 1.0),
         )
-        yield "".join(_bar(value, most) for value, most in bars) + f'<td class="n">{one.fast:g} Hz</td></tr>'
+        drawn = (_bar(head, value, most) for head, (value, most) in zip(heads[1:], bars, strict=False))
+        yield "".join(drawn) + f'<td class="n" data-head="of">{one.fast:g} Hz</td></tr>'
     yield "</table></div>"
     for item in shown.diagnosis.skipped:
         yield f'<p class="faint">{plain(item.joint)} is not judged: {plain(item.reason)}</p>'
 
 
-def _bar(value: float | None, most: float) -> str:
+def _bar(head: str, value: float | None, most: float) -> str:
     if value is None:
-        return '<td class="n faint">-</td>'
+        return f'<td class="n faint" data-head="{head}">-</td>'
     over = " over" if value > most else ""
-    return f'<td class="bar{over}" style="--v:{100.0 * min(max(value, 0.0), 1.0):.1f}%">{100.0 * value:.2g} %</td>'
+    share = f"--v:{100.0 * min(max(value, 0.0), 1.0):.1f}%"
+    return f'<td class="bar{over}" style="{share}" data-head="{head}">{percent(value)}</td>'
 
 
-def _stated(actuator: JointActuator) -> list[str]:
+def stated(actuator: JointActuator) -> list[str]:
+    """Level, gains, limit, inertia and natural frequency, in words."""
     held = actuator.inertia_held
     kp = None if actuator.kp is None else actuator.kp.value
     rate = None if held is None or not kp else math.sqrt(kp / held.reference) / (2.0 * math.pi)
@@ -219,13 +238,17 @@ def _stated(actuator: JointActuator) -> list[str]:
 
 
 def _advice(shown: Overview) -> Iterator[str]:
+    if shown.importing is not None:
+        yield from _told(
+            shown.importing, "robot files were read; a spec, which the commands take, is written by"
+        )
     if not shown.diagnosis.advice:
         yield "<p>Nothing.</p>"
         return
     yield '<ol class="advice">'
     for one in shown.diagnosis.advice:
         yield f"<li><strong>{plain(one.action)}</strong>: {plain(one.why)} ({plain(listed(list(one.joints), 4))})."
-        yield f"<br>{plain(_cost(one))}"
+        yield f"<br>{plain(cost(one))}"
         yield f"<pre>{_lines(one.commands)}</pre></li>"
     yield "</ol>"
 
@@ -247,7 +270,7 @@ def _figures(drawn: Sequence[Figure], kind: str, missing: str) -> Iterator[str]:
     for k in range(0, len(mine), OPEN):
         lines = ['<div class="pair">']
         for one in mine[k : k + OPEN]:
-            lines += figure(svg(one.chart), one.caption, kind=kind, joints=one.joints)
+            lines += figure(picture_of(one.chart), one.caption, one.words, kind=kind, joints=one.joints)
         lines.append("</div>")
         more = mine[k : k + OPEN]
         if k == 0:
@@ -256,29 +279,18 @@ def _figures(drawn: Sequence[Figure], kind: str, missing: str) -> Iterator[str]:
             yield from fold(f"{many(len(more), 'picture')} more: {more[0].joints[0]}", lines, shown=False)
 
 
-def _damping(shown: Overview) -> Iterator[str]:
-    """What brakes each distinct actuator in proportion to its speed, by who does."""
-    groups: dict[tuple[float, float, JointKind], list[JointActuator]] = {}
-    for actuator in shown.actuators.joints:
-        kd = 0.0 if actuator.kd is None else actuator.kd.value or 0.0
-        key = (kd, actuator.friction_viscous.value or 0.0, actuator.kind)
-        groups.setdefault(key, []).append(actuator)
-    for kind in (JointKind.HINGE, JointKind.SLIDE):
-        mine = {key: group for key, group in groups.items() if key[2] is kind}
-        if not mine:
-            continue
-        rows = [(_first_and(group), key[:2]) for key, group in mine.items()]
-        unit = "N*m*s/rad" if kind is JointKind.HINGE else "N*s/m"
-        picture = stacks(
-            "damping by origin", Axis("damping", unit), rows, ("kd of the drive", "viscous friction")
-        )
-        joints = [actuator.joint for group in mine.values() for actuator in group]
-        words = "what the drive takes, inside of its limit, and what the joint takes, outside of it"
-        yield from figure(picture, "Damping by origin", words, kind="damping", joints=joints)
-
-
-def _first_and(group: Sequence[JointActuator]) -> str:
-    return group[0].joint + (f" and {len(group) - 1} more" if len(group) > 1 else "")
+def _steps(shown: Overview, drawn: Sequence[Figure]) -> Iterator[str]:
+    """The pictures, and which joints are in none."""
+    reasons: dict[str, list[str]] = {}
+    for item in shown.comparison.missing:
+        if item.variant == "spec":
+            reasons.setdefault(item.reason, []).append(item.joint)
+    if shown.comparison.rows:
+        yield from _figures(drawn, "step", "")
+    else:
+        yield from _told(f"actspec compare {shown.named}", "no joint follows a step")
+    for reason, joints in reasons.items():
+        yield f'<p class="faint">{plain(listed(joints, 4))}: not drawn, {plain(reason)}</p>'
 
 
 def _all_findings(shown: Overview) -> Iterator[str]:
@@ -289,7 +301,7 @@ def _all_findings(shown: Overview) -> Iterator[str]:
 
 def _ledger(shown: Overview) -> Iterator[str]:
     for sheet in ledger_sheets(shown.case):
-        yield from sheet_table(sheet)
+        yield from sheet_table(sheet, cards=True)
 
 
 def _randomization(shown: Overview) -> Iterator[str]:
@@ -310,7 +322,9 @@ def _randomization(shown: Overview) -> Iterator[str]:
         )
         return
     cells = [[listed(joints, 4), *key] for key, joints in rows.items()]
-    yield from plain_table(["joints", "field", "operation", "range", "distribution", "when"], cells)
+    yield from plain_table(
+        ["joints", "field", "operation", "range", "distribution", "when"], cells, cards=True
+    )
 
 
 def _identification(shown: Overview) -> Iterator[str]:
@@ -325,17 +339,17 @@ def _identification(shown: Overview) -> Iterator[str]:
                 )
     if not cells:
         yield from _told(
-            f"actspec sysid design {shown.spec} -o chirp.csv --experiment chirp",
+            f"actspec sysid design {shown.named} -o chirp.csv --experiment chirp",
             "the spec has no identified values",
         )
         return
-    yield from plain_table(["joint", "figure", "value", "std", "unit", "from"], cells, (2, 3))
+    yield from plain_table(["joint", "figure", "value", "std", "unit", "from"], cells, (2, 3), cards=True)
 
 
 def _agreement(shown: Overview) -> Iterator[str]:
     found = shown.agreement
     if found is None:
-        command = f"actspec verify {shown.spec} --output-format json > verify.json"
+        command = f"actspec verify {shown.named} --output-format json > verify.json"
         yield from _told(command, "not shown; --verify verify.json, written by")
         return
     cells = [
@@ -353,50 +367,62 @@ def _agreement(shown: Overview) -> Iterator[str]:
     bad = [row for row in cells if row[-1] == "no"]
     yield f"<p>{many(len(cells), 'comparison')}, {len(bad)} that do not agree.</p>"
     heads = ["target", "joint", "quantity", "largest error", "allowed", "agrees"]
-    yield from plain_table(heads, bad or cells[:20], (3, 4))
+    yield from plain_table(heads, bad or cells[:20], (3, 4), cards=True)
     if not bad and len(cells) > 20:
-        yield from fold(f"{len(cells) - 20} more", plain_table(heads, cells[20:], (3, 4)), shown=False)
+        yield from fold(
+            f"{len(cells) - 20} more", plain_table(heads, cells[20:], (3, 4), cards=True), shown=False
+        )
 
 
 def _figure(value: object) -> str:
     return format_number(value, 3) if isinstance(value, int | float) and not isinstance(value, bool) else "-"
 
 
-def markdown(shown: Overview) -> str:
-    """The record of an experiment: what is modelled, what a step shows, what was identified, what follows."""
-    lines = [f"## {escaped(shown.title)}", "", escaped(verdict(shown.diagnosis)), ""]
-    lines += ["### Actuators", ""]
-    rows = [["joint", "level", "kp", "kd", "effort limit", "J", "natural frequency"]]
-    groups: dict[tuple[str, ...], list[str]] = {}
-    for actuator in shown.actuators.joints:
-        groups.setdefault(tuple(_stated(actuator)), []).append(actuator.joint)
-    rows += [[escaped(listed(joints, 4)), *map(escaped, key)] for key, joints in groups.items()]
-    lines += [*markdown_table(rows, 1), ""]
-    lines += ["### Steps", "", *comparing.markdown(shown.comparison), ""]
-    identified = [
-        f"- {escaped(a.joint)} {escaped(name)}: {format_number(q.value, 5)} {escaped(q.unit)}"
-        + ("" if q.std is None else f" ± {q.std:.2g}")
-        for a in shown.actuators.joints
-        for name, q in a.quantities()
-        if q.origin is Origin.IDENTIFIED and q.value is not None
-    ]
-    blank = f"- to be filled: `actspec sysid fit {one_line(shown.spec)} LOG.csv -o results.yaml`"
-    lines += ["### Identification", "", *(identified or [blank]), ""]
-    lines += ["### Findings", ""]
-    lines += [
-        f"- {escaped(item.code)} {escaped(item.where)}: {escaped(item.message)}" for item in shown.everything
-    ] or ["- none"]
-    lines += ["", "### What to do", ""]
-    lines += [
-        f"{number}. {escaped(one.action)}: {escaped(one.why)}. {escaped(_cost(one))}"
-        for number, one in enumerate(shown.diagnosis.advice, 1)
-    ] or ["Nothing."]
-    lines += ["", f"Model level: {escaped(shown.diagnosis.level.recommended)}."]
-    kept, size = [], 0
-    for number, line in enumerate(lines):
-        size += len(line) + 1
-        if size > LONGEST - 100:
-            kept += ["", f"{len(lines) - number} more lines do not fit here."]
-            break
-        kept.append(line)
-    return "\n".join(kept) + "\n"
+def _ablation(found: Mapping[str, Any]) -> Iterator[str]:
+    for title, heads, rows in ablation_tables(found):
+        yield f"<p>{plain(title)}</p>"
+        yield from plain_table(heads, rows, range(1, len(heads)), cards=True)
+
+
+def ablation_tables(found: Mapping[str, Any]) -> Iterator[tuple[str, list[str], list[list[str]]]]:
+    """Title, heads and rows of what `ablate` found: how variants follow a log, and what their training gave."""
+    tracking = [row for row in found.get("tracking", ()) if isinstance(row, Mapping)]
+    if tracking:
+        rows = []
+        for variant in dict.fromkeys(str(row.get("variant", "")) for row in tracking):
+            mine = [row for row in tracking if row.get("variant") == variant]
+            worst = max(mine, key=lambda row: _number(row.get("rmse")))
+            mean = sum(_number(row.get("rmse")) for row in mine) / len(mine)
+            peak = max(_number(row.get("peak_torque")) for row in mine)
+            cells = [_figure(mean), _figure(worst.get("rmse")), str(worst.get("joint", "")), _figure(peak)]
+            rows.append([variant, *cells])
+        yield (
+            "each joint alone under the log's commands",
+            ["variant", "RMSE, mean", "worst", "at", "peak torque"],
+            rows,
+        )
+    training = [row for row in found.get("training", ()) if isinstance(row, Mapping)]
+    if training:
+        names = ("reward", "reward_std", "tracking_error", "tracking_error_std")
+        rows = [
+            [
+                str(row.get("variant", "")),
+                *(_figure(row.get(name)) for name in names),
+                str(len(row.get("seeds") or ())),
+            ]
+            for row in training
+        ]
+        yield "training", ["variant", "reward", "std", "tracking error", "std", "seeds"], rows
+    lacking: dict[tuple[str, str], list[str]] = {}
+    for row in found.get("missing", ()):
+        if isinstance(row, Mapping) and row.get("reason") != NO_NETWORK:
+            key = str(row.get("variant", "")), str(row.get("reason", ""))
+            lacking.setdefault(key, []).append(str(row.get("joint", "")))
+    if lacking:
+        rows = [[variant, listed(joints, 4), reason] for (variant, reason), joints in lacking.items()]
+        yield "not made", ["variant", "joints", "reason"], rows
+
+
+def _number(value: object) -> float:
+    """A figure of another program's; 0 where it is none."""
+    return float(value) if isinstance(value, int | float) and math.isfinite(value) else 0.0

@@ -11,6 +11,8 @@ from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.report.axes import Axis
 from actspec.report.compare import by_actuator, by_variant, step_chart
 from actspec.report.plot import COMMAND, FIT, READ, Chart, Line, Points
+from actspec.report.row_pictures import Stacks
+from actspec.report.tables import percent
 from actspec.study.compare import Comparison
 from actspec.study.measures import BEYOND, Track, bounds_at, has_line
 
@@ -35,16 +37,18 @@ class Figure:
     """One picture.
 
     Attributes:
-        kind: `envelope`, `step` or `tracking`.
+        kind: `envelope`, `step`, `damping` or `tracking`.
         joints: That it shows.
         chart: What is drawn.
         caption: What it shows, in words.
+        words: What else there is to say below it.
     """
 
     kind: str
     joints: tuple[str, ...]
-    chart: Chart
+    chart: Chart | Stacks
     caption: str
+    words: str = ""
 
 
 def envelopes(
@@ -58,8 +62,8 @@ def envelopes(
             "the motor's torque-speed line and limit" if has_line(group[0]) else "the limit; no line is known"
         )
         words = f"{listed(list(joints), 4)}: {what}"
-        if count:
-            words += f"; {100.0 * beyond / count:.2g} % of the log's points are beyond"
+        if count and (beyond or has_line(group[0])):
+            words += f"; {percent(beyond / count)} of the log's points are beyond"
         yield Figure("envelope", joints, chart, words)
 
 
@@ -86,7 +90,8 @@ def _envelope(actuator: JointActuator, tracks: Sequence[Track]) -> tuple[Chart, 
     beyond = np.zeros(len(torque), dtype=bool)
     if limit:
         low, high = bounds_at(actuator, speeds)
-        marks += [Line(speeds, high, "motor", COMMAND), Line(speeds, low, "", COMMAND)]
+        named = "motor" if has_line(actuator) else "limit"
+        marks += [Line(speeds, high, named, COMMAND), Line(speeds, low, "", COMMAND)]
         least, most = bounds_at(actuator, speed)
         beyond = np.maximum(torque - most, least - torque) > BEYOND * limit
     for rows, label, colour in ((~beyond, "log", READ), (beyond, "beyond", FIT)):
@@ -98,7 +103,7 @@ def _envelope(actuator: JointActuator, tracks: Sequence[Track]) -> tuple[Chart, 
     chart = Chart(
         f"{actuator.joint}: torque against speed",
         Axis("speed", "rad/s" if hinge else "m/s", low=-fastest, high=fastest),
-        Axis("torque", "N*m" if hinge else "N"),
+        Axis("torque", "N*m") if hinge else Axis("force", "N"),
         marks,
         width=420,
         height=230,
@@ -114,6 +119,31 @@ def steps(comparison: Comparison) -> Iterator[Figure]:
             f"{listed(list(rows[0].joints), 4)}: a step worth half of the effort limit, by law and in MuJoCo"
         )
         yield Figure("step", rows[0].joints, chart, words)
+
+
+def dampings(actuators: ActuatorSet) -> Iterator[Figure]:
+    """What brakes each distinct actuator in proportion to its speed, by who does."""
+    groups: dict[tuple[float, float, JointKind], list[str]] = {}
+    for actuator in actuators.joints:
+        kd = 0.0 if actuator.kd is None else actuator.kd.value or 0.0
+        key = (kd, actuator.friction_viscous.value or 0.0, actuator.kind)
+        groups.setdefault(key, []).append(actuator.joint)
+    for kind, unit in ((JointKind.HINGE, "N*m*s/rad"), (JointKind.SLIDE, "N*s/m")):
+        mine = {key: joints for key, joints in groups.items() if key[2] is kind}
+        if not mine:
+            continue
+        rows = [
+            (joints[0] + (f" +{len(joints) - 1}" if len(joints) > 1 else ""), key[:2])
+            for key, joints in mine.items()
+        ]
+        chart = Stacks(
+            "damping by origin", Axis("damping", unit), rows, ("kd of the drive", "viscous friction")
+        )
+        words = "what the drive takes, inside of its limit, and what the joint takes, outside of it"
+        if any(len(joints) > 1 for joints in mine.values()):
+            words += "; +3: and of three joints more"
+        names = tuple(joint for joints in mine.values() for joint in joints)
+        yield Figure("damping", names, chart, "Damping by origin", words)
 
 
 def trackings(tracks: Mapping[str, Sequence[Track]], actuators: ActuatorSet) -> Iterator[Figure]:

@@ -81,8 +81,17 @@ def figure(
     yield "</figure>"
 
 
+CARDS = ' class="cards"'
+"""Of a table whose rows are cards on a phone, where the page has the styles for it."""
+
+
+def head_of(title: str, cards: bool) -> str:
+    """The attribute of a cell that has the name of its column, which a card shows."""
+    return f' data-head="{plain(title)}"' if cards else ""
+
+
 def plain_table(
-    heads: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = ()
+    heads: Sequence[str], rows: Iterable[Sequence[str]], right: Sequence[int] = (), *, cards: bool = False
 ) -> Iterator[str]:
     """A table of plain text.
 
@@ -90,9 +99,12 @@ def plain_table(
         heads: Over the columns.
         rows: Cells.
         right: Columns that stand right.
+        cards: Whether a row is a card on a phone, its first cell the title.
     """
-    yield f'<div class="wide"><table><tr>{"".join(f"<th>{plain(head)}</th>" for head in heads)}</tr>'
+    names = [head_of(head, cards) for head in heads]
+    shown = "".join(f"<th>{plain(head)}</th>" for head in heads)
+    yield f'<div class="wide"><table{CARDS * cards}><tr>{shown}</tr>'
     for row in rows:
-        cells = (f"<td{' class=n' * (i in right)}>{plain(cell)}</td>" for i, cell in enumerate(row))
+        cells = (f"<td{' class=n' * (i in right)}{names[i]}>{plain(cell)}</td>" for i, cell in enumerate(row))
         yield f"<tr>{''.join(cells)}</tr>"
     yield "</table></div>"

@@ -78,24 +78,33 @@ def intervals(
     return framed(title, width, top + high + 38.0, body)
 
 
-def stacks(
-    title: str,
-    axis: Axis,
-    rows: Sequence[tuple[str, Sequence[float]]],
-    parts: Sequence[str],
-    width: int = 520,
-    named: int = 24,
-) -> str:
-    """Sums of parts above 0, one bar a row, as one `<svg>` element.
+@dataclass(frozen=True, slots=True)
+class Stacks:
+    """Sums of parts above 0, one bar a row.
 
-    Args:
+    Attributes:
         title: What it shows.
         axis: Below.
         rows: Name and parts of each, from top to bottom.
         parts: What the parts are, for the legend; at most five.
         width: [px].
+    """
+
+    title: str
+    axis: Axis
+    rows: Sequence[tuple[str, Sequence[float]]]
+    parts: Sequence[str]
+    width: int = 420
+
+
+def stacks(chart: Stacks, named: int = 30) -> str:
+    """Sums of parts as one `<svg>` element.
+
+    Args:
+        chart: What is drawn.
         named: Most letters of a name; longer ones are cut.
     """
+    title, axis, rows, parts, width = chart.title, chart.axis, chart.rows, chart.parts, chart.width
     names = [shortened(one_line(name), named) for name, _ in rows]
     most = max((sum(values) for _, values in rows), default=0.0)
     placed = Placed.of(replace(axis, low=0.0), (0.0, most if most > 0.0 else 1.0))

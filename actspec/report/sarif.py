@@ -7,7 +7,6 @@ Findings that were set aside are left out: services show suppressed results as o
 from __future__ import annotations
 
 import hashlib
-import json
 import os
 from collections import Counter
 from typing import Any
@@ -23,6 +22,7 @@ from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 from actspec.report.sources import Sources
+from actspec.report.terminal import json_text
 
 SCHEMA = "https://docs.oasis-open.org/sarif/sarif/v2.1.0/errata01/os/schemas/sarif-schema-2.1.0.json"
 ROOT = "%SRCROOT%"
@@ -33,7 +33,7 @@ _PROBLEM = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO:
 
 def render(report: Report, options: ReportOptions) -> str:
     """The report as a SARIF log."""
-    return json.dumps(record(report, options.least), indent=2, ensure_ascii=True) + "\n"
+    return json_text(record(report, options.least))
 
 
 def record(report: Report, least: Severity = Severity.INFO) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -10,10 +11,11 @@ from actspec.fields import units_of
 from actspec.joints import JointKind
 from actspec.report.axes import Axis
 from actspec.report.page import figure, fold, plain_table
-from actspec.report.plot import FIT, NOISE, READ, Band, Chart, Line, Mark, Points, Rule, svg
+from actspec.report.plot import COMMAND, FIT, NOISE, READ, Band, Chart, Line, Mark, Points, Rule, svg
+from actspec.spec.results import JointResult
 from actspec.sysid.frequency import Response, response
 from actspec.sysid.replay import Replay
-from actspec.sysid.step import Step, steps
+from actspec.sysid.step import Step, steps, unit_step
 
 if TYPE_CHECKING:
     import numpy as np
@@ -31,8 +33,47 @@ LEAST = 10
 """Fewest rows in one of them."""
 
 
-def bode(one: Replay) -> Iterator[str]:
-    """Gain, phase and coherence of position over command."""
+@dataclass(frozen=True, slots=True)
+class Loop:
+    """The closed loop as a system of second order, by `--method frequency` or `step`.
+
+    Attributes:
+        natural: Natural frequency [rad/s].
+        damping: Its damping ratio [1].
+        gain: At rest [1]; None: that of the steps.
+        delay: [s]; None: that of the steps.
+    """
+
+    natural: float
+    damping: float
+    gain: float | None = None
+    delay: float | None = None
+
+
+def loop_of(result: JointResult) -> Loop | None:
+    """What the results say of the closed loop; None: nothing, as those of rollouts."""
+    told = {name: item.value for name, item in result.diagnostics.items()}
+    natural, damping = told.get("natural_frequency"), told.get("damping_ratio")
+    if natural is None or damping is None:
+        return None
+    delay = None if result.delay is None else result.delay.value
+    return Loop(2.0 * math.pi * natural, damping, told.get("static_gain"), delay)
+
+
+def _answer(loop: Loop, frequency: Array, step: float) -> NDArray[np.complex128]:
+    """Position over a command that is held from row to row [1]."""
+    import numpy as np
+
+    s = 2j * np.pi * frequency
+    held = np.sinc(frequency * step) * np.exp(-s * (0.5 * step + (loop.delay or 0.0)))
+    gain = 1.0 if loop.gain is None else loop.gain
+    system = loop.natural**2 / (s**2 + 2.0 * loop.damping * loop.natural * s + loop.natural**2)
+    found: NDArray[np.complex128] = gain * held * system
+    return found
+
+
+def bode(one: Replay, loop: Loop | None = None) -> Iterator[str]:
+    """Gain, phase and coherence of position over command; and of the loop, where that was fitted to spectra."""
     import numpy as np
 
     read, fit = response(one.recording), response(one.simulated)
@@ -43,10 +84,19 @@ def bode(one: Replay) -> Iterator[str]:
     with np.errstate(divide="ignore"):
         gain, of_fit = decibel * np.log(read.gain), decibel * np.log(fit.gain)
     wide = 1.96 * read.std / read.gain
+    fitted: list[list[Mark]] = [[], []]
+    if loop is not None and loop.gain is not None:
+        value = _answer(loop, read.frequency, one.recording.step)
+        turns = np.unwrap(np.angle(value))
+        for marks_of, line in zip(
+            fitted, (decibel * np.log(np.abs(value)), turns * 180.0 / np.pi), strict=True
+        ):
+            marks_of.append(Line(read.frequency, line, "second order", COMMAND))
     marks: list[Mark] = [
         Band(read.frequency, gain - decibel * wide, gain + decibel * wide, "95 %", NOISE),
         Line(read.frequency, gain, "log", READ, broad=True),
-        Line(fit.frequency, of_fit, "fit", FIT, "dashed"),
+        Line(fit.frequency, of_fit, one.name, FIT, "dashed"),
+        *fitted[0],
         Rule(-3.0),
     ]
     low, high = _ends(gain)
@@ -58,7 +108,8 @@ def bode(one: Replay) -> Iterator[str]:
     marks = [
         Band(read.frequency, phase - turn * wide, phase + turn * wide, "95 %", NOISE),
         Line(read.frequency, phase, "log", READ, broad=True),
-        Line(fit.frequency, late, "fit", FIT, "dashed"),
+        Line(fit.frequency, late, one.name, FIT, "dashed"),
+        *fitted[1],
     ]
     low, high = _ends(phase)
     title = "Bode: phase"
@@ -67,11 +118,11 @@ def bode(one: Replay) -> Iterator[str]:
     title = "Coherence"
     marks = [
         Line(read.frequency, read.coherence, "log", READ, broad=True),
-        Line(fit.frequency, fit.coherence, "fit", FIT, "dashed"),
+        Line(fit.frequency, fit.coherence, one.name, FIT, "dashed"),
     ]
     said = "Share of the position's power that follows the command; noise, friction and limits take from it."
     picture = svg(Chart(title, x, Axis("coherence", low=0.0, high=1.02), marks))
-    table = _response_table(read, fit, gain, of_fit, phase, late)
+    table = _response_table(read, fit, gain, of_fit, phase, late, one.name)
     yield from figure(picture, title, said, fold("Gain and phase as a table", table, shown=False))
 
 
@@ -85,7 +136,7 @@ def _ends(values: Array) -> tuple[float, float]:
 
 
 def _response_table(
-    read: Response, fit: Response, gain: Array, of_fit: Array, phase: Array, late: Array
+    read: Response, fit: Response, gain: Array, of_fit: Array, phase: Array, late: Array, name: str
 ) -> Iterator[str]:
     import numpy as np
 
@@ -104,12 +155,23 @@ def _response_table(
                 f"{read.coherence[i]:.3f}",
             ]
         )
-    heads = ["frequency [Hz]", "gain, log [dB]", "fit [dB]", "phase, log [deg]", "fit [deg]", "coherence"]
+    heads = [
+        *(
+            "frequency [Hz]",
+            "gain, log [dB]",
+            f"{name} [dB]",
+            "phase, log [deg]",
+            f"{name} [deg]",
+            "coherence",
+        )
+    ]
     return plain_table(heads, rows, range(6))
 
 
-def step_answers(one: Replay) -> Iterator[str]:
-    """Steps laid over each other, and what is read off each."""
+def step_answers(one: Replay, loop: Loop | None = None) -> Iterator[str]:
+    """Steps laid over each other, and what is read off each; and the loop, where that was fitted to steps."""
+    import numpy as np
+
     gains = (one.figures["kp"], one.figures["kd"])
     found = [step for step in steps(one.recording, one.bounds, gains) if step.left_out is None]
     if not found:
@@ -121,7 +183,13 @@ def step_answers(one: Replay) -> Iterator[str]:
         marks.append(Line(step.time, step.answer, "log" if first else "", READ, broad=True))
         if step.row in of_fit:
             other = of_fit[step.row]
-            marks.append(Line(other.time, other.answer, "fit" if first else "", FIT, "dashed"))
+            marks.append(Line(other.time, other.answer, one.name if first else "", FIT, "dashed"))
+    alike = [(step.final, step.delay) for step in found if step.final is not None and step.delay is not None]
+    if loop is not None and loop.gain is None and alike:
+        final, delay = (float(np.median(values)) for values in zip(*alike, strict=True))
+        longest = max((step.time for step in found), key=len)
+        answer = final * unit_step(longest - delay, loop.natural, loop.damping)
+        marks.append(Line(longest, answer, "second order", COMMAND))
     marks.append(Rule(1.0))
     title = "Steps"
     shown = f"{MOST_STEPS} of {len(found)}" if len(found) > MOST_STEPS else f"{len(found)}"
@@ -150,7 +218,7 @@ def _step_table(one: Replay, found: Sequence[Step], of_fit: dict[int, Step]) -> 
         ("settling", "s"),
         ("error at rest", units.position),
     ):
-        heads += [f"{name} [{unit}]", "fit"]
+        heads += [f"{name} [{unit}]", one.name]
     return plain_table(heads, rows, range(len(heads)))
 
 

@@ -15,21 +15,24 @@ from actspec.logs import Log
 from actspec.report.axes import Axis, plot_style
 from actspec.report.page import articles, figure, fold, plain, plain_table, whole
 from actspec.report.row_pictures import Interval, intervals
+from actspec.report.sysid_answers import loop_of
 from actspec.report.sysid_pictures import pictures
 from actspec.report.tables import many
 from actspec.resources import data_path
 from actspec.spec.remedy import remedy
-from actspec.spec.results import JointResult, Results
+from actspec.spec.results import JointResult, Results, value_of
 from actspec.spec.validate import Spec
-from actspec.spec.values import SpecValue
 from actspec.spec.variants import named
 from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS, METHODS
-from actspec.sysid.replay import Replay
+from actspec.sysid.replay import SPEC, Replay
 from actspec.units import format_number
 
 NAMES = tuple(field for field, _ in FIELDS.values())
 """Fields of a fit, in the order in which they are shown."""
+EVEN = 0.05
+"""Difference of an interval's two halves, as a share of the larger, that is not worth two numbers. Chosen."""
+NO_FIGURE = "This method tells no figure of the spec; what it tells stands with the joints."
 ABSOLUTE = ("delay", "encoder_bias")
 """Fields whose change is a difference: a share of nearly 0 tells nothing."""
 
@@ -70,9 +73,13 @@ class _Row:
     unit: str
     spec: float | None
     origin: str
+    ends: tuple[float, float] | None = None
 
     @property
     def low(self) -> float | None:
+        """Of the 95 % interval: as the file has it, else by the standard deviation."""
+        if self.ends is not None:
+            return self.ends[0]
         if self.value is None or self.std is None:
             return None
         low = self.value - WIDE * self.std
@@ -80,6 +87,8 @@ class _Row:
 
     @property
     def high(self) -> float | None:
+        if self.ends is not None:
+            return self.ends[1]
         return None if self.value is None or self.std is None else self.value + WIDE * self.std
 
 
@@ -143,15 +152,16 @@ def _rows(shown: Identified, name: str, result: JointResult) -> list[_Row]:
     actuator = shown.actuators.joint(name) if shown.actuators is not None else None
     found = []
     for field, kind in FIELDS.values():
-        stated = _stated(result, field)
+        stated = value_of(result, field)
         spec, origin = _of_spec(actuator, field)
         unit = kind.rotary_unit if actuator is None else BY_SPEC.get(field, BY_SPEC["kp"]).unit(actuator.kind)
         if field not in BY_SPEC:
             unit = kind.rotary_unit
         gains = result.gains
         if stated is not None and stated.value is not None:
+            value, ends = stated.value, result.intervals.get(field)
             found.append(
-                _Row(field, "identified", stated.value, stated.std, stated.unit or unit, spec, origin)
+                _Row(field, "identified", value, stated.std, stated.unit or unit, spec, origin, ends)
             )
         elif field in result.bounds_hit:
             found.append(_Row(field, "at its bound", None, None, unit, spec, origin))
@@ -160,12 +170,6 @@ def _rows(shown: Identified, name: str, result: JointResult) -> list[_Row]:
         elif gains is not None and field in ("kp", "kd"):
             held = gains.kp if field == "kp" else gains.kd
             found.append(_Row(field, "held", held.value, None, held.unit or unit, spec, origin))
-    return found
-
-
-def _stated(result: JointResult, field: str) -> SpecValue | None:
-    section, _, key = field.rpartition(".")
-    found: SpecValue | None = getattr(getattr(result, section) if section else result, key, None)
     return found
 
 
@@ -225,18 +229,26 @@ def _overview(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
     yield "<h2>Figures</h2>"
     heads = ["joint", *(f"{field} [{units[field]}]" for field in fields)]
     yield from plain_table(heads, lines, range(1, len(heads)))
-    yield '<p class="faint">Value and half of the 95 % interval; in brackets: held; "-": not told.</p>'
+    said = (
+        "Value and half of the 95 % interval, both halves where it is uneven; in brackets: held; -: not told."
+    )
+    yield f'<p class="faint">{plain(said)}</p>'
 
 
 def _short(row: _Row | None) -> str:
+    """Value and interval in one cell; an uneven interval has two halves."""
     if row is None:
         return ""
     if row.value is None:
         return "-"
-    if row.std is None:
-        return f"({_number(row.value)})"
-    half = WIDE * row.std
-    return f"{_number(row.value, half)} ± {_number(half, half)}"
+    if row.low is None or row.high is None:
+        return f"({_number(row.value)})" if row.state == "held" else _number(row.value)
+    above, below = row.high - row.value, row.value - row.low
+    wide = max(above, below)
+    value = _number(row.value, wide)
+    if abs(above - below) <= EVEN * wide:
+        return f"{value} ± {_number(wide, wide)}"
+    return f"{value} +{_number(above, wide)} −{_number(below, wide)}"
 
 
 def _not_told(shown: Identified, rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
@@ -262,7 +274,9 @@ def _not_told(shown: Identified, rows: Mapping[str, Sequence[_Row]]) -> Iterator
         return
     yield "<h2>What the logs do not tell</h2>"
     if not found:
-        yield "<p>Every figure of this fit has a value and an interval.</p>"
+        told = any(rows.values())
+        said = "Every figure of this fit has a value and an interval." if told else NO_FIGURE
+        yield f"<p>{plain(said)}</p>"
         return
     lines = []
     for (field, why, words, experiment), names in found.items():
@@ -298,6 +312,8 @@ def _spec_path(shown: Identified) -> str:
 
 def _intervals(rows: Mapping[str, Sequence[_Row]]) -> Iterator[str]:
     """A picture a field: each joint's interval beside the spec's value."""
+    if not any(row.value is not None for mine in rows.values() for row in mine):
+        return
     yield "<h2>Intervals of 95 %</h2>"
     yield '<div class="grid">'
     for field in NAMES:
@@ -337,11 +353,17 @@ def _joint(
                 row.state,
             ]
         )
-    yield from plain_table(heads, lines, (1, 2, 3, 5, 6))
+    if lines:
+        yield from plain_table(heads, lines, (1, 2, 3, 5, 6))
     yield from _beside(result)
     if name in shown.replays:
+        if any(one.name == SPEC for one in shown.replays[name]):
+            told = [FIELDS[figure][0] for figure in FIELDS if figure in shown.replays[name][0].told]
+            of = f", with the {listed(told)} of these results" if told else ""
+            said = f"Simulated is the spec's joint{of}: this method fits no motion."
+            yield f'<p class="faint">{plain(said)}</p>'
         for one in shown.replays[name]:
-            yield from pictures(one, named=len(shown.replays[name]) > 1)
+            yield from pictures(one, loop_of(result), named=len(shown.replays[name]) > 1)
     else:
         yield '<p class="faint">No log of this joint is simulated.</p>'
     yield from _correlation(result)
@@ -440,7 +462,7 @@ def _commands(shown: Identified) -> Iterator[str]:
     extra = [
         field
         for field in NAMES
-        if field in default and any(_stated(joint, field) for joint in shown.results.joints.values())
+        if field in default and any(value_of(joint, field) for joint in shown.results.joints.values())
     ]
     fit = ["actspec", "sysid", "fit", _spec_path(shown), *(logs or ["LOG"]), "-o", shown.path]
     if shown.results.method != "rollout":

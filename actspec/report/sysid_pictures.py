@@ -11,7 +11,7 @@ from actspec.joints import JointKind
 from actspec.report.axes import Axis
 from actspec.report.page import figure, plain
 from actspec.report.plot import COMMAND, FIT, NOISE, READ, Band, Bars, Chart, Line, Mark, Rule, svg
-from actspec.report.sysid_answers import bode, friction_cloud, step_answers
+from actspec.report.sysid_answers import Loop, bode, friction_cloud, step_answers
 from actspec.sysid.recording import scatter
 from actspec.sysid.replay import Replay
 
@@ -27,19 +27,20 @@ BINS = 41
 """Bars of a histogram."""
 
 
-def pictures(one: Replay, *, named: bool) -> Iterator[str]:
+def pictures(one: Replay, loop: Loop | None = None, *, named: bool) -> Iterator[str]:
     """All of a joint in a log.
 
     Args:
         one: The joint and the log.
+        loop: What the results say of the closed loop.
         named: Whether to say which log it is.
     """
     if named:
         yield f"<h3>{plain(one.recording.log.path)}</h3>"
     yield '<div class="grid">'
     yield from _seconds(one)
-    yield from bode(one)
-    yield from step_answers(one)
+    yield from bode(one, loop)
+    yield from step_answers(one, loop)
     yield from friction_cloud(one)
     yield from _residuals(one)
     yield "</div>"
@@ -70,11 +71,11 @@ def _overlay(one: Replay, words: str, signal: str, start: int) -> Iterator[str]:
     if signal == "position":
         marks.append(Line(time, one.recording.command[rows], "command", COMMAND, "dotted", stairs=True))
     marks.append(Line(time, one.recording.measured[signal][rows], "log", READ, broad=True))
-    marks.append(Line(time, one.model[signal][rows], "fit", FIT, "dashed"))
+    marks.append(Line(time, one.model[signal][rows], one.name, FIT, "dashed"))
     unit = _unit(one, signal)
     size = _rms(one.residual(signal)[rows])
     title = f"{words}: {signal}"
-    said = f"{time[0]:.4g} to {time[-1]:.4g} s; log less fit {size:.3g} {unit} (root mean square)."
+    said = f"{time[0]:.4g} to {time[-1]:.4g} s; log less {one.name} {size:.3g} {unit} (root mean square)."
     yield from figure(svg(Chart(title, Axis("time", "s"), Axis(signal, unit), marks)), title, said)
 
 
@@ -84,17 +85,19 @@ def _residuals(one: Replay) -> Iterator[str]:
     left = one.residual("position")
     good = left[np.isfinite(left)]
     size, most, unit = _rms(left), float(np.abs(good).max()), _unit(one, "position")
-    title = "Position: log less fit"
-    noise = scatter(one.recording.measured["position"])
+    title = f"Position: log less {one.name}"
+    noise = scatter(one.recording.measured["position"], one.recording.time)
     times = f", {size / noise:.3g} times the noise of the readings" if noise > 0 else ""
     said = f"Root mean square {size:.3g} {unit}{times}; largest {most:.3g} {unit}."
     marks: list[Mark] = [Line(one.recording.time, left, "", READ), Rule(0.0)]
-    yield from figure(svg(Chart(title, Axis("time", "s"), Axis("log less fit", unit), marks)), title, said)
-    yield from _histogram(good, size, unit)
-    yield from _correlogram(left, one.recording.step)
+    yield from figure(
+        svg(Chart(title, Axis("time", "s"), Axis(f"log less {one.name}", unit), marks)), title, said
+    )
+    yield from _histogram(good, size, unit, f"log less {one.name}")
+    yield from _correlogram(left, one.recording.step, f"log less {one.name}")
 
 
-def _histogram(good: Array, size: float, unit: str) -> Iterator[str]:
+def _histogram(good: Array, size: float, unit: str, of: str) -> Iterator[str]:
     """How large the residuals are, beside normal noise of the same size."""
     import numpy as np
 
@@ -107,13 +110,13 @@ def _histogram(good: Array, size: float, unit: str) -> Iterator[str]:
     title = "Residuals by size"
     said = f"{100.0 * beyond:.2g} % are beyond three standard deviations, 0.27 % of normal noise are."
     marks: list[Mark] = [
-        Bars(edges, heights, "log less fit", READ),
+        Bars(edges, heights, of, READ),
         Line(at, bell, "normal noise", FIT, "dashed"),
     ]
-    yield from figure(svg(Chart(title, Axis("log less fit", unit), Axis("rows"), marks)), title, said)
+    yield from figure(svg(Chart(title, Axis(of, unit), Axis("rows"), marks)), title, said)
 
 
-def _correlogram(left: Array, step: float) -> Iterator[str]:
+def _correlogram(left: Array, step: float, of: str) -> Iterator[str]:
     """How residuals go together with later ones; gaps count for nothing."""
     import numpy as np
 
@@ -138,7 +141,7 @@ def _correlogram(left: Array, step: float) -> Iterator[str]:
     )
     marks: list[Mark] = [
         Band(time, -band, band, "chance, 95 %", NOISE),
-        Line(time, found, "log less fit", READ),
+        Line(time, found, of, READ),
     ]
     x, y = (
         Axis("later by", "s"),

@@ -93,3 +93,11 @@ def _is_number(text: str) -> bool:
     except ValueError:
         return False
     return True
+
+
+def percent(share: float | None) -> str:
+    """A share in percent with two digits, more where it is above 100; `-` where it is unknown."""
+    if share is None:
+        return "-"
+    value = 100.0 * share
+    return f"{value:.2g} %" if abs(value) < 99.5 else f"{value:.0f} %"

@@ -15,10 +15,10 @@ from typing import Any, TextIO
 from actspec.diagnostics import Diagnostic, Severity
 from actspec.report.tables import Style, many
 
-OUTPUT = {"audit": "report", "rule": "rules"}
+OUTPUT = {"ablate": "ablation", "audit": "report", "rule": "rules"}
 """Commands whose machine output has another name."""
 
-WRITING = ("compile", "import", "init", "lock", "sysid")
+WRITING = ("ablate", "compile", "import", "init", "lock", "sysid")
 """Commands whose work are files, all or none. Of an audit some fixes may be written when another one cannot be."""
 
 QUIET = 2.0
@@ -78,9 +78,16 @@ def json_number(value: float | None) -> float | str | None:
     return float(value)
 
 
+def json_text(data: Any) -> str:
+    """Machine output in printable ASCII, whatever names hold; NaN and infinity are refused, they are no JSON."""
+    # DEL is ASCII, and no character to print.
+    text = json.dumps(data, indent=2, ensure_ascii=True, allow_nan=False)
+    return text.replace("\x7f", "\\u007f") + "\n"
+
+
 def print_json(data: Any) -> None:
-    """Print machine output to stdout; NaN and infinity are refused, they are no JSON."""
-    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+    """Print machine output to stdout."""
+    sys.stdout.write(json_text(data))
 
 
 class Progress:

@@ -84,7 +84,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
             held.get(inputs.joint.dof),
             free.get(inputs.joint.dof),
             bindings.default_pose.get(inputs.joint.name),
-            lambda file: os.path.join(folder, file),
+            lambda file: os.path.normpath(os.path.join(folder, file)),
         )
         for inputs, armature in zip(said, armatures, strict=True)
     )

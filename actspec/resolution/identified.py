@@ -33,14 +33,15 @@ def why_missing(inputs: JointInputs, field: str) -> tuple[str, str]:
     from actspec.spec.remedy import remedy
 
     stated = inputs.stated
-    file, joint, result = stated.results, inputs.joint.name, stated.result
+    file, result = stated.results, stated.result
     if file is None:
         return "no results are read", "write the number here"
     name = file.document.path
     if result is None:
         has = listed(file.model.joints) or "none"
         return (
-            f"{name} has no joint '{joint}', its joints are {has}",
+            # Without the joint's name: those with the same reason are told together.
+            f"{name} has no such joint, its joints are {has}",
             "fit the joint, or write the number here",
         )
     if field in result.left_out:

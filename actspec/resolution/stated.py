@@ -284,6 +284,10 @@ def _report_loose(spec: Spec, robot: RobotView, loose: Sequence[str], collector:
         )
 
 
+MOST_SUGGESTIONS = 20
+"""Patterns for which the nearest right one is looked for, which may take 50 ms each."""
+
+
 class _Matcher:
     """Matches patterns and reports those that match nothing."""
 
@@ -293,6 +297,7 @@ class _Matcher:
         self.names = names
         self.breaches = breaches
         self.failed = False
+        self._suggestions = MOST_SUGGESTIONS
 
     def match(
         self,
@@ -319,7 +324,10 @@ class _Matcher:
             # It is safe to match against the group's joints, not against all of them.
             elsewhere = set()
         others = [joint for joint in self.robot.joints if joint.name in elsewhere]
-        guess = suggest_pattern(pattern, names)
+        guess = None
+        if self._suggestions:
+            self._suggestions -= 1
+            guess = suggest_pattern(pattern, names)
         if others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
             help: str | None = (
                 f"'{others[0].name}' is a {others[0].kind.value} joint; only hinge and slide joints have actuators here"

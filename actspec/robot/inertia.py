@@ -31,6 +31,8 @@ SEED = 20261121
 
 MOST_BYTES = 256 * 1024 * 1024
 """Chosen: fewer poses are taken where their matrices would need more memory than this."""
+MOST_WORK = 4_000_000_000
+"""Chosen: or where n_pose n^3 would be more, which is what it takes to invert them; 2 s."""
 
 
 class InertiaUnknown(ValueError):
@@ -69,7 +71,7 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
         model: Compiled; its armature is set to 0 during the call and restored.
         poses: Sampled poses at most.
 
-    Raises: InertiaUnknown: no matrix fits into `MOST_BYTES`, there is no memory for the model's
+    Raises: InertiaUnknown: no matrix fits into `MOST_BYTES` and `MOST_WORK`, there is no memory for the model's
         state, or a matrix is not finite.
     """
     import numpy as np
@@ -87,12 +89,12 @@ def pose_inertia(model: mujoco.MjModel, poses: int = POSES) -> PoseInertia:
 
 
 def _poses(model: mujoco.MjModel, poses: int) -> NDArray[np.float64]:
-    """The reference pose and as many sampled ones as there is memory for, shape (n_pose, nq) [rad or m]."""
+    """The reference pose and as many sampled ones as there are memory and time for, shape (n_pose, nq) [rad or m]."""
     import numpy as np
 
-    fit = MOST_BYTES // max(8 * model.nv**2, 1)
+    fit = min(MOST_BYTES // max(8 * model.nv**2, 1), MOST_WORK // max(model.nv**3, 1))
     if fit < 1:
-        raise InertiaUnknown(f"{model.nv} degrees of freedom are too many for mass matrices in memory")
+        raise InertiaUnknown(f"{model.nv} degrees of freedom are too many for mass matrices")
     columns, low, high = _sampled(model)
     count = min(poses, fit - 1) if len(columns) else 0
     qpos = np.tile(reference_pose(model), (1 + count, 1))

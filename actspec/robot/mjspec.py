@@ -22,6 +22,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, Span, one_line
+from actspec.guest import at_work
 from actspec.robot.assets import (
     MeshDependence,
     base_name,
@@ -33,6 +34,7 @@ from actspec.robot.assets import (
     usable_file,
     without_shapes,
 )
+from actspec.robot.sizes import check
 from actspec.robot.view import ModelFile, ModelFormat
 from actspec.robot.xml import open_document, parse_document
 from actspec.robot.xml_tree import XmlDocument
@@ -97,7 +99,7 @@ def open_spec(
             which no number of an actuator depends on, are stand-ins in any case.
         document: The same files parsed, if the caller has it.
 
-    Raises: RobotError: the text cannot be parsed, or MuJoCo refuses it.
+    Raises: RobotError: the text cannot be parsed, or MuJoCo refuses it or its folder's name.
     """
     import mujoco
 
@@ -110,8 +112,17 @@ def open_spec(
         )
     text = splice(document if document is not None else parse_document(files))
     folder = os.path.dirname(os.path.abspath(files[0].path))
+    try:
+        folder.encode("utf-8")
+    except UnicodeEncodeError:
+        raise RobotError.of(
+            "ROBOT126",
+            "the name of the model's folder is not UTF-8, and MuJoCo takes no such path",
+            Span(files[0].path),
+            help="rename the folder, or copy the model to another one",
+        ) from None
     opened = _opened_while_parsing(text, folder, format)
-    with quiet(), _engine(text.span):
+    with quiet(), _engine(text.span), at_work(files[0].path):
         spec = mujoco.MjSpec.from_string(text.data.decode("utf-8"), include=opened)
     spec.modelfiledir = folder
     spec.assets = {**opened, **_stand_ins(spec, real_assets)}
@@ -180,7 +191,7 @@ def compile_spec(
     def place(line: int) -> Span | None:
         return splice(parse_document(files)).span(line) if files else None
 
-    with quiet() as warned, _engine(place):
+    with quiet() as warned, _engine(place), at_work(files[0].path if files else ""):
         model = spec.compile()
     if said is not None:
         said.extend(warned)
@@ -303,11 +314,8 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
     )
 
 
-MOST_COPIES = 100_000
-"""Chosen: nested `replicate` counts beyond this exhaust the memory before MuJoCo can refuse them."""
-
-_MARKS = (b"<replicate", b"<flexcomp", b"<model")
-"""What makes more of a file than its text."""
+_MARKS = (b"<flexcomp", b"<model")
+"""Elements that MuJoCo opens a file for while it parses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -344,8 +352,9 @@ def splice(document: XmlDocument) -> SplicedText:
     Args:
         document: The model's files.
 
-    Raises: RobotError: the model replicates beyond `MOST_COPIES`.
+    Raises: RobotError: the model states sizes beyond what is read; see `sizes`.
     """
+    check(document)
     files = document.files
     pieces: list[bytes] = []
     starts: list[int] = []
@@ -374,27 +383,8 @@ def splice(document: XmlDocument) -> SplicedText:
 
 
 def _opened(document: XmlDocument) -> tuple[tuple[str, str], ...]:
-    """What MuJoCo opens while it parses; a nested `replicate` that makes too much of it is refused."""
+    """What MuJoCo opens while it parses."""
     if not any(mark in file.data for file in document.files for mark in _MARKS):
         return ()
-    opened = []
-    stack = [(document.root, 1)]
-    while stack:
-        element, copies = stack.pop()
-        name = element.get("file")
-        if element.tag == "replicate":
-            copies *= _count(element.get("count") or "")
-            if copies > MOST_COPIES:
-                message = f"more than {MOST_COPIES} copies by replicate"
-                raise RobotError.of("ROBOT110", message, document.span(element))
-        elif name and element.tag in ("flexcomp", "model"):
-            opened.append((element.tag, name))
-        stack += [(child, copies) for child in reversed(element.children)]
-    return tuple(opened)
-
-
-def _count(text: str) -> int:
-    try:
-        return max(int(text), 1)
-    except ValueError:
-        return 1
+    named = ((element.tag, element.get("file")) for element in document.walk("flexcomp", "model"))
+    return tuple((tag, name) for tag, name in named if name)

@@ -64,6 +64,7 @@ def read_urdf(
         document = parse_document(tuple(files))
     out = Collector()
     joints = _joints(document, out)
+    _check_depth(document, out)
     out.raise_if_failed(RobotError)
     model = masses = None
     reason = refusal or ""
@@ -152,14 +153,45 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
     return found
 
 
+MOST_IN_CHAIN = 1000
+"""Chosen: links one behind the other. MuJoCo takes 2 s for so many, and a minute for three times as many."""
+
+
+def _check_depth(document: XmlDocument, out: Collector) -> None:
+    """Report a chain of links that is too long."""
+    links = _links(document)
+    depths: dict[str, int] = {}
+    for link in links:
+        way = []
+        while link in links and link not in depths:
+            # A circle ends where it closes.
+            depths[link] = 0
+            way.append(link)
+            link = links[link][1]
+        depth = depths.get(link, 0)
+        for one in reversed(way):
+            depth += 1
+            depths[one] = depth
+            if depth > MOST_IN_CHAIN:
+                message = f"more than {MOST_IN_CHAIN} links in a chain"
+                out.error("ROBOT002", message, where=one, span=document.span(links[one][0]))
+                return
+
+
+def _links(document: XmlDocument) -> dict[str, tuple[Element, str]]:
+    """Child link to the joint that moves it, and to its parent link; the first joint of a link counts."""
+    links: dict[str, tuple[Element, str]] = {}
+    for element in document.root.children:
+        if element.tag == "joint":
+            ends = {part.tag: part.get("link") or "" for part in reversed(element.children)}
+            if ends.get("child"):
+                links.setdefault(ends["child"], (element, ends.get("parent", "")))
+    return links
+
+
 def _with_parents(joints: list[JointView], document: XmlDocument) -> list[JointView]:
     """Each joint with the one that it hangs on, over fixed joints; a circle of links ends where it closes."""
-    # Child link to the joint that moves it, and to its parent link; the first joint of a link counts.
-    links: dict[str, tuple[str, str]] = {}
-    for element in document.root.children:
-        ends = {part.tag: part.get("link") or "" for part in reversed(element.children)}
-        if element.tag == "joint" and ends.get("child"):
-            links.setdefault(ends["child"], (element.get("name") or "", ends.get("parent", "")))
+    links = {child: (joint.get("name") or "", parent) for child, (joint, parent) in _links(document).items()}
     moving = {joint.name for joint in joints}
     # Link to the joint that it moves with, filled along each way that is walked.
     above: dict[str, str] = {}

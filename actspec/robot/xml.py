@@ -42,7 +42,11 @@ MOST_FILES = 1000
 MOST_CHAIN = 64
 """Chosen: files on the way from the main file to an include."""
 
-_ROOTS = ("mujoco", "mujocoinclude")
+_SECTIONS = (
+    "asset actuator body compiler contact custom default equality keyframe sensor tendon visual worldbody"
+)
+_ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
+"""Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files."""
 
 
 def open_document(path: str) -> XmlDocument:
@@ -176,7 +180,7 @@ class _Assembly:
             "ROBOT008",
             f"the included file {file.include!r} is not an MJCF file",
             span=site,
-            help="an included file is XML with the root <mujoco> or <mujocoinclude>",
+            help="an included file is XML with the root <mujocoinclude>, <mujoco> or another element of MJCF",
         )
 
     def _include(self, element: Element, index: int, chain: tuple[str, ...], depth: int) -> list[Element]:

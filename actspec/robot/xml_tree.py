@@ -11,6 +11,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
 
+from actspec import files
 from actspec.diagnostics import Diagnostic, Severity, Span
 from actspec.robot.view import ModelFile
 
@@ -195,6 +196,10 @@ MOST_DEPTH = 200
 """Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
 
 
+MOST_ATTRIBUTES = 1000
+"""Chosen: of one element. MJCF knows a tenth of it; MuJoCo's parser compares each with all others."""
+
+
 def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> list[Element]:
     """Elements of one file in document order, the root first.
 
@@ -229,6 +234,10 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
             behind = f": {before} before this file" if before else ""
             message = f"the model has more than {most} elements{behind}"
             raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", Span(file.path)), None)
+        if len(values) > MOST_ATTRIBUTES:
+            message = f"the element has more than {MOST_ATTRIBUTES} attributes"
+            place = place_of(file.path, data, element.start)
+            raise Malformed(Diagnostic("ROBOT002", Severity.ERROR, message, "", place), None)
         if open_:
             open_[-1].children.append(element)
         if depth + len(open_) >= MOST_DEPTH:
@@ -390,6 +399,4 @@ def _invalid_token(data: bytes, at: int) -> tuple[str, str | None]:
 
 def place_of(path: str, data: bytes, at: int) -> Span:
     """Line and column, in characters, of a byte."""
-    start = max(data.rfind(b"\n", 0, at), data.rfind(b"\r", 0, at)) + 1
-    line = data.count(b"\n", 0, at) + 1
-    return Span(path, line, len(data[start:at].removeprefix(_BOM).decode("utf-8", "replace")) + 1)
+    return Span(path, *files.place_of(data, at))

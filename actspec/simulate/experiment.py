@@ -130,11 +130,11 @@ def design(actuators: ActuatorSet, laws: Mapping[str, TorqueLaw]) -> Experiment:
     for actuator in actuators.joints:
         if actuator.joint not in laws:
             continue
-        reason = _immovable(actuator)
+        reason = without_body(actuator)
         if reason is None:
             joints.append(actuator)
         else:
-            skipped[actuator.group] = reason
+            skipped[actuator.group] = f"{actuator.joint}: {reason}"
     mine = tuple(laws[actuator.joint] for actuator in joints)
     inertia = np.array([_inertia(actuator) for actuator in joints])
     armature = np.array([actuator.armature.value or 0.0 for actuator in joints])
@@ -160,15 +160,15 @@ def closed_loop_rate(law: TorqueLaw, inertia: float) -> float:
     return EFFORT_RATE
 
 
-def _immovable(actuator: JointActuator) -> str | None:
-    """Why a joint cannot be let move; None: it can."""
+def without_body(actuator: JointActuator) -> str | None:
+    """Why a joint cannot be let move on a body of its own; None: it can."""
     held = actuator.inertia_held
     if held is None:
-        return f"{actuator.joint}: its inertia is unknown without a model"
+        return "its inertia is unknown without a model"
     armature = actuator.armature.value or 0.0
     if not held.reference > armature:
         return (
-            f"{actuator.joint}: its inertia, {held.reference:.4g}, is not more than its armature, {armature:.4g}: "
+            f"its inertia, {held.reference:.4g}, is not more than its armature, {armature:.4g}: "
             "nothing is left for a body"
         )
     return None

@@ -23,6 +23,8 @@ from actspec.laws import (
     clip_command,
     delay_steps,
     filter_gain,
+    initial_command_state,
+    step_command,
 )
 from actspec.laws.network import NetworkDrive, sequence
 
@@ -145,10 +147,30 @@ def effective_commands(law: TorqueLaw, command: Array, step: float, lag: int) ->
     late: Array = np.concatenate([np.repeat(given[:1], lag, axis=0), given])[: len(given)]
     if law.filter_cutoff is None:
         return late
-    alpha, state, found = filter_gain(law.filter_cutoff, step), given[0], np.empty_like(late)
+    alpha, found = filter_gain(law.filter_cutoff, step), np.empty_like(late)
+    state = initial_command_state(given[0], 0)
     for k, now in enumerate(late):
-        found[k], state = state, state + alpha * (now - state)
+        found[k], state = step_command(state, now, steps=0, alpha=alpha)
     return found
+
+
+def reaching_commands(laws: Sequence[TorqueLaw], command: Array, step: float) -> Array:
+    """What reaches several drives, each behind its own delay and filter; see `effective_commands`.
+
+    Args:
+        laws: Of the columns.
+        command: In each step, shape (n_step, n_law).
+        step: Of the commands [s].
+    """
+    import numpy as np
+
+    return np.stack(
+        [
+            effective_commands(law, command[:, i], step, delay_steps(law.delay, step).steps)
+            for i, law in enumerate(laws)
+        ],
+        axis=1,
+    )
 
 
 def held_network_torque(

@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-from actspec.diagnostics import Collector, Path, Span, SpecError, dotted
+from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted
 from actspec.spec.variants import chosen, split
 from actspec.spec.yaml_text import MAX_BYTES, cut, read_file, too_large
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
@@ -156,7 +156,7 @@ def _document(
     if "include" in root.value:
         read = {os.path.realpath(path)}
         for index, (name, span) in enumerate(included_names(root.value["include"][1], collector)):
-            place = path_inside(name, base, index, span, collector)
+            place = path_inside(name, base, collector.at(f"include[{index}]", span), INCLUDE)
             if place is None:
                 continue
             shown, real = place
@@ -234,16 +234,24 @@ def included_names(node: Node, collector: Collector) -> list[tuple[str, Span]]:
     return names if len(names) == len(node.value) else []
 
 
-def path_inside(
-    name: str, base: str | None, index: int, span: Span, collector: Collector
-) -> tuple[str, str] | None:
-    """The include's path for messages and its real path, if that is inside the folder of the spec."""
+INCLUDE = "an include is a relative path inside the folder of the spec, such as motors/unitree.yaml"
+
+
+def path_inside(name: str, base: str | None, place: Place, help: str) -> tuple[str, str] | None:
+    """The path for messages and the real path of a file that a spec names, if that is inside the folder of the spec.
+
+    Args:
+        name: As written.
+        base: The folder; None: the spec has none.
+        place: Gets the error.
+        help: What may stand there.
+    """
     problem = None
     real = ""
     if base is None:
         problem = "a text without a folder cannot include files"
     elif _URL.fullmatch(name):
-        problem = "is a URL; only files are included"
+        problem = "is a URL, and only files are read"
     elif name.startswith(("/", "\\")) or _DRIVE.fullmatch(name):
         problem = "is an absolute path"
     elif "\\" in name:
@@ -257,13 +265,7 @@ def path_inside(
             problem = "leaves the folder of the spec by a symbolic link"
     if problem is None:
         return os.path.normpath(os.path.join(base or "", name)), real
-    collector.error(
-        "SPEC013",
-        f"'{cut(name)}' {problem}" if base is not None else problem,
-        where=f"include[{index}]",
-        span=span,
-        help="an include is a relative path inside the folder of the spec, such as motors/unitree.yaml",
-    )
+    place.error("SPEC013", f"'{cut(name)}' {problem}" if base is not None else problem, help)
     return None
 
 

@@ -83,6 +83,8 @@ class JointResult(Strict):
     count the PD twice."""
     encoder_bias: Annotated[SpecValue, Number(Kind.POSITION)] | None = None
     """q_measured = q + bias [rad or m]."""
+    intervals: dict[str, tuple[float, float]] = Field(default_factory=dict)
+    """Field that has a value to both ends of its 95 % interval, in SI; they need not be equally far from the value."""
     bounds_hit: tuple[str, ...] = ()
     """Fields that ended at a bound of the fit; they have no value."""
     unidentifiable: tuple[str, ...] = ()
@@ -146,6 +148,18 @@ class Results(Strict):
     """Joint to what was fitted."""
 
 
+def value_of(joint: JointResult, field: str) -> SpecValue | None:
+    """The figure of a field, as the file states it; None: it does not.
+
+    Args:
+        joint: Of the file.
+        field: One of `FIELDS`.
+    """
+    section, _, key = field.rpartition(".")
+    found: SpecValue | None = getattr(getattr(joint, section) if section else joint, key, None)
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class ResultsFile:
     """Results with their places.
@@ -159,6 +173,30 @@ class ResultsFile:
     document: Document
 
 
+@dataclass(frozen=True, slots=True)
+class _Place:
+    """A joint of a file, for what is wrong with it."""
+
+    document: Document
+    joint: str
+    out: Collector
+
+    def error(
+        self, code: str, message: str, at: tuple[str | int, ...], help: str | None, where: str = ""
+    ) -> None:
+        span = self.document.spans.value(("joints", self.joint, *at))
+        self.out.error(code, message, where=f"joints.{self.joint}{where}", span=span, help=help)
+
+    def knows(self, field: str, key: str, at: str | int) -> bool:
+        """Whether results may have the field."""
+        if field in FIELDS:
+            return True
+        message = f"'{shortened(field)}' is no field of a joint's results"
+        help = did_you_mean(field, FIELDS, f"fields: {', '.join(FIELDS)}")
+        self.error("SPEC174", message, (key, at), help, where=f".{key}")
+        return False
+
+
 def validate_results(document: Document) -> Results:
     """Check a results file.
 
@@ -168,27 +206,26 @@ def validate_results(document: Document) -> Results:
     collector = Collector()
     results = checked(Results, document, collector)
     for name, joint in results.joints.items() if results is not None else ():
+        place = _Place(document, name, collector)
         for key in ("bounds_hit", "unidentifiable"):
             for index, field in enumerate(getattr(joint, key)):
-                if field not in FIELDS:
-                    collector.error(
-                        "SPEC174",
-                        f"'{shortened(field)}' is no field of a joint's results",
-                        where=f"joints.{name}.{key}",
-                        span=document.spans.value(("joints", name, key, index)),
-                        help=did_you_mean(field, FIELDS, f"fields: {', '.join(FIELDS)}"),
-                    )
-                    continue
-                group, _, part = field.rpartition(".")
-                holder = getattr(joint, group, None) if group else joint
-                if getattr(holder, part, None) is not None:
-                    collector.error(
-                        "SPEC173",
-                        f"{field} has a value, and stands under `{key}`",
-                        where=f"joints.{name}",
-                        span=document.spans.value(("joints", name, key, index)),
-                        help="remove the value: what the data do not tell has none",
-                    )
+                if place.knows(field, key, index) and value_of(joint, field) is not None:
+                    message = f"{field} has a value, and stands under `{key}`"
+                    help = "remove the value: what the data do not tell has none"
+                    place.error("SPEC173", message, (key, index), help)
+        for field, (low, high) in joint.intervals.items():
+            if not place.knows(field, "intervals", field):
+                continue
+            stated = value_of(joint, field)
+            if stated is None or stated.value is None:
+                message = f"{field} has an interval and no value"
+                place.error(
+                    "SPEC176", message, ("intervals", field), "remove the interval, or state the value"
+                )
+            elif not low <= stated.value <= high:
+                message = f"the interval of {field} is {low:g} to {high:g}, its value {stated.value:g}"
+                help = f"low and high end in {stated.unit or 'SI'}, with the value between them"
+                place.error("SPEC176", message, ("intervals", field), help)
     collector.raise_if_failed(SpecError)
     assert results is not None
     return results

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
 from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed
-from actspec.spec.document import Breaches, Document, load_document
+from actspec.spec.document import Breaches, Document, load_document, path_inside
 from actspec.spec.models import (
     GAPPED,
     SPEC_VERSION,
@@ -455,6 +455,9 @@ def validate_variants(spec: Spec) -> tuple[Diagnostic, ...]:
     return collector.sorted()
 
 
+_RESULTS = "results are a relative path inside the folder of the spec, such as results/legs.yaml"
+
+
 def load_spec(path: str) -> Spec:
     """Read and validate a spec and the results files that it names.
 
@@ -476,15 +479,8 @@ def load_spec(path: str) -> Spec:
         if named is None or named in results:
             continue
         where = f"actuators.{name}.identified"
-        full = os.path.realpath(os.path.join(folder, named))
-        if os.path.commonpath([full, os.path.realpath(folder)]) != os.path.realpath(folder):
-            collector.error(
-                "SPEC170",
-                f"'{named}' is outside the spec's folder",
-                where=where,
-                span=spec.span("actuators", name, "identified"),
-                help="keep results files below the folder of the spec",
-            )
+        place = collector.at(where, spec.span("actuators", name, "identified"))
+        if path_inside(named, folder, place, _RESULTS) is None:
             continue
         # Most specs name no results, and the models take time to build.
         from actspec.spec.results import ResultsFile, validate_results
@@ -496,8 +492,7 @@ def load_spec(path: str) -> Spec:
             for item in err.diagnostics:
                 if item.span is None or not item.span.line:
                     # About the file as a whole: the place to change is the line that names it.
-                    place = spec.span("actuators", name, "identified")
-                    item = replace(item, where=where, span=place)
+                    item = replace(item, where=where, span=place.span)
                 collector.add(item)
             continue
         results[named] = ResultsFile(found, document)

@@ -4,4 +4,5 @@
 - `courses`: a step, a swing and a chirp of each distinct actuator alone, sized by its own torque.
 - `metrics`: what an answer shows: rise, overshoot, settling, bandwidth, saturation.
 - `compare`: each variant under each course, as the law has it and as MuJoCo does.
+- `ablation`, `replay`, `trainings`: specs of variants to train beside each other, how they follow a log, results.
 """

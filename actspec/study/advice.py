@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.ir import JointActuator, Origin
+from actspec.ir import JointActuator, Level, Origin
 from actspec.study.level import Answers, LevelChoice
 from actspec.study.measures import JointMeasures, has_line, knows_bandwidth
 
-REPORTED = "reported for legged robots, as an estimate"
-"""Where gains come from that no log shows: shares of the gap between simulation and robot."""
+REPORTED = "an estimate for legged robots"
+"""Where gains come from that no log shows: shares of the gap to the robot that PD with randomisation leaves."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,25 +21,28 @@ class Action:
     Attributes:
         days: Least and most work.
         gain: Share of the gap that it is reported to close; None: nobody reports one.
+        source: Who did that kind of step and what it closed, though not as such a share.
     """
 
     days: tuple[float, float]
     gain: tuple[float, float] | None
+    source: str = ""
 
 
+_TAN = "Tan et al. 2018, arXiv:1804.10332"
 ACTIONS: Mapping[str, Action] = {
     "randomize": Action((0.0, 0.0), None),
     "torque_limit": Action((0.5, 0.5), (0.05, 0.10)),
     "torque_speed_line": Action((0.5, 0.5), (0.10, 0.15)),
     "continuous_torque": Action((0.5, 0.5), None),
-    "delay": Action((1.0, 1.0), (0.10, 0.20)),
+    "delay": Action((1.0, 1.0), (0.10, 0.20), _TAN),
     "bandwidth": Action((1.0, 1.0), (0.10, 0.20)),
-    "identify": Action((3.0, 5.0), (0.15, 0.25)),
-    "uan": Action((3.0, 5.0), (0.20, 0.35)),
-    "network": Action((5.0, 7.0), (0.25, 0.40)),
-    "delta_action": Action((7.0, 14.0), (0.30, 0.50)),
+    "identify": Action((3.0, 5.0), (0.15, 0.25), _TAN),
+    "uan": Action((3.0, 5.0), (0.20, 0.35), "Fey et al. 2025, arXiv:2502.10894"),
+    "network": Action((5.0, 7.0), (0.25, 0.40), "Hwangbo et al. 2019, doi:10.1126/scirobotics.aau5872"),
+    "delta_action": Action((7.0, 14.0), (0.30, 0.50), "He et al. 2025, arXiv:2502.01143"),
 }
-"""By their work. Source: issue 15, estimates of the field."""
+"""By their work. Estimates of the field; papers that did such a step are named with it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +57,7 @@ class Advice:
         days: Least and most work.
         low: Least share of the gap that it closes; None: nobody knows.
         high: Largest one.
-        measured: Whether the share is one of the torque's error on these logs, not one that is reported.
+        measured: Whether the share is one of the error of torque or position on these logs, not one that is reported.
         commands: That do it.
     """
 
@@ -70,7 +74,10 @@ class Advice:
     @property
     def source(self) -> str:
         """Where the gain comes from."""
-        return "torque error of the levels' laws on these logs" if self.measured else REPORTED
+        if self.measured:
+            return "error of the levels' laws on these logs"
+        paper = ACTIONS[self.action].source
+        return f"{REPORTED}; {paper}" if paper else REPORTED
 
 
 def advise(
@@ -93,6 +100,7 @@ def advise(
         level: What was recommended.
         answers: Of the user.
     """
+    spec, logs = shlex.quote(spec), [shlex.quote(log) for log in logs]
     found = list(_from_logs(spec, measures, actuators, codes))
     taken = {advice.action for advice in found}
     found += [advice for advice in _from_spec(spec, actuators) if advice.action not in taken]
@@ -126,10 +134,12 @@ def _from_logs(
             "torque_limit", joints, "the torque is at its limit (DGN001)", "log", [f"actspec show {spec}"]
         )
     if joints := codes.get("DGN002"):
+        flat = any(by_name[joint].level is Level.IDEAL_PD for joint in joints)
+        then = "level dc_motor" if flat else "the log was made without the line that the spec has"
         yield _step(
             "torque_speed_line",
             joints,
-            "the torque is beyond the motor's line (DGN002): level dc_motor",
+            f"the torque is beyond the motor's line (DGN002): {then}",
             "log",
             [f"actspec compare {spec}", f"actspec compile {spec}"],
             _removed(measures, joints, "dc_motor"),
@@ -160,13 +170,15 @@ def _from_logs(
 
 
 def _removed(measures: Sequence[JointMeasures], joints: Sequence[str], law: str) -> float | None:
-    """Share of the torque's error that another law takes away on the logs, over some joints; None: not measured."""
-    pairs = [
-        (m.torque_error["ideal_pd"] ** 2, m.torque_error[law] ** 2)
-        for m in measures
-        if m.joint in joints and {"ideal_pd", law} <= m.torque_error.keys()
-    ]
-    before, after = (sum(column) for column in zip(*pairs, strict=True)) if pairs else (0.0, 0.0)
+    """Share of the error that another law takes away on the logs, of the torque, or of the position without one.
+
+    None: not measured.
+    """
+    before = after = 0.0
+    for one in measures:
+        errors = one.torque_error or one.position_error
+        if one.joint in joints and {"ideal_pd", law} <= errors.keys():
+            before, after = before + errors["ideal_pd"] ** 2, after + errors[law] ** 2
     return max(0.0, 1.0 - (after / before) ** 0.5) if before > 0.0 else None
 
 
@@ -174,7 +186,7 @@ def _from_spec(spec: str, actuators: Sequence[JointActuator]) -> Iterator[Advice
     lacking = [a.joint for a in actuators if not a.effort_limit.value]
     if lacking:
         yield _step("torque_limit", lacking, "the spec has no effort limit", "spec", [f"actspec show {spec}"])
-    flat = [a.joint for a in actuators if a.level.value == "ideal_pd" and has_line(a)]
+    flat = [a.joint for a in actuators if a.level is Level.IDEAL_PD and has_line(a)]
     if flat:
         yield _step(
             "torque_speed_line",

@@ -8,14 +8,19 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from actspec.diagnostics import Collector, Diagnostic, Severity, listed
+from actspec.diagnostics import Collector, Diagnostic, RobotError, Severity, listed
 from actspec.ir import ActuatorSet, Command, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
+from actspec.laws.network import NetworkDrive
 from actspec.simulate.excitation import BEFORE, rest_position, torque_scale
-from actspec.simulate.reference import DrivenJoint, PassiveFriction, integrate
+from actspec.simulate.experiment import without_body
+from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory, integrate
 from actspec.study.courses import SHARES, amplitude, commands, sweep
+from actspec.study.learned import LearnedJoint, bundle_of, near, respond
 from actspec.study.metrics import Course, Metrics, chirp_metrics, step_metrics
-from actspec.study.variants import Assumed, Missing, variants_of
+from actspec.study.variants import NAMES, NO_NETWORK, Assumed, Missing, variants_of
+from actspec.targets.kit.network import network_clip
+from actspec.verify.joint_laws import JointLaws, laws_of
 
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
@@ -24,7 +29,7 @@ if TYPE_CHECKING:
     from actspec.targets.base import TargetOptions
 
 LIKE = 1e-3
-"""Largest relative difference of the inertias of two joints that count as one. Source: issue 15 of this project."""
+"""Largest relative difference of the inertias of two joints that count as one. Chosen: mirrored legs differ by less."""
 FINEST = 2.5e-4
 """Longest time between two samples of the law's answer [s]. Chosen: crossings between them are then good to 1e-4."""
 FASTEST = 0.5
@@ -37,6 +42,7 @@ TAIL = 0.2
 RATTLES = 0.02
 """Swing of the torque in the tail beyond twice the law's, as a share of the effort limit, from which on the step does
 not carry the drive. Chosen: what is seen then is about the whole limit."""
+FOUR_TIMES = "MuJoCo's RK4 evaluates forces four times a step, a network once: integrator implicitfast"
 NOTHING = Assumed()
 
 
@@ -148,17 +154,20 @@ def compare(
     groups = distinct([a for a in actuators.joints if a.joint in set(joints)], missing)
     members = {group[0].joint: tuple(a.joint for a in group) for group in groups}
     made: dict[str, dict[str, JointActuator]] = {}
+    learned = laws_of(
+        replace(actuators, joints=tuple(g[0] for g in groups if g[0].level is Level.ACTUATOR_NET))
+    )
     for group in groups:
         found, lacking = variants_of(group[0], given)
         missing += lacking
         for name, actuator in found.items():
-            reason = _unmoved(actuator)
+            reason = _unmoved(actuator, learned)
             if reason is None:
                 made.setdefault(name, {})[actuator.joint] = actuator
             else:
                 missing.append(Missing(actuator.joint, name, reason))
     step = actuators.physics_dt.require()
-    cases = [case for group in groups for case in _cases(group[0].joint, made, step, duration)]
+    cases = [case for group in groups for case in _cases(group[0].joint, made, learned, step, duration)]
     references = _references(cases, step)
     rows: list[Compared] = []
     integrator = ""
@@ -169,9 +178,13 @@ def compare(
         model = _model(replace(actuators, joints=whole), robot, options)
         step, integrator = float(model.opt.timestep), _integrator(model)
         for case in cases:
-            if case.variant == name:
+            if case.variant != name:
+                continue
+            if case.network is not None and integrator == "RK4":
+                missing.append(Missing(case.actuator.joint, name, FOUR_TIMES))
+            else:
                 rows += _rows(case, members[case.actuator.joint], references, model)
-    ordered = _with_changes(rows, [group[0].joint for group in groups], list(made))
+    ordered = _with_changes(rows, [group[0].joint for group in groups])
     return Comparison(
         spec, step, integrator, ordered, tuple(missing), tuple(_findings(ordered, step, integrator))
     )
@@ -184,7 +197,9 @@ class _Case:
     Attributes:
         variant: Its name.
         actuator: The variant.
-        law: Its own.
+        law: Its own; of a network the PD that it is near to, with the network's clamps.
+        network: In its drive; None: the torque is the law's.
+        asked: Law whose torques the commands are worth.
         inertia: J [kg*m^2 or kg].
         swept: First and last frequency of the chirp [rad/s].
         commands: By course, one a physics step.
@@ -193,23 +208,44 @@ class _Case:
     variant: str
     actuator: JointActuator
     law: TorqueLaw
+    network: NetworkDrive | None
+    asked: TorqueLaw
     inertia: float
     swept: tuple[float, float]
     commands: Mapping[str, Array]
 
 
 def _cases(
-    joint: str, made: Mapping[str, Mapping[str, JointActuator]], step: float, duration: float
+    joint: str,
+    made: Mapping[str, Mapping[str, JointActuator]],
+    learned: JointLaws,
+    step: float,
+    duration: float,
 ) -> Iterator[_Case]:
-    """The variants of one joint, all under the same chirp."""
+    """The variants of one joint, all under the same chirp, a network under the commands of its PD."""
     mine = {name: of[joint] for name, of in made.items() if joint in of}
     if not mine:
         return
-    laws = {name: law_of(actuator) for name, actuator in mine.items()}
+    drives = {name: _drive(actuator, learned) for name, actuator in mine.items()}
+    laws = {
+        name: law_of(actuator) if drive is None else near(drive)
+        for (name, actuator), drive in zip(mine.items(), drives.values(), strict=True)
+    }
     first = next(iter(mine.values()))
-    swept = sweep(laws.values(), first.friction_viscous.value or 0.0, _inertia(first), step)
-    for name, law in laws.items():
-        yield _Case(name, mine[name], law, _inertia(first), swept, commands(law, swept, step, duration))
+    known = {name: law for name, law in laws.items() if isinstance(law, TorqueLaw)}
+    swept = sweep(known.values(), first.friction_viscous.value or 0.0, _inertia(first), step)
+    for name, law in known.items():
+        other = known.get("ideal_pd", known.get("network", law))
+        asked = law if drives[name] is None else replace(law, kp=other.kp, kd=other.kd)
+        given = commands(asked, swept, step, duration)
+        yield _Case(name, mine[name], law, drives[name], asked, _inertia(first), swept, given)
+
+
+def _drive(actuator: JointActuator, learned: JointLaws) -> NetworkDrive | None:
+    """The network of a variant, with the variant's own clamps; None: it has none."""
+    if actuator.level is not Level.ACTUATOR_NET:
+        return None
+    return replace(learned.networks[actuator.joint], clip=law_of(network_clip(actuator)))
 
 
 def simulator_of(spec: Spec, out: Collector) -> TargetOptions:
@@ -224,7 +260,7 @@ def distinct(actuators: Sequence[JointActuator], missing: list[Missing]) -> list
     """Joints in groups of equal figures and inertia, in the robot's order; those without an inertia are missing."""
     groups: list[list[JointActuator]] = []
     for actuator in actuators:
-        reason = _without_body(actuator)
+        reason = without_body(actuator)
         if reason is not None:
             missing.append(Missing(actuator.joint, "spec", reason))
             continue
@@ -239,17 +275,13 @@ def distinct(actuators: Sequence[JointActuator], missing: list[Missing]) -> list
     return [tuple(group) for group in groups]
 
 
-def _without_body(actuator: JointActuator) -> str | None:
-    if actuator.inertia_held is None:
-        return "its inertia is unknown without a model"
-    if not _inertia(actuator) > (actuator.armature.value or 0.0):
-        return "its inertia is not more than its armature: nothing is left for a body"
-    return None
-
-
-def _unmoved(actuator: JointActuator) -> str | None:
+def _unmoved(actuator: JointActuator, learned: JointLaws) -> str | None:
     if actuator.level is Level.ACTUATOR_NET:
-        return "networks are judged on logs: actspec net evaluate"
+        drive = learned.networks.get(actuator.joint)
+        if drive is None:
+            return learned.skipped.get(actuator.group, (NO_NETWORK, None))[0]
+        found = near(drive)
+        return found if isinstance(found, str) else None
     if actuator.command is Command.EFFORT:
         return "the command is an effort: there is nothing that follows it"
     gain = actuator.kp if actuator.command is Command.POSITION else actuator.kd
@@ -301,16 +333,29 @@ _DECIDING = frozenset(
 
 
 def _model(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Any:
-    """What the MuJoCo target makes of these actuators, compiled."""
+    """What the MuJoCo target makes of these actuators, compiled.
+
+    A drive in the words of a version that the installed MuJoCo cannot read is the same drive in its own words.
+    """
     from actspec.robot.view import ModelFile
+    from actspec.simulators.mujoco import installed_dialect, mujoco_dialect
     from actspec.targets.mujoco.emit import compiled_model, emit
 
-    files = [
-        ModelFile(os.path.join(options.folder, file.path), "" if k == 0 else file.path, file.data)
-        for k, file in enumerate(emit(actuators, robot, options).files)
-        if file.path.endswith(".xml")
-    ]
-    return compiled_model(files)
+    def compiled(options: TargetOptions) -> Any:
+        files = [
+            ModelFile(os.path.join(options.folder, file.path), "" if k == 0 else file.path, file.data)
+            for k, file in enumerate(emit(actuators, robot, options).files)
+            if file.path.endswith(".xml")
+        ]
+        return compiled_model(files)
+
+    try:
+        return compiled(options)
+    except RobotError:
+        installed = installed_dialect()
+        if mujoco_dialect(options.version).words == installed.words:
+            raise
+        return compiled(replace(options, version=installed.text))
 
 
 def _integrator(model: Any) -> str:
@@ -327,7 +372,7 @@ def _rows(
     law, simulated = case.law, _simulated(case, model)
     step = float(model.opt.timestep)
     for course, command in case.commands.items():
-        size = amplitude(law, course)
+        size = amplitude(case.asked, course)
         reference = references[case.variant, case.actuator.joint, course]
         moved = simulated[course]
         asked = command[BEFORE:] - command[0]
@@ -362,29 +407,53 @@ def _measured(trace: Trace, command: Array, limit: float, swept: tuple[float, fl
 def _references(cases: Sequence[_Case], step: float) -> dict[tuple[str, str, str], Trace]:
     """The laws' answers, by variant, joint and course, all at once.
 
-    Delays are exact to the sample, and steps so small that smaller ones change nothing.
+    Delays are exact to the sample, and steps so small that smaller ones change nothing. Networks are sampled once a
+    step.
     """
     import numpy as np
 
-    if not cases:
-        return {}
-    parts = _divided([case.law.delay for case in cases], step)
-    rate = max(case.law.kd / case.inertia for case in cases)
-    substeps = max(PARTS, math.ceil(step / parts * rate / FASTEST))
-    columns = [(case, course, command) for case in cases for course, command in case.commands.items()]
-    command = np.stack([column[2].repeat(parts) for column in columns], axis=1)
-    start = np.array([rest_position(case.law) for case, _, _ in columns])
-    driven = [DrivenJoint(c.law, PassiveFriction.of(c.actuator), c.inertia) for c, _, _ in columns]
-    moved = integrate(driven, command, start, np.zeros(len(columns)), step / parts, substeps=substeps)
-    before = BEFORE * parts
-    time = np.arange(len(command) - before + 1, dtype=float) * (step / parts)
-    found = {}
-    for k, (case, course, _) in enumerate(columns):
-        q, qd = moved.q[before:, k] - start[k], moved.qd[before:, k]
-        answer = qd if case.law.command is Command.VELOCITY else q
-        key = case.variant, case.actuator.joint, course
-        found[key] = Trace(time, answer, qd, moved.torque[before:, k])
+    found: dict[tuple[str, str, str], Trace] = {}
+    for learned in (False, True):
+        mine = [case for case in cases if (case.network is not None) == learned]
+        columns = [(case, course) for case in mine for course in case.commands]
+        if not columns:
+            continue
+        parts, moved = _answered(columns, step)
+        before = BEFORE * parts
+        time = np.arange(len(moved.q) - before, dtype=float) * (step / parts)
+        for k, (case, course) in enumerate(columns):
+            q, qd = moved.q[before:, k] - rest_position(case.asked), moved.qd[before:, k]
+            answer = qd if case.law.command is Command.VELOCITY else q
+            key = case.variant, case.actuator.joint, course
+            found[key] = Trace(time, answer, qd, moved.torque[before:, k])
     return found
+
+
+def _answered(columns: Sequence[tuple[_Case, str]], step: float) -> tuple[int, Trajectory]:
+    """How joints go by laws alone, or by networks alone, and samples in a step."""
+    import numpy as np
+
+    command = np.stack([case.commands[course] for case, course in columns], axis=1)
+    start = np.array([rest_position(case.asked) for case, _ in columns])
+    frictions = [PassiveFriction.of(case.actuator) for case, _ in columns]
+    learned = [
+        LearnedJoint(case.network, friction, case.inertia)
+        for (case, _), friction in zip(columns, frictions, strict=True)
+        if case.network is not None
+    ]
+    if learned:
+        parts = max(math.ceil(step / FINEST - 1e-9), 1)
+        return parts, respond(learned, command, start, step, parts)
+    parts = _divided([case.law.delay for case, _ in columns], step)
+    rate = max(case.law.kd / case.inertia for case, _ in columns)
+    substeps = max(PARTS, math.ceil(step / parts * rate / FASTEST))
+    driven = [
+        DrivenJoint(case.law, friction, case.inertia)
+        for (case, _), friction in zip(columns, frictions, strict=True)
+    ]
+    still = np.zeros(len(columns))
+    fine = command.repeat(parts, axis=0)
+    return parts, integrate(driven, fine, start, still, step / parts, substeps=substeps)
 
 
 def _divided(delays: Sequence[float], step: float) -> int:
@@ -402,19 +471,30 @@ def _off(delay: float, period: float) -> float:
 
 def _simulated(case: _Case, whole: Any) -> dict[str, Trace | None]:
     """MuJoCo's answers, by course; None where the simulation diverged."""
+    from actspec.simulate.rollout import isolated
+
+    actuator = case.actuator
+    alone = isolated(whole, actuator.joint, case.inertia - (actuator.armature.value or 0.0))
+    if case.network is None:
+        return _rolled(case, alone)
+    from actspec.learn.attach import Attached
+
+    with Attached(alone, bundle_of(case.network, "joint", "actuator0", float(alone.opt.timestep))):
+        return _rolled(case, alone)
+
+
+def _rolled(case: _Case, alone: Any) -> dict[str, Trace | None]:
     import numpy as np
 
-    from actspec.simulate.rollout import Rig, isolated, rollout
+    from actspec.simulate.rollout import Rig, rollout
 
-    actuator, law = case.actuator, case.law
-    alone = isolated(whole, actuator.joint, case.inertia - (actuator.armature.value or 0.0))
     rig = Rig(alone, ["joint"], ["actuator0"])
-    start, found = rest_position(law), {}
+    start, found = rest_position(case.asked), {}
     for course, command in case.commands.items():
         moved = rollout(rig, command[:, None], np.array([start]), np.zeros(1))
         q, qd = moved.q[BEFORE:, 0] - start, moved.qd[BEFORE:, 0]
         time = np.arange(len(q), dtype=float) * float(alone.opt.timestep)
-        answer = qd if law.command is Command.VELOCITY else q
+        answer = qd if case.law.command is Command.VELOCITY else q
         whole_course = bool(np.isfinite(q).all())
         found[course] = Trace(time, answer, qd, moved.torque[BEFORE:, 0]) if whole_course else None
     return found
@@ -439,9 +519,7 @@ def _difference(moved: Trace, law: Trace, size: float) -> float:
     return float(np.abs(moved.answer - at).max()) / abs(size)
 
 
-def _with_changes(
-    rows: Sequence[Compared], joints: Sequence[str], variants: Sequence[str]
-) -> tuple[Compared, ...]:
+def _with_changes(rows: Sequence[Compared], joints: Sequence[str]) -> tuple[Compared, ...]:
     """In order, each with what it changes of PD and limit."""
     bare = {(row.actuator.joint, row.course): row for row in rows if row.variant == "ideal_pd"}
     found = []
@@ -451,12 +529,11 @@ def _with_changes(
         found.append(replace(row, change=change))
     order = {name: place for place, name in enumerate(joints)}
     courses = list(SHARES)
-    return tuple(
-        sorted(
-            found,
-            key=lambda r: (order[r.actuator.joint], variants.index(r.variant), courses.index(r.course)),
-        )
-    )
+
+    def place(row: Compared) -> tuple[int, int, int]:
+        return order[row.actuator.joint], NAMES.index(row.variant), courses.index(row.course)
+
+    return tuple(sorted(found, key=place))
 
 
 def _findings(rows: Sequence[Compared], step: float, integrator: str) -> Iterator[Diagnostic]:

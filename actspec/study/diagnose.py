@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Container, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Diagnostic, Span, listed
-from actspec.ir import ActuatorSet
+from actspec.ir import ActuatorSet, Level
 from actspec.logs import Log, LogError
 from actspec.study.advice import Advice, advise
 from actspec.study.findings import enough, findings
+from actspec.study.learned import Sampled
 from actspec.study.level import LADDER, Answers, LevelChoice, choose_level
 from actspec.study.measures import Gap, JointMeasures, Track, gap_between, measured, track_of
+from actspec.study.rollouts import position_errors
+from actspec.verify.joint_laws import laws_of
+
+if TYPE_CHECKING:
+    from actspec.robot.view import RobotView
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,12 +60,18 @@ class Diagnosis:
 
 
 def diagnose(
-    actuators: ActuatorSet, spec: str, logs: Sequence[Log], against: Log | None, answers: Answers
+    actuators: ActuatorSet,
+    robot: RobotView,
+    spec: str,
+    logs: Sequence[Log],
+    against: Log | None,
+    answers: Answers,
 ) -> Diagnosis:
     """Judge a spec by logs of a rollout or a robot.
 
     Args:
         actuators: The spec, resolved.
+        robot: Its model, for rollouts where no torque was logged.
         spec: Its path, for commands.
         logs: May be empty: then spec and answers alone count.
         against: Another log of the same commands, such as a robot's beside a simulation's.
@@ -79,6 +92,7 @@ def diagnose(
                 help=f"joints of the spec: {listed(list(known), 4)}; `columns` in the sidecar gives theirs other names",
             )
     out.raise_if_failed(LogError)
+    learned = _networks(actuators, out) if logs else {}
     found: list[JointMeasures] = []
     kept: dict[str, tuple[Track, ...]] = {}
     skipped = [Skipped(name, "the spec does not have it") for name in _foreign(everything, known)]
@@ -91,12 +105,16 @@ def diagnose(
         if against is not None:
             others, _ = _tracks(actuator.joint, [against], actuators, out)
             gap = gap_between(tracks[0], others[0]) if others else None
-        result = measured(actuator, tracks, gap)
+        result = measured(actuator, tracks, gap, learned.get(actuator.joint))
         if isinstance(result, str):
             skipped.append(Skipped(actuator.joint, result))
         else:
             found.append(result)
             kept[actuator.joint] = tuple(tracks)
+    blind = {one.joint: kept[one.joint] for one in found if one.torque_from == "law"}
+    if blind:
+        moved = position_errors(robot, actuators, logs, blind, learned, out)
+        found = [replace(one, position_error=moved.get(one.joint, {})) for one in found]
     early = [one.joint for one in found if one.torque_late == 0]
     if early:
         message = (
@@ -118,6 +136,18 @@ def diagnose(
     steps = advise(spec, [log.path for log in logs], actuators.joints, found, codes, level, answers)
     notes = tuple(item for item in out.sorted())
     return Diagnosis(tuple(found), tuple(skipped), tuple(wrong), notes, steps, level, good, kept)
+
+
+def _networks(actuators: ActuatorSet, out: Collector) -> dict[str, Sampled]:
+    """The networks of the joints that have one, by joint; a note says which are not known."""
+    step = actuators.physics_dt.value
+    mine = tuple(actuator for actuator in actuators.joints if actuator.level is Level.ACTUATOR_NET)
+    if step is None or not mine:
+        return {}
+    laws = laws_of(replace(actuators, joints=mine))
+    for group, (reason, help) in laws.skipped.items():
+        out.info("DGN013", f"the network is not judged: {reason}", where=group, help=help)
+    return {joint: Sampled(drive, step) for joint, drive in laws.networks.items()}
 
 
 def _foreign(logs: Sequence[Log], known: Container[str]) -> list[str]:

@@ -9,7 +9,7 @@ LADDER = ("ideal_pd", "dc_motor", "actuator_net", "delta_action")
 """Levels, from the simplest."""
 TASKS = ("walk", "run", "jump", "extreme")
 CARRIES = 0.8
-"""Score on the robot over that in simulation from which on the level is kept. Source: issue 15."""
+"""Score on the robot over that in simulation from which on the level is kept. Chosen: seeds differ by a fifth."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Span
 from actspec.ir import JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of, passive_torque
 from actspec.logs import JointLog, Log
 from actspec.simulate.reference import PassiveFriction, held_torque
+from actspec.study.learned import Sampled, along
 from actspec.study.metrics import FULL
 from actspec.study.spectra import spectrum
-from actspec.study.variants import variants_of
+from actspec.study.variants import lined, variants_of
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import driven
+from actspec.targets.kit.network import network_clip
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,13 +29,13 @@ if TYPE_CHECKING:
 EDGE, BEYOND = 0.02, 0.05
 """Shares of the effort limit: so near to a bound is at it; so far past it is beyond what the motor can."""
 FALLBACK = 30.0
-"""Frequency above which a torque is fast where neither motor nor filter has one [Hz]. Source: issue 15."""
+"""Frequency above which a torque is fast where neither motor nor filter has one [Hz]. Chosen: what legs follow."""
 MOST_POWER = 0.95
 """Of the command's variance, below the end of its band."""
 LEAST = 20
 """Fewest rows that say anything. As the fewest of a log."""
 HUGE = 1e12
-"""A torque that no drive gives [N*m or N]."""
+"""What no joint does and no drive gives [rad, m, rad/s, m/s, N*m or N]."""
 LAG = 0.5
 """Longest shift that is looked for between two logs [s]. Chosen: a policy's step is 20 ms."""
 
@@ -75,6 +77,7 @@ class JointMeasures:
         command_band: Frequency below which 95 % of the command's variance is [Hz].
         tracking_rmse: Command less position [rad or m].
         torque_error: Law to the RMSE of its torque against the logged one [N*m or N].
+        position_error: Likewise to the RMSE of its position in rollouts, where no torque was logged [rad or m].
         torque_late: Rows by which the command of a logged torque is behind its own: 1 by the form of logs.
         gap: To another log.
         velocity_from: `log`, or `position`: its derivative.
@@ -95,6 +98,7 @@ class JointMeasures:
     command_band: float | None
     tracking_rmse: float | None
     torque_error: Mapping[str, float]
+    position_error: Mapping[str, float]
     torque_late: int
     gap: Gap | None
     velocity_from: str
@@ -112,6 +116,7 @@ class Track:
         torque: [N*m or N]; None: not logged.
         behind: Whether the torque was measured behind the joint's friction.
         differentiated: Whether the velocity is the position's derivative.
+        path: Of the log.
     """
 
     time: Array
@@ -121,6 +126,7 @@ class Track:
     torque: Array | None
     behind: bool
     differentiated: bool
+    path: str
 
 
 def track_of(log: Log, joint: JointLog, actuator: JointActuator, out: Collector) -> Track | str:
@@ -134,9 +140,15 @@ def track_of(log: Log, joint: JointLog, actuator: JointActuator, out: Collector)
     if velocity is None:
         velocity = np.gradient(joint.position, log.time)
     off = np.zeros(len(log.time), dtype=bool) if joint.enabled is None else joint.enabled == 0.0
+    read = (joint.command, joint.position, velocity, joint.torque)
+    wild = [signal is not None and np.abs(signal) > HUGE for signal in read]
+    count = int(np.any([rows for rows in wild if rows is not False], axis=0).sum())
+    if count:
+        message = f"{count} rows have a reading beyond {HUGE:g}: it is left out"
+        out.info("DGN015", message, where=joint.name, span=Span(log.path))
     signals = [
-        None if signal is None else np.where(off, np.nan, signal)
-        for signal in (joint.command, joint.position, velocity, joint.torque)
+        None if signal is None else np.where(off | rows, np.nan, signal)
+        for signal, rows in zip(read, wild, strict=True)
     ]
     command, position, speed, torque = signals
     assert position is not None and speed is not None
@@ -147,16 +159,41 @@ def track_of(log: Log, joint: JointLog, actuator: JointActuator, out: Collector)
     if command is not None and not np.isfinite(command).any():
         command = None
     behind = log.sidecar.torque == "joint"
-    return Track(log.time, command, position, speed, torque, behind, differentiated)
+    return Track(log.time, command, position, speed, torque, behind, differentiated, log.path)
 
 
-def measured(actuator: JointActuator, tracks: Sequence[Track], gap: Gap | None) -> JointMeasures | str:
-    """What the tracks of one joint say; a text says why they say nothing."""
+def laws_by_level(actuator: JointActuator, learned: Sampled | None) -> dict[str, TorqueLaw | Sampled]:
+    """The law of each variant of a joint that has one; that of a network is called by its level.
+
+    Args:
+        actuator: The joint's.
+        learned: Its network; None: it has none, or it is not known.
+    """
+    found: dict[str, TorqueLaw | Sampled] = {}
+    for name, variant in variants_of(actuator)[0].items():
+        called = Level.ACTUATOR_NET.value if name == "network" else name
+        if variant.level is not Level.ACTUATOR_NET:
+            found[called] = law_of(variant)
+        elif learned is not None:
+            drive = replace(learned.drive, clip=law_of(network_clip(variant)))
+            found[called] = replace(learned, drive=drive)
+    return found
+
+
+def measured(
+    actuator: JointActuator, tracks: Sequence[Track], gap: Gap | None, learned: Sampled | None = None
+) -> JointMeasures | str:
+    """What the tracks of one joint say; a text says why they say nothing.
+
+    Args:
+        actuator: The joint's.
+        tracks: Its part of the logs.
+        gap: To another log.
+        learned: Its network; None: it has none, or it is not known.
+    """
     import numpy as np
 
-    variants = {
-        name: law_of(a) for name, a in variants_of(actuator)[0].items() if a.level is not Level.ACTUATOR_NET
-    }
+    variants = laws_by_level(actuator, learned)
     logged = any(track.torque is not None for track in tracks)
     used = [t for t in tracks if t.torque is not None] if logged else list(tracks)
     whole = variants.get("spec")
@@ -206,6 +243,7 @@ def measured(actuator: JointActuator, tracks: Sequence[Track], gap: Gap | None) 
         None if of_command is None else of_command.below_which(MOST_POWER),
         _tracking(tracks),
         errors,
+        {},
         late,
         gap,
         "position" if any(t.differentiated for t in used) else "log",
@@ -229,19 +267,18 @@ def knows_bandwidth(actuator: JointActuator) -> bool:
 
 def has_line(actuator: JointActuator) -> bool:
     """Whether the motor's torque-speed line is known, whatever the level."""
-    return "dc_motor" in variants_of(actuator)[0]
+    return lined(actuator) is not None
 
 
 def bounds_at(actuator: JointActuator, speed: Array) -> tuple[Array, Array]:
     """Least and greatest torque that the motor can give at speeds [N*m or N], of the line whatever the level."""
     import numpy as np
 
-    lined = variants_of(actuator)[0].get("dc_motor", actuator)
-    clip = Bounds.of(lined).clip
+    clip = Bounds.of(lined(actuator) or actuator).clip
     return clip(np.full_like(speed, -HUGE), speed), clip(np.full_like(speed, HUGE), speed)
 
 
-def law_torque(law: TorqueLaw, actuator: JointActuator, track: Track, late: int = 0) -> Array:
+def law_torque(law: TorqueLaw | Sampled, actuator: JointActuator, track: Track, late: int = 0) -> Array:
     """A law's torque at the rows of a track, delay and filter included; behind friction where the log's is.
 
     Args:
@@ -253,11 +290,14 @@ def law_torque(law: TorqueLaw, actuator: JointActuator, track: Track, late: int 
     import numpy as np
 
     assert track.command is not None
-    step = float(np.median(np.diff(track.time)))
-    command = _held(track.command)
+    command = held(track.command)
     command = np.concatenate([command[:late], command])[: len(command)]
-    q = track.position - law.encoder_bias
-    torque = held_torque(law, command, q, track.velocity, step, delay_steps(law.delay, step).steps)
+    if isinstance(law, Sampled):
+        torque = along(law, track.time, command, track.position, track.velocity)
+    else:
+        step = float(np.median(np.diff(track.time)))
+        q = track.position - law.encoder_bias
+        torque = held_torque(law, command, q, track.velocity, step, delay_steps(law.delay, step).steps)
     if track.behind:
         friction = PassiveFriction.of(actuator)
         torque = torque + passive_torque(
@@ -270,7 +310,7 @@ def law_torque(law: TorqueLaw, actuator: JointActuator, track: Track, late: int 
     return torque
 
 
-def _held(command: Array) -> Array:
+def held(command: Array) -> Array:
     """A command without holes: the last one is held."""
     import numpy as np
 
@@ -281,7 +321,7 @@ def _held(command: Array) -> Array:
 
 
 def _torque_errors(
-    laws: Mapping[str, TorqueLaw], actuator: JointActuator, tracks: Sequence[Track]
+    laws: Mapping[str, TorqueLaw | Sampled], actuator: JointActuator, tracks: Sequence[Track]
 ) -> tuple[dict[str, float], int]:
     """RMSE of each law's torque against the logged one [N*m or N], and under which row's command it was read.
 

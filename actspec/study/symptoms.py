@@ -114,8 +114,10 @@ SYMPTOMS = (
         "A general actuator behaves oddly",
         ("general", "gainprm", "biasprm", "servo"),
         (
-            Cause("its bias has another sign, or belongs to another gain", ("SGN102",)),
-            Cause("it was a position servo before it was saved", ("VER102", "VER105")),
+            Cause("its bias has another sign, belongs to another gain, or lacks its biastype", ("SGN102",)),
+            Cause("its gain is negative: it pushes away from the target", ("SGN101",)),
+            Cause("its command is in degrees, or is a torque", ("UNT101", "UNT102")),
+            Cause("its words are those of another release of MuJoCo", ("VER102", "VER105")),
         ),
     ),
     Symptom(
@@ -127,7 +129,7 @@ SYMPTOMS = (
                 ("DMP101", "DMP105"),
                 "actspec compare SPEC",
             ),
-            Cause("dampratio has another meaning in this release", ("VER101",)),
+            Cause("the damping ratio has another meaning in this release", ("VER101",)),
         ),
     ),
     Symptom(
@@ -148,24 +150,46 @@ SYMPTOMS = (
                 ("LIM101", "CFG101", "CFG102"),
             ),
             Cause("a pattern matches nothing", ("ORD104",)),
-            Cause("a group that is switched off", ("SPC105",), "actspec show SPEC"),
+            Cause(
+                "its actuator's group is switched off: it has no kp in the table",
+                (),
+                "actspec audit FILES --ledger",
+            ),
         ),
     ),
     Symptom(
         "A fit of a log gives nonsense",
-        ("sysid", "identification", "fit", "chirp", "sweep", "noise"),
+        ("sysid", "identification", "fit", "identify"),
         (
             Cause(
                 "the log is in degrees, has exchanged joints or a clipped command",
-                (),
+                ("SYS047", "SYS015", "SYS046"),
                 "actspec sysid fit SPEC LOG -o R",
             ),
             Cause(
-                "the log cannot tell: no torque, no gravity, too slow", (), "actspec sysid report R -o PAGE"
+                "the log cannot tell: no torque, no gravity, too slow",
+                ("SYS032",),
+                "actspec sysid report R -o PAGE",
+            ),
+        ),
+    ),
+    Symptom(
+        "A sweep is noisy, or tells something else each time",
+        ("sysid", "chirp", "sweep", "noise", "bode", "spectrum", "frequency"),
+        (
+            Cause(
+                "the joint moves little more than its encoder's noise",
+                ("SYS011", "SYS043"),
+                "actspec sysid fit SPEC LOG -o R",
             ),
             Cause(
-                "friction bends a sweep that is too small",
-                (),
+                "dry friction bends a response that is too small",
+                ("SYS052",),
+                "actspec sysid fit SPEC LOG -o R --method frequency",
+            ),
+            Cause(
+                "a sweep is too short for its frequencies: a multisine has all of them all the time",
+                ("SYS051",),
                 "actspec sysid design SPEC -o C --experiment multisine",
             ),
         ),
@@ -175,8 +199,14 @@ SYMPTOMS = (
         ("randomisation", "randomization", "dr", "diverges", "range"),
         (
             Cause("a range leaves the nominal value out, or scales a 0", ("DRN101", "DRN102")),
+            Cause("a range reaches below 0, or is inverted", ("DRN106",), "actspec compile SPEC"),
+            Cause("friction is drawn with the wrong field", ("DRN104",)),
             Cause("a range is wider than what was identified", ("DRN103",)),
-            Cause("at its ends the step does not carry the drive", ("STB101", "STB102")),
+            Cause(
+                "at an end of a range the step does not carry the drive: state that end as the value",
+                ("STB102",),
+                "actspec compile SPEC",
+            ),
         ),
     ),
     Symptom(
@@ -194,7 +224,7 @@ SYMPTOMS = (
             Cause(
                 "a scale, or the sign of the error, is another one", ("NET102",), "actspec net inspect FILE"
             ),
-            Cause("a PD acts beside it", ("NET105",), "actspec verify SPEC"),
+            Cause("a PD acts in its place, or beside it", ("SPC105",), "actspec audit FILES --ledger"),
             Cause("nothing clamps it at speed", ("NET106",)),
         ),
     ),
@@ -216,7 +246,7 @@ SYMPTOMS = (
         ("delta", "asap", "residual"),
         (
             Cause(
-                "max_delta is the limit, or there is nothing to remove",
+                "the limit `max_delta` cuts it, or there is nothing to remove",
                 (),
                 "actspec delta validate SPEC LOG --network N",
             ),
@@ -245,16 +275,23 @@ def page() -> str:
     lines = [
         "# What you see, and what it usually is",
         "",
-        "`actspec rule --symptom WORD` prints the symptoms that a word belongs to. Each cause names the rule that",
-        "the audit reports it with (`actspec rule CODE` explains it), or the command that tells. `actspec audit FILES`",
-        "runs all rules.",
+        "Each cause names the rule that `actspec audit FILES` reports it with, or the command that tells. Begin with",
+        "the audit, of all files of the robot at once: it takes a second and runs all rules.",
+        "`actspec rule --symptom WORD` prints the symptoms that a word belongs to, `actspec rule CODE` what a code of",
+        "the audit, of `diagnose` or of `compare` means.",
         "",
     ]
     for symptom in SYMPTOMS:
         lines += [f"## {symptom.name}", ""]
         for cause in symptom.causes:
-            told = [f"`{code}`" for code in cause.codes]
+            told = [f"[{code}]({_explained(code)})" for code in cause.codes]
             told += [f"`{cause.command}`"] if cause.command else []
             lines.append(f"- {cause.what[0].upper()}{cause.what[1:]}: {', '.join(told)}")
         lines.append("")
     return "\n".join(lines)
+
+
+def _explained(code: str) -> str:
+    """Where a code is explained, from the page."""
+    pages = {"CMP": "compare.md", "DGN": "diagnose.md#messages", "SYS": "sysid.md#messages"}
+    return pages.get(code[:3], f"../actspec/audit/rules/{code.lower()}.md")

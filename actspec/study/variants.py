@@ -61,6 +61,12 @@ def variants_of(
     return found, tuple(missing)
 
 
+def lined(actuator: JointActuator) -> JointActuator | None:
+    """A joint with its motor's torque-speed line, whatever its level; None: the line is not known."""
+    fields = _line(actuator, Assumed())
+    return None if isinstance(fields, str) else replace(actuator, **fields)
+
+
 def _bare(actuator: JointActuator, given: Assumed) -> JointActuator | str:
     """PD and limit."""
     lacking = [
@@ -71,8 +77,11 @@ def _bare(actuator: JointActuator, given: Assumed) -> JointActuator | str:
         )
         if needed and (gain is None or gain.value is None)
     ]
-    if lacking:
-        return f"{' and '.join(lacking)} unknown"
+    return f"{' and '.join(lacking)} unknown" if lacking else _stripped(actuator)
+
+
+def _stripped(actuator: JointActuator) -> JointActuator:
+    """Gains and limit alone."""
     bias = replace(actuator.encoder_bias, value=0.0) if actuator.encoder_bias.known else actuator.encoder_bias
     return replace(
         actuator,
@@ -142,9 +151,9 @@ def _line(actuator: JointActuator, given: Assumed) -> Mapping[str, Any] | str:
 
 
 def _network(actuator: JointActuator, given: Assumed) -> JointActuator | str:
-    if actuator.network is None:
+    if actuator.level is not Level.ACTUATOR_NET or actuator.network is None:
         return NO_NETWORK
-    return replace(actuator, level=Level.ACTUATOR_NET)
+    return replace(_stripped(actuator), level=Level.ACTUATOR_NET, network=actuator.network)
 
 
 def _whole(actuator: JointActuator, given: Assumed) -> JointActuator | str:

@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds
-from actspec.sysid.motion import Course
 from actspec.sysid.recording import Recording
 
 if TYPE_CHECKING:

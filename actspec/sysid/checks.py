@@ -36,6 +36,8 @@ CLIPPED = 0.03
 """Share of rows at the largest torque, from which on it is a limit. Chosen."""
 AT_MOST = 0.002
 """Within this share of the largest torque a row is at it."""
+AROUND = 11
+"""Rows around one by which it is told whether the drive is asked for another torque."""
 FLAT = 0.6
 """Share of the rows within ten times that of the largest torque that are at it, from which on it is clipped. Chosen:
 0.3 for a sine, and near 1 for a limit."""
@@ -348,6 +350,18 @@ def _large(recording: Recording, out: Collector) -> bool:
     return True
 
 
+def _asked(recording: Recording) -> NDArray[np.bool_]:
+    """Rows around which the position error changes, so that a drive without a limit gives another torque in each."""
+    import numpy as np
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    position = recording.measured["position"]
+    error = recording.command - np.where(np.isfinite(position), position, recording.position)
+    seen = texture(position)
+    changed = maximum_filter1d(error, AROUND) - minimum_filter1d(error, AROUND)
+    return np.asarray(changed > max(STANDS * seen.noise, 2.0 * seen.count, 1e-6), dtype=bool)
+
+
 def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
     """A torque that is clipped where the spec has no limit, or is above the limit that it has."""
     import numpy as np
@@ -359,7 +373,11 @@ def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
     if len(size) < LEAST_ROWS:
         return
     most = float(size.max())
-    at, near = (float(np.mean(size > (1.0 - share) * most)) for share in (AT_MOST, 10.0 * AT_MOST))
+    # What a drive gives where it holds a joint still is as even as a limit.
+    asked = np.abs(read[np.isfinite(read) & _asked(recording)])
+    at, near = (
+        float(np.sum(asked > (1.0 - share) * most)) / len(size) for share in (AT_MOST, 10.0 * AT_MOST)
+    )
     unit = "N" if recording.log.joints[recording.joint].linear else "N*m"
     limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
     if at > CLIPPED and at > FLAT * near and most < 0.97 * bounds.limit:

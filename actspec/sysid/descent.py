@@ -12,8 +12,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds, Figures
-from actspec.sysid.motion import Course, Moved, move
+from actspec.sysid.motion import Moved, move
 
 if TYPE_CHECKING:
     import numpy as np
@@ -135,6 +136,8 @@ class Search:
     reading: float | None = None
 
 
+FURTHER, FASTER = 1e-4, 1e-2
+"""Changes of a state for differences [rad or m, rad/s or m/s]."""
 DIFFERENCE = 1e-3
 """Of a figure's scale, for differences. Chosen: beyond the bends where a joint comes to rest."""
 
@@ -158,7 +161,7 @@ def descend(
     import numpy as np
 
     now = dict(values)
-    states = fit.states if fit is not None else tuple(_first_states(log, now["bias"]) for log in search.logs)
+    states = fit.states if fit is not None else tuple(first_states(log, now["bias"]) for log in search.logs)
     damping, refused, arrived, still = 0.0, 0, False, False
     system = linearised(search, now, states)
     noise = system.noise()
@@ -175,7 +178,7 @@ def descend(
         for name, change in zip(search.free, step, strict=True):
             trial[name] = max(now[name] + float(change), search.low[name])
         taken = np.array([trial[name] - now[name] for name in search.free])
-        new_states = solved.states(states, taken)
+        new_states = solved.states(states, taken, damping)
         new_system = linearised(search, trial, new_states)
         before, after = system.cost(noise), new_system.cost(noise)
         if after <= before * (1 + 1e-9):
@@ -229,7 +232,7 @@ def simulated(
 
 def seen(log: Piecewise, values: Mapping[str, float], moved: Moved) -> dict[str, Array]:
     """What the sensors of a log read of such a motion, by channel, shape (rows, n_piece)."""
-    return {channel: model[:, :, 0] for channel, model in _seen(moved, _one(log, values), log).items()}
+    return {channel: model[:, :, 0] for channel, model in shown(moved, log, values["bias"]).items()}
 
 
 def _one(log: Piecewise, values: Mapping[str, float]) -> Figures:
@@ -238,7 +241,8 @@ def _one(log: Piecewise, values: Mapping[str, float]) -> Figures:
     return log.figures({name: np.array([value]) for name, value in values.items()})
 
 
-def _first_states(log: Piecewise, bias: float) -> tuple[Array, Array]:
+def first_states(log: Piecewise, bias: float) -> tuple[Array, Array]:
+    """Positions and speeds at the beginning of each piece by the readings, without the encoder's bias."""
     import numpy as np
 
     q = log.measured["position"][log.starts] - bias
@@ -306,12 +310,15 @@ class _Solved:
         grown: Array = found * np.outer(grow, grow)
         return grown
 
-    def states(self, states: Sequence[tuple[Array, Array]], step: Array) -> tuple[tuple[Array, Array], ...]:
+    def states(
+        self, states: Sequence[tuple[Array, Array]], step: Array, damping: float = 0.0
+    ) -> tuple[tuple[Array, Array], ...]:
+        """The states that go with a step of the figures; damped too, as one that is bent may refuse every step."""
         import numpy as np
 
         found = []
         for (q, qd), (offset, slope) in zip(states, self.pieces, strict=True):
-            change = offset - np.einsum("sip,p->si", slope, step)
+            change = offset / (1.0 + damping) - np.einsum("sip,p->si", slope, step)
             found.append((q + change[:, 0], qd + change[:, 1]))
         return tuple(found)
 
@@ -491,12 +498,11 @@ def linearised(search: Search, values: Mapping[str, float], states: Sequence[tup
             steps.append(values[name] + step - lower)
         figures = log.figures(columns)
         q, qd = np.tile(q0[:, None], (1, 3 + 2 * p)), np.tile(qd0[:, None], (1, 3 + 2 * p))
-        away, faster = 1e-4, 1e-2
-        q[:, -2] += away
-        qd[:, -1] += faster
+        q[:, -2] += FURTHER
+        qd[:, -1] += FASTER
         moved = move(log.course, figures, search.bounds, log.starts, log.rows, q, qd, search.reading)
         channels = {}
-        for channel, model in _seen(moved, figures, log).items():
+        for channel, model in shown(moved, log, figures.bias).items():
             measured = log.cut(channel)
             # The first row of a piece is that of its state: it counts, as any other.
             r = measured - model[:, :, 0]
@@ -504,7 +510,10 @@ def linearised(search: Search, values: Mapping[str, float], states: Sequence[tup
             for k, i in enumerate(active):
                 jac[:, :, i] = (model[:, :, 1 + 2 * k] - model[:, :, 2 + 2 * k]) / steps[k]
             local = np.stack(
-                [(model[:, :, -2] - model[:, :, 0]) / away, (model[:, :, -1] - model[:, :, 0]) / faster],
+                [
+                    (model[:, :, -2] - model[:, :, 0]) / FURTHER,
+                    (model[:, :, -1] - model[:, :, 0]) / FASTER,
+                ],
                 axis=2,
             )
             bad = ~np.isfinite(r)
@@ -518,11 +527,17 @@ def linearised(search: Search, values: Mapping[str, float], states: Sequence[tup
     return System(found, len(search.free), least)
 
 
-def _seen(moved: Moved, figures: Figures, log: Piecewise) -> dict[str, Array]:
-    """What sensors read of a motion."""
+def shown(moved: Moved, log: Piecewise, bias: Array | float) -> dict[str, Array]:
+    """What sensors read of a motion, by channel, shape (rows, n_piece, n_set).
+
+    Args:
+        moved: The motion.
+        log: Whose sensors.
+        bias: Of the encoder, of all sets or of each [rad or m].
+    """
     found = {}
     if "position" in log.measured:
-        found["position"] = moved.q + figures.bias
+        found["position"] = moved.q + bias
     if "velocity" in log.measured:
         found["velocity"] = moved.qd
     if "torque" in log.measured:

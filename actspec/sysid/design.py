@@ -8,15 +8,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import listed
-from actspec.fields import PLACEHOLDER
 from actspec.ir import Command, JointActuator
 from actspec.joints import JointKind
 from actspec.logs import JointLog, Log, LogError, Sidecar
+from actspec.logs.text import MAX_CELLS
 from actspec.robot.view import RobotView
 from actspec.simulate.excitation import chirp
-from actspec.sysid.figures import Bounds, Figures, figures_of
-from actspec.sysid.links import links_along
-from actspec.sysid.motion import Course, Moved, move
+from actspec.sysid.sizing import Wanted, sized_alone, sized_together
 
 if TYPE_CHECKING:
     import numpy as np
@@ -29,11 +27,6 @@ SHARE = 0.3
 """Most of a joint's range that a command goes to either side of its middle."""
 UNLIMITED = {JointKind.HINGE: 0.5, JointKind.SLIDE: 0.05}
 """Half-amplitude of a joint without a range [rad or m]. Chosen."""
-ROOM = 0.8
-"""Most of the speed and torque that the experiment may take. Chosen: the robot is not quite the spec."""
-TRIES = 25
-SHRINK = (0.3, 0.95)
-"""Least and greatest factor on an amplitude that takes too much, on the way to what is allowed."""
 BAND = (0.1, 1.5)
 """First frequency [Hz], and the last as a share of the closed loop's natural frequency."""
 FASTEST = 25.0
@@ -106,49 +99,38 @@ def design(
         message = f"{duration:g} s at {rate:g} Hz are {slot} rows, at least 50 are needed"
         raise LogError.of("SYS040", message, where="--duration")
     count = slot if together else slot * len(actuators)
+    if count * (1 + 4 * len(actuators)) > MAX_CELLS:
+        message = f"{count} rows of {len(actuators)} joints are more than the {MAX_CELLS} numbers that a log may have"
+        raise LogError.of(
+            "SYS040", message, where="--duration", help="move fewer joints, or for a shorter time"
+        )
+    if linear and kind != "chirp":
+        message = f"only a chirp's frequency grows linearly, and this is --experiment {kind}"
+        raise LogError.of("SYS042", message, where="--linear", help="leave it out, or design a chirp")
     time = np.arange(count) / rate
     sidecar = sidecar or Sidecar()
     shapes = _shapes(actuators, kind, slot, rate, together=together, linear=linear, seed=seed)
     middles = {a.joint: _middle(a) for a in actuators}
     sizes = {a.joint: _size(a) for a in actuators}
-    limited = {a.joint: "range" for a in actuators}
-
-    def commands() -> dict[str, Array]:
-        found = {}
-        for i, actuator in enumerate(actuators):
-            course = np.full(count, middles[actuator.joint])
-            first = 0 if together else i * slot
-            course[first : first + slot] += sizes[actuator.joint] * shapes[actuator.joint]
-            found[actuator.joint] = course
-        return found
-
-    for _ in range(TRIES):
-        given = commands()
-        moved = _expected(robot, actuators, time, given, sidecar)
-        over = {a.joint: found for a in actuators if (found := _over(a, moved[a.joint])) is not None}
-        if not over:
-            break
-        for joint, (why, share) in over.items():
-            sizes[joint] *= min(max(share, SHRINK[0]), SHRINK[1])
-            limited[joint] = why
-    else:
-        raise LogError.of(
-            "SYS041",
-            f"no amplitude keeps speed and torque within {ROOM:.0%} of what the spec allows: {listed(over)}",
-            help="gravity alone may take the torque: choose another pose by default_pose, or a slower experiment",
-        )
+    base = None if sidecar.base is None else sidecar.base.orientation
+    wanted = Wanted(robot, actuators, time, shapes, middles, sizes, base)
+    found = sized_together(wanted) if together else sized_alone(wanted)
     joints = {
         a.joint: JointLog(
             a.joint,
             a.kind is JointKind.SLIDE,
-            command=given[a.joint],
-            position=moved[a.joint].q[:, 0, 0] + (a.encoder_bias.value or 0.0),
-            velocity=moved[a.joint].qd[:, 0, 0],
-            torque=moved[a.joint].torque[:, 0, 0],
+            command=found[a.joint].command,
+            position=found[a.joint].q + (a.encoder_bias.value or 0.0),
+            velocity=found[a.joint].qd,
+            torque=found[a.joint].torque,
         )
         for a in actuators
     }
-    return Experiment(Log(path, "", time, joints, sidecar), sizes, limited)
+    return Experiment(
+        Log(path, "", time, joints, sidecar),
+        {joint: sized.amplitude for joint, sized in found.items()},
+        {joint: sized.limited_by for joint, sized in found.items()},
+    )
 
 
 def _middle(actuator: JointActuator) -> float:
@@ -167,56 +149,6 @@ def _size(actuator: JointActuator) -> float:
         return UNLIMITED[actuator.kind]
     low, high = actuator.position_range
     return min(SHARE * (high - low), 2.0 * UNLIMITED[actuator.kind])
-
-
-def _over(actuator: JointActuator, moved: Moved) -> tuple[str, float] | None:
-    """What an experiment takes too much of, and the share of it that is allowed."""
-    import numpy as np
-
-    speeds = [actuator.velocity_limit.value, getattr(actuator.no_load_speed, "value", None)]
-    fastest = min((s for s in speeds if s is not None and s < PLACEHOLDER), default=math.inf)
-    limit = actuator.effort_limit.value
-    taken = {
-        "speed": float(np.abs(moved.qd).max()) / (ROOM * fastest),
-        "torque": 0.0 if limit is None else float(np.abs(moved.torque).max()) / (ROOM * limit),
-    }
-    why = max(taken, key=lambda name: taken[name])
-    return (why, 1.0 / taken[why]) if taken[why] > 1.0 else None
-
-
-def _expected(
-    robot: RobotView,
-    actuators: Sequence[JointActuator],
-    time: Array,
-    commands: Mapping[str, Array],
-    sidecar: Sidecar,
-) -> dict[str, Moved]:
-    """What the spec's joints would do, each for itself, the others on their commands."""
-    import numpy as np
-
-    names = [a.joint for a in actuators]
-    path = np.stack([commands[name] for name in names], axis=1)
-    speed = np.gradient(path, time, axis=0)
-    base = sidecar.base
-    links = links_along(robot, names, path, speed, None if base is None else base.orientation)
-    found = {}
-    for j, actuator in enumerate(actuators):
-        values = figures_of(actuator)
-        figures = Figures(**{name: np.array([value]) for name, value in values.items()})
-        course = Course(
-            time,
-            path[:, j],
-            0.0 * time,
-            links.inertia[:, j, j].copy(),
-            links.load[:, j],
-            links.slope[:, j].copy(),
-            path[:, j],
-        )
-        start = np.array([[path[0, j] - values["bias"]]])
-        found[actuator.joint] = move(
-            course, figures, Bounds.of(actuator), np.array([0]), len(time), start, 0.0 * start
-        )
-    return found
 
 
 def _shapes(

@@ -18,16 +18,16 @@ from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
-from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.coupling import Path, course_of, dense, fitted, links_of, read
+from actspec.sysid.course import Course, told
+from actspec.sysid.descent import ROUNDS, Fit, Piecewise, Search, descend, simulated
 from actspec.sysid.doubts import doubted
 from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
-from actspec.sysid.links import Links, links_along
 from actspec.sysid.more import enlarged
-from actspec.sysid.motion import Course
-from actspec.sysid.recording import Recording, driven, record, slope_of
+from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
 from actspec.sysid.unseen import held_out, judge_validation, tested
 from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
@@ -52,6 +52,15 @@ SETTLED = 0.2
 """Change of a bias from one time to the next that is nothing any more, in its standard deviations."""
 NUDGE = 0.1
 """Change of the load that is nothing any more, as the position that it makes over the bias's standard deviation."""
+SMEARED = 0.05
+"""Unevenness of a clock from which on a delay shows in which commands the rows' torques tell, so that no whole row need
+be searched. Chosen: a first fit has the delay to less."""
+ROUGHLY = 5
+"""Most steps of that first fit, which knows some of these commands wrongly: measured, it else takes up to 16."""
+FOLLOWED = 5
+"""Most times that these commands are told anew. Measured: a jitter of 15 % takes two to four."""
+SAME = 1e-3
+"""Share of rows with another command that is nothing any more. Measured: 20 % made kp 0.3 % wrong."""
 STIFF = 1e6
 """Greatest slope of gravity's torque over kp below which the bias does not show, as its reciprocal."""
 
@@ -120,14 +129,14 @@ def roll(
         _descend(joint, options, out)
         if release(joint, out):
             _descend(joint, options, out)
-    # The others' accelerations were those of a filter, and positions those of an encoder: the fit knows them better.
+    # How the others moved was by a filter of their readings: the fit knows it better.
     coupled = again = _coupled(joints)
     for _ in range(PASSES):
         if not again and not any(abs(now - read[name]) > ASKEW for name, now in _biases(joints).items()):
             break
         read = _biases(joints)
         before = {name: joint.courses for name, joint in joints.items()}
-        _couple(joints, _links(robot, logs, joints), predicted=coupled)
+        _couple(robot, logs, joints, fits=coupled)
         for name, joint in joints.items():
             if _pushed(joint, before[name]):
                 _descend(joint, options, out)
@@ -220,7 +229,7 @@ def prepared(
         gains = gains_of(actuator, made, torque=torque, free=options.free, hold=options.hold, out=out)
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
-        _couple(joints, _links(robot, logs, joints), predicted=False)
+        _couple(robot, logs, joints, fits=False)
     return joints
 
 
@@ -274,34 +283,11 @@ def _validated(
     out.raise_if_failed(LogError)
     if not blind:
         return {}
-    links = _links(robot, logs, blind)
     for again in (False, True) if _coupled(blind) else (False,):
-        _couple(blind, links, predicted=again)
+        _couple(robot, logs, blind, fits=again)
         for joint in blind.values():
             joint.fit = tested(joint)
     return {name: joint.fit.noise["position"] for name, joint in blind.items() if joint.fit is not None}
-
-
-def _links(
-    robot: RobotView, logs: Sequence[Log], joints: Mapping[str, JointInWork]
-) -> list[tuple[list[str], Links]]:
-    """The links along every log, for the joints in it."""
-    import numpy as np
-
-    found = []
-    for log in logs:
-        names, columns = [], []
-        for name, joint in joints.items():
-            mine = [recording for recording in joint.recordings if recording.log is log]
-            if mine:
-                names.append(name)
-                columns.append(mine[0])
-        bias = [_bias(joints[name]) for name in names]
-        q = np.stack([c.position - b for c, b in zip(columns, bias, strict=True)], axis=1)
-        qd = np.stack([c.velocity for c in columns], axis=1)
-        base = log.sidecar.base
-        found.append((names, links_along(robot, names, q, qd, None if base is None else base.orientation)))
-    return found
 
 
 def _bias(joint: JointInWork) -> float:
@@ -310,42 +296,46 @@ def _bias(joint: JointInWork) -> float:
     return joint.actuator.encoder_bias.value or 0.0
 
 
-def _couple(
-    joints: Mapping[str, JointInWork], along: Sequence[tuple[list[str], Links]], *, predicted: bool
-) -> None:
-    """Give every joint its course: its own inertia, and a load in which the others' accelerations are."""
-    accelerations = {
-        name: [
-            _predicted(joint, i) if predicted else recording.acceleration
+def _couple(robot: RobotView, logs: Sequence[Log], joints: Mapping[str, JointInWork], *, fits: bool) -> None:
+    """Give every joint its courses: the links along each log, and in the load what the others' motion does.
+
+    Args:
+        robot: The model.
+        logs: That the joints' recordings are of.
+        joints: Of which the courses are made.
+        fits: Whether the joints move as their fits say; else as the readings do.
+    """
+    made: dict[str, list[Course]] = {name: [] for name in joints}
+    for log in logs:
+        here = {
+            name: (i, recording)
+            for name, joint in joints.items()
             for i, recording in enumerate(joint.recordings)
+            if recording.log is log
+        }
+        if not here:
+            continue
+        paths = [
+            _path(joints[name], i) if fits else read(r, _bias(joints[name])) for name, (i, r) in here.items()
         ]
-        for name, joint in joints.items()
-    }
-    for joint in joints.values():
-        joint.courses = []
-    used = dict.fromkeys(joints, 0)
-    for names, links in along:
-        here = {name: accelerations[name][used[name]] for name in names}
-        for j, name in enumerate(names):
-            joint = joints[name]
-            recording = joint.recordings[used[name]]
-            others = sum(
-                (links.inertia[:, j, k] * here[other] for k, other in enumerate(names) if k != j),
-                0.0 * recording.time,
-            )
-            joint.courses.append(
-                Course(
-                    recording.time,
-                    recording.command,
-                    recording.speed_command,
-                    links.inertia[:, j, j].copy(),
-                    links.load[:, j] + others,
-                    links.slope[:, j].copy(),
-                    recording.position - _bias(joint),
-                )
-            )
-        for name in names:
-            used[name] += 1
+        recordings = [recording for _, recording in here.values()]
+        links = links_of(robot, recordings, paths, list(here))
+        for j, (name, recording) in enumerate(zip(here, recordings, strict=True)):
+            made[name].append(course_of(recording, links, paths, j))
+    for name, joint in joints.items():
+        joint.courses = made[name]
+
+
+def _path(joint: JointInWork, index: int) -> Path:
+    """How a joint moved along a log, as its fit has it."""
+    fit, recording = joint.fit, joint.recordings[index]
+    assert fit is not None
+    runs = []
+    for pieces, states, source in zip(piecewise(joint), fit.states, joint.sources, strict=True):
+        if source is recording:
+            finely = dense(pieces, recording)
+            runs.append((finely, simulated(finely, fit.values, joint.bounds, states)))
+    return fitted(recording, fit.values["bias"], runs)
 
 
 def _coupled(joints: Mapping[str, JointInWork]) -> bool:
@@ -362,21 +352,6 @@ def _coupled(joints: Mapping[str, JointInWork]) -> bool:
         for recording in joint.recordings
         for other in one.recordings
     )
-
-
-def _predicted(joint: JointInWork, index: int) -> Array:
-    """Acceleration along a log as the fit has it; outside of its pieces as the filter."""
-    recording, fit = joint.recordings[index], joint.fit
-    assert fit is not None
-    found = recording.acceleration.copy()
-    for pieces, states, source in zip(piecewise(joint), fit.states, joint.sources, strict=True):
-        if source is not recording:
-            continue
-        moved = simulated(pieces, fit.values, joint.bounds, states)
-        for piece, start in enumerate(pieces.starts):
-            rows = slice(start, start + pieces.rows)
-            found[rows] = slope_of(moved.qd[:, piece, 0], recording.time[rows])
-    return found
 
 
 def _free(joint: JointInWork, options: FitOptions) -> tuple[str, ...]:
@@ -491,11 +466,14 @@ def _searched(
     """The best fit; where a torque tells which command acts, over the rows that it may tell."""
     step = joint.recordings[0].step
     search = Search(pieces, joint.bounds, free, scale, low, values["delay"] if joint.torque else None)
-    best = descend(search, values, joint.fit)
-    if not joint.torque or "delay" not in free:
+    clocks = [recording.time for recording in joint.recordings]
+    telling = joint.torque and "delay" in free
+    smeared = telling and max(unevenness(time) for time in clocks) > SMEARED
+    best = descend(search, values, joint.fit, rounds=ROUGHLY if smeared else ROUNDS)
+    if not telling:
         return best
     tried = {math.floor(values["delay"] / step)}
-    for _ in range(4):
+    for _ in range(0 if smeared else 4):
         row = math.floor(best.values["delay"] / step)
         near = best.values["delay"] / step - row
         options = [row]
@@ -510,8 +488,26 @@ def _searched(
             tried.add(option)
             other = descend(replace(search, reading=(option + 0.5) * step), best.values, best, best.cost)
             if other.cost < best.cost:
-                best = other
+                search, best = replace(search, reading=(option + 0.5) * step), other
+    # Between uneven rows a delay ends now in one, now in the next: what each torque tells follows from it exactly.
+    for turn in range(FOLLOWED):
+        reading = best.values["delay"]
+        if (turn or not smeared) and _retold(clocks, search.reading, reading) <= SAME:
+            break
+        search = replace(search, reading=reading)
+        other = descend(search, best.values, best, best.cost)
+        if other.cost > best.cost:
+            break
+        best = other
     return best
+
+
+def _retold(clocks: Sequence[Array], one: float | None, other: float) -> float:
+    """Share of the rows whose torque tells another command with another delay."""
+    import numpy as np
+
+    assert one is not None
+    return max(float(np.mean(told(time, one) != told(time, other))) for time in clocks)
 
 
 def _scales(joint: JointInWork, values: Mapping[str, float]) -> dict[str, float]:

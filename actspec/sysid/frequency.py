@@ -22,7 +22,7 @@ from actspec.ir import JointActuator
 from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import Indicator, JointFit, Parameter, State
 from actspec.sysid.judge import LATE, VAGUE
-from actspec.sysid.recording import GAP, SMOOTH, Recording, smooth
+from actspec.sysid.recording import SMOOTH, Recording, longest_step, smooth
 from actspec.sysid.step import second_order
 from actspec.units import format_number
 
@@ -361,7 +361,7 @@ def _stretches(recording: Recording) -> tuple[list[slice], list[slice]]:
     for start, end in zip(edges[::2], edges[1::2], strict=True):
         if (end - start) * recording.step > HOLES:
             active[start:end] = False
-    gaps = np.flatnonzero(np.diff(recording.time) > GAP * recording.step) + 1
+    gaps = np.flatnonzero(np.diff(recording.time) > longest_step(recording.time)) + 1
     bounds = [0, *gaps.tolist(), len(recording.time)]
     runs = [slice(first, last) for first, last in pairwise(bounds)]
     parts = []

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span
 from actspec.joints import JointKind
+from actspec.sysid.course import Course
 from actspec.sysid.descent import WIDE
 from actspec.sysid.identified import FIELDS, Indicator, JointFit, Parameter, State
 from actspec.sysid.judge import VAGUE
-from actspec.sysid.motion import Course
-from actspec.sysid.recording import GAP, Recording
+from actspec.sysid.recording import Recording, longest_step
 from actspec.sysid.work import JointInWork
 from actspec.units import format_number
 
@@ -136,7 +136,7 @@ def _stretches(recording: Recording, values: Mapping[str, float]) -> list[tuple[
     speed = np.append(change, change[-1]) / step
     bend = np.abs(np.diff(change))
     tolerance = EVEN * np.abs(change[1:]) + DIGITS * float(np.abs(command).max())
-    gaps = np.diff(recording.time) > GAP * step
+    gaps = np.diff(recording.time) > longest_step(recording.time)
     even = (bend <= tolerance) & (np.abs(change[1:]) > SLOW * step) & ~gaps[1:] & ~gaps[:-1]
     # The torque of a stretch that is spoilt is not known, and its rows are left out by themselves.
     edges = np.flatnonzero(np.diff(np.concatenate([[False], even, [False]]).astype(int)))

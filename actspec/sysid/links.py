@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 NEAR = 1e-4
 """Change of a position for the slope [rad or m]."""
 EVERY = 4
-"""Rows between two at which the slope is taken; between them it is interpolated. Chosen: it follows the pose."""
+"""Rows between two at which the slope is taken, where nothing else is said. Chosen: it follows the pose."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +37,12 @@ class Links:
 
 
 def links_along(
-    robot: RobotView, joints: Sequence[str], q: Array, qd: Array, orientation: Sequence[float] | None
+    robot: RobotView,
+    joints: Sequence[str],
+    q: Array,
+    qd: Array,
+    orientation: Sequence[float] | None,
+    every: int = EVERY,
 ) -> Links:
     """The links of a robot on a stand, moved along a path; joints that are not named stay at the reference pose.
 
@@ -47,6 +52,7 @@ def links_along(
         q: Positions [rad or m], shape (n, n_joint).
         qd: Speeds [rad/s or m/s], likewise.
         orientation: Quaternion w, x, y, z from the base to the world; None: as in the file.
+        every: Rows between two at which the slope is taken; between them it is interpolated.
 
     Raises:
         RobotError: there is no model, or its masses are in meshes that are not there.
@@ -57,7 +63,7 @@ def links_along(
     n = len(q)
     load = np.empty((n, len(joints)))
     flat = np.empty((n, len(posed.data.M)))
-    rows = sorted({*range(0, n, EVERY), n - 1})
+    rows = sorted({*range(0, n, every), n - 1})
     slopes: list[list[float]] = []
     for row in range(n):
         load[row] = posed.load(q[row], qd[row])
@@ -72,11 +78,18 @@ def links_at(
     robot: RobotView, joints: Sequence[str], orientation: Sequence[float] | None
 ) -> Callable[[Array, Array], tuple[Array, Array]]:
     """The links as a function of positions and speeds, shape (n_joint,): mass matrix and loads; see `links_along`."""
+    import numpy as np
+
     posed = _Posed(robot, joints, orientation)
+    # Where each pair of joints stands in MuJoCo's rows; behind them a 0, for pairs of which neither carries the other.
+    numbers = np.arange(1, len(posed.data.M) + 1, dtype=float)
+    entries = posed.dense(numbers[None])[0].astype(int) - 1
+    flat = np.zeros(len(numbers) + 1)
 
     def at(q: Array, qd: Array) -> tuple[Array, Array]:
         load = posed.load(q, qd)
-        return posed.dense(posed.data.M[None])[0], load
+        flat[:-1] = posed.data.M
+        return flat[entries], load
 
     return at
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from actspec.diagnostics import Collector, listed
 from actspec.sysid.identified import FIELDS
-from actspec.sysid.judge import reading_noise
+from actspec.sysid.recording import reading_noise
 from actspec.sysid.unseen import held_out
 from actspec.sysid.work import FitOptions, JointInWork, ended
 from actspec.units import format_number
@@ -43,7 +43,7 @@ def enlarged(
         out: Takes what was added.
     """
     assert joint.fit is not None
-    if not joint.fit.arrived or joint.fit.noise["position"] <= LEFT * reading_noise(joint):
+    if not joint.fit.arrived or joint.fit.noise["position"] <= LEFT * reading_noise(joint.recordings):
         return joint
     before = held_out(joint, ended(joint))
     if before is None:
@@ -69,7 +69,7 @@ def enlarged(
         )
         out.info("SYS026", message, where=joint.actuator.joint, help="`--hold` leaves a field out")
         before = after
-        if joint.fit is not None and joint.fit.noise["position"] <= LEFT * reading_noise(joint):
+        if joint.fit is not None and joint.fit.noise["position"] <= LEFT * reading_noise(joint.recordings):
             break
     return joint
 

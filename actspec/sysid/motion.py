@@ -13,9 +13,11 @@ Arrays are (n_piece, n_set) where nothing else is said. All in SI, at the joint.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
+from actspec.sysid.course import Course, Parts, parts_of, told
 from actspec.sysid.figures import Bounds, Figures
 
 if TYPE_CHECKING:
@@ -24,77 +26,12 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-MOST_ARRIVALS = 3
-"""Commands that may arrive between two rows. Chosen: a jitter of a whole step gives two."""
+_SHARED = ("kp", "kd", "armature", "coulomb", "viscous", "bias", "static")
+"""Figures that the motion takes as they are."""
+AT_ONCE = 1e9
+"""Rate of a low-pass that is none [1/s]."""
 FINE = 0.25
 """Longest step times the fastest rate of the joint. Measured: halving it changes figures by less than 1e-5."""
-
-
-@dataclass(frozen=True, slots=True)
-class Course:
-    """What a joint was commanded, and the model along its path; shape (n,) each, by row.
-
-    Attributes:
-        time: [s].
-        command: Sent at the row's time [rad or m].
-        speed_command: v* [rad/s or m/s].
-        inertia: Of the links [kg*m^2 or kg].
-        load: g, what the links need beside inertia, at `path` [N*m or N].
-        slope: s = dg/dq [N*m/rad or N/m].
-        path: q_ref, where load and slope hold [rad or m].
-    """
-
-    time: Array
-    command: Array
-    speed_command: Array
-    inertia: Array
-    load: Array
-    slope: Array
-    path: Array
-
-
-@dataclass(frozen=True, slots=True)
-class _Parts:
-    """The time between two rows, divided where commands arrive; shapes (n - 1, n_part, n_delay).
-
-    Attributes:
-        begin: As a share of the row.
-        end: Likewise.
-        index: Of the command that holds.
-        before: Index of the command whose torque is read at each row, shape (n, n_delay).
-    """
-
-    begin: Array
-    end: Array
-    index: NDArray[np.intp]
-    before: NDArray[np.intp]
-
-
-def _divided(time: Array, delays: Array) -> _Parts:
-    import numpy as np
-
-    start, length = time[:-1], np.diff(time)
-    per_delay = []
-    for delay in delays:
-        arrival = time + delay
-        # What arrives at a row's time acts from then on, and is not in what is read then.
-        first = np.searchsorted(arrival, start + 1e-9, side="right")
-        last = np.searchsorted(arrival, time[1:] - 1e-9, side="left")
-        before = np.searchsorted(arrival, time - 1e-9, side="left") - 1
-        per_delay.append((arrival, first, last, before))
-    count = min(max(int((last - first).max()) for _, first, last, _ in per_delay), MOST_ARRIVALS)
-    shape = (len(start), count + 1, len(delays))
-    begin, end, index = np.empty(shape), np.empty(shape), np.empty(shape, dtype=np.intp)
-    for d, (arrival, first, last, _) in enumerate(per_delay):
-        for k in range(count + 1):
-            left = arrival[np.clip(first + k - 1, 0, len(arrival) - 1)]
-            right = arrival[np.clip(first + k, 0, len(arrival) - 1)]
-            begin[:, k, d] = 0.0 if k == 0 else np.where(first + k - 1 < last, (left - start) / length, 1.0)
-            inside = (first + k < last) if k < count else np.zeros(len(start), dtype=bool)
-            end[:, k, d] = np.where(inside, (right - start) / length, 1.0)
-            index[:, k, d] = np.clip(first + k - 1, 0, len(arrival) - 1)
-    before_all = np.stack([np.clip(before, 0, None) for *_, before in per_delay], axis=1)
-    return _Parts(begin, end, index, before_all)
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,7 +68,7 @@ class _Joint:
 
     def take(self, where: tuple[NDArray[np.intp], ...]) -> _Joint:
         def of(value: Array) -> Array:
-            found: Array = value[0][where[1]]
+            found: Array = value[where[0] if len(value) > 1 else 0, where[1]]
             return found
 
         return _Joint(
@@ -212,7 +149,8 @@ class _Between:
 
         if self.rate is None:
             return self.target
-        found: Array = self.target + (self.command - self.target) * np.exp(-self.rate * after)
+        left = np.where(self.rate < AT_ONCE, np.exp(-self.rate * after), 0.0)
+        found: Array = self.target + (self.command - self.target) * left
         return found
 
 
@@ -241,44 +179,185 @@ def move(
             a command arrives, so a fit searches over this, and descends over the other.
         finer: Into how many each step is divided.
     """
+    found = _rolled(_table(course, figures, starts, rows, reading), bounds, q, qd, finer)
+    return found
+
+
+@dataclass(frozen=True, slots=True)
+class Run:
+    """Pieces of one joint's course, with figures that have one delay and one low-pass.
+
+    Attributes:
+        course: Commands and model.
+        figures: Sets of figures, of as many in every run.
+        starts: First rows of the pieces, shape (n_piece,).
+        q: Positions at the starts, bias not included [rad or m], shape (n_piece, n_set).
+        qd: Speeds there [rad/s or m/s], likewise.
+    """
+
+    course: Course
+    figures: Figures
+    starts: NDArray[np.intp]
+    q: Array
+    qd: Array
+
+
+def move_each(runs: Sequence[Run], bounds: Bounds, rows: int) -> list[Moved]:
+    """What `move` gives for each of several joints, whose drives have the same bounds, in far less time."""
     import numpy as np
 
+    tables = [_table(run.course, run.figures, run.starts, rows, None) for run in runs]
+    q, qd = (np.concatenate([getattr(run, name) for run in runs]) for name in ("q", "qd"))
+    whole = _rolled(_Table.beside(tables), bounds, q, qd, 1)
+    ends = np.cumsum([len(run.starts) for run in runs])[:-1]
+    split = [np.split(getattr(whole, field.name), ends, axis=1) for field in fields(Moved)]
+    return [Moved(*parts) for parts in zip(*split, strict=True)]
+
+
+@dataclass(slots=True)
+class _Table:
+    """All that a motion needs, by row and piece; of figures by set.
+
+    Attributes:
+        length: To the next row [s], shape (rows, n_piece).
+        vd: Speed command, likewise.
+        at_row: Load, slope and path at the row, likewise.
+        lines: Inertia, load, slope and path after the row, at the beginning and at the end, likewise.
+        parts: Begin and end as shares of the row, and the command of each part, shape (rows, n_part, n_piece, n_delay).
+        which: Delay of each set.
+        seen: Command that a row's torque tells, shape (rows, n_piece, n_delay), or by pairs of delay and low-pass.
+        seen_of: Which of these belongs to each set.
+        filtered: Whether that is behind a low-pass.
+        rate: Of it, by set [1/s], shape (1 or n_piece, n_set).
+        joint: Figures, arrays of shape (1 or n_piece, n_set).
+        fine: Into how many steps a part is divided.
+    """
+
+    length: Array
+    vd: Array
+    at_row: tuple[Array, Array, Array]
+    lines: Sequence[tuple[Array, Array]]
+    parts: tuple[Array, Array, Array]
+    which: NDArray[np.intp]
+    seen: Array
+    seen_of: NDArray[np.intp]
+    filtered: bool
+    rate: Array
+    joint: Mapping[str, Array]
+    fine: int
+
+    @classmethod
+    def beside(cls, tables: Sequence[_Table]) -> _Table:
+        """Several as one; of figures with one delay and one low-pass each."""
+        import numpy as np
+
+        one = tables[0]
+        n_part = max(table.parts[0].shape[1] for table in tables)
+
+        def tall(value: Array, pieces: int) -> Array:
+            found: Array = np.broadcast_to(value, (pieces, value.shape[1]))
+            return found
+
+        def padded(table: _Table, i: int) -> Array:
+            # A part that begins where it ends is none.
+            values = table.parts[i]
+            lacking = n_part - values.shape[1]
+            more = np.ones((len(values), lacking, *values.shape[2:]))
+            found: Array = np.concatenate([values, more], axis=1)
+            return found
+
+        widths = [table.length.shape[1] for table in tables]
+        both = list(zip(tables, widths, strict=True))
+        return cls(
+            length=np.concatenate([t.length for t in tables], axis=1),
+            vd=np.concatenate([t.vd for t in tables], axis=1),
+            at_row=(
+                np.concatenate([t.at_row[0] for t in tables], axis=1),
+                np.concatenate([t.at_row[1] for t in tables], axis=1),
+                np.concatenate([t.at_row[2] for t in tables], axis=1),
+            ),
+            lines=[
+                (
+                    np.concatenate([t.lines[i][0] for t in tables], axis=1),
+                    np.concatenate([t.lines[i][1] for t in tables], axis=1),
+                )
+                for i in range(len(one.lines))
+            ],
+            parts=(
+                np.concatenate([padded(t, 0) for t in tables], axis=2),
+                np.concatenate([padded(t, 1) for t in tables], axis=2),
+                np.concatenate([padded(t, 2) for t in tables], axis=2),
+            ),
+            which=one.which,
+            seen=np.concatenate([t.seen for t in tables], axis=1),
+            seen_of=one.seen_of,
+            filtered=any(t.filtered for t in tables),
+            rate=np.concatenate([tall(t.rate, n) for t, n in both]),
+            joint={name: np.concatenate([tall(t.joint[name], n) for t, n in both]) for name in one.joint},
+            fine=max(t.fine for t in tables),
+        )
+
+
+def _table(
+    course: Course, figures: Figures, starts: NDArray[np.intp], rows: int, reading: float | None
+) -> _Table:
+    import numpy as np
+
+    row = starts + np.arange(rows)[:, None]
+    # After the last row of a piece nothing is looked up.
+    after = np.minimum(row, len(course.time) - 2)
     delays, which = np.unique(figures.delay, return_inverse=True)
-    parts = _divided(course.time, delays)
+    parts = parts_of(course.time, delays)
     lags, lag_of = np.unique(np.stack([figures.delay, figures.lag]), axis=1, return_inverse=True)
-    filtered = _filtered(course, lags, parts, delays) if np.any(lags[1] > 0) else None
+    filtered = bool(np.any(lags[1] > 0))
+    seen, seen_of = course.command[parts.before][row], which
+    if filtered:
+        seen, seen_of = _filtered(course, lags, parts, delays)[row], lag_of
+    elif reading is not None:
+        seen, seen_of = course.command[told(course.time, reading)][row][:, :, None], 0 * which
     speed = figures.stribeck_velocity
-    joint = _Joint(
-        kp=figures.kp[None, :],
-        kd=figures.kd[None, :],
-        armature=figures.armature[None, :],
-        coulomb=figures.coulomb[None, :],
-        viscous=figures.viscous[None, :],
-        bias=figures.bias[None, :],
-        static=figures.static[None, :],
-        per_stribeck=(1.0 / np.where(speed > 0, speed, np.inf))[None, :],
-        slipping=bool(np.any((figures.static > figures.coulomb) & (speed > 0))),
-        bounds=bounds,
+    rate = np.where(figures.lag > 0, 1.0 / np.where(figures.lag > 0, figures.lag, 1.0), AT_ONCE)
+    by_set = {name: getattr(figures, name)[None, :] for name in _SHARED}
+    by_set["per_stribeck"] = (1.0 / np.where(speed > 0, speed, np.inf))[None, :]
+    begin, end, target = (
+        np.swapaxes(values[after], 1, 2) for values in (parts.begin, parts.end, course.command[parts.index])
     )
-    rate = np.where(figures.lag > 0, 1.0 / np.where(figures.lag > 0, figures.lag, 1.0), np.inf)[None, :]
-    rate_used = None if filtered is None else np.minimum(rate, 1e9)
-    read = None
-    if reading is not None:
-        sent = np.searchsorted(course.time + reading, course.time - 1e-9, side="left") - 1
-        read = course.command[np.clip(sent, 0, None)]
-    fine = _division(course, figures) * finer
-    shape = (rows, len(starts), len(figures.kp))
-    out = Moved(*(np.empty(shape) for _ in range(4)))
+    return _Table(
+        length=np.diff(course.time)[after],
+        vd=course.speed_command[row],
+        at_row=(course.load[row], course.slope[row], course.path[row]),
+        lines=[
+            (first[after], last[after])
+            for first, last in (course.ends(name) for name in ("inertia", "load", "slope", "path"))
+        ],
+        parts=(begin, end, target),
+        which=which,
+        seen=seen,
+        seen_of=seen_of,
+        filtered=filtered,
+        rate=rate[None, :],
+        joint=by_set,
+        fine=_division(course, figures),
+    )
+
+
+def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> Moved:
+    """The motion, row by row."""
+    import numpy as np
+
+    figures, which, seen_of = table.joint, table.which, table.seen_of
+    slipping = bool(np.any((figures["static"] > figures["coulomb"]) & (figures["per_stribeck"] > 0)))
+    joint = _Joint(**figures, slipping=slipping, bounds=bounds)
+    rows, fine = len(table.length), table.fine * finer
+    rate = table.rate if table.filtered else None
+    out = Moved(*(np.empty((rows, *q.shape)) for _ in range(4)))
     now_q, now_qd = np.array(q, dtype=float), np.array(qd, dtype=float)
     for k in range(rows):
-        row = starts + k
-        vd = course.speed_command[row][:, None]
-        seen = course.command[parts.before[row][:, which]] if read is None else read[row][:, None]
-        if filtered is not None:
-            seen = filtered[row][:, lag_of]
+        vd, seen = table.vd[k][:, None], table.seen[k][:, seen_of]
         out.q[k], out.qd[k] = now_q, now_qd
         torque = joint.drive(seen, vd, now_q, now_qd)
-        load = (course.load[row])[:, None] + course.slope[row][:, None] * (now_q - course.path[row][:, None])
+        load, slope, path = (value[k][:, None] for value in table.at_row)
+        load = load + slope * (now_q - path)
         still = now_qd == 0.0
         resting = np.clip(torque - load, -joint.breakaway(), joint.breakaway())
         out.torque[k] = torque
@@ -287,23 +366,19 @@ def move(
         )
         if k == rows - 1:
             break
-        length = (course.time[row + 1] - course.time[row])[:, None]
-        ends = [
-            (getattr(course, name)[row][:, None], getattr(course, name)[row + 1][:, None])
-            for name in ("inertia", "load", "slope", "path")
-        ]
-        command = None if filtered is None else filtered[row][:, lag_of]
-        for p in range(parts.begin.shape[1]):
-            begin, end = parts.begin[row, p][:, which], parts.end[row, p][:, which]
+        length = table.length[k][:, None]
+        ends = [(begin[k][:, None], end[k][:, None]) for begin, end in table.lines]
+        command = seen if table.filtered else None
+        for p in range(table.parts[0].shape[1]):
+            begin, end, target = (values[k, p][:, which] for values in table.parts)
             if not np.any(end > begin):
                 continue
-            target = course.command[parts.index[row, p][:, which]]
             for i in range(fine):
                 first = begin + (end - begin) * (i / fine)
                 share = (end - begin) / fine
                 between = _Between(
                     ends[0], ends[1], ends[2], ends[3], vd, target, target if command is None else command,
-                    rate_used, length,
+                    rate, length,
                 )  # fmt: skip
                 now_q, now_qd = _advance(joint, between, now_q, now_qd, first, share)
                 if command is not None:
@@ -320,7 +395,7 @@ def _division(course: Course, figures: Figures) -> int:
     return max(1, math.ceil(float(rate) * float(np.median(np.diff(course.time))) / FINE / 2.0))
 
 
-def _filtered(course: Course, pairs: Array, parts: _Parts, delays: Array) -> Array:
+def _filtered(course: Course, pairs: Array, parts: Parts, delays: Array) -> Array:
     """The low-passed command at every row, for each pair of delay and time constant; shape (n, n_pair)."""
     import numpy as np
 

@@ -13,14 +13,18 @@ from collections.abc import Mapping
 from actspec.sysid.descent import WIDE, Fit, Search, System, descend, linearised
 from actspec.sysid.work import JointInWork, piecewise
 
+Values = Mapping[str, float]
 WEAK = 0.05
 """Half of a curvature's interval over the figure from which on it is not taken at its word. Chosen: within that a cost
 bends too little to matter."""
 ROW = 0.5
 """Likewise of a delay, in rows."""
-TRIES = 3
+TOGETHER = 0.98
+"""Correlation of two figures from which on the ends of one are those of the other. Chosen: the scale of all torques,
+where a log tells it weakly, makes four intervals of one."""
+TRIES = 2
 """Most fits for one end."""
-ROUNDS = 5
+ROUNDS = 3
 """Most steps of such a fit, which begins where the curvature says that it ends. Chosen: it takes one or two."""
 NEAR = 0.03
 """How near to the end, as a share of the interval's half, is near enough."""
@@ -39,7 +43,9 @@ def weak(joint: JointInWork, fit: Fit, name: str) -> bool:
     return half > WEAK * abs(fit.values[name])
 
 
-def profiled(joint: JointInWork, fit: Fit, system: System, name: str) -> tuple[float, float]:
+def profiled(
+    joint: JointInWork, fit: Fit, system: System, name: str, ends: dict[str, tuple[Values, Values]]
+) -> tuple[float, float]:
     """Both ends of a figure's 95 % interval, by the cost.
 
     Args:
@@ -47,35 +53,55 @@ def profiled(joint: JointInWork, fit: Fit, system: System, name: str) -> tuple[f
         fit: Its covariance by the residuals alone, without what it takes as given.
         system: Residuals where the fit ended.
         name: Of a free figure.
+        ends: All figures at the ends of those that were looked for before; takes this one's. What goes with one of
+            these, as all torques do with their scale, has its ends there.
     """
-    half, low = WIDE * fit.std(name), joint.low[name]
+    value, low = fit.values[name], joint.low[name]
+    for other, both in ends.items():
+        together = abs(_together(fit, name, other))
+        if together > TOGETHER:
+            away = [(found[name] - value) / together for found in both]
+            return max(value + min(*away, 0.0), low), value + max(*away, 0.0)
+    half = WIDE * fit.std(name)
     plain = _variances(fit)[name]
     # What 1.96 standard deviations cost, were the residuals as white as the cost takes them for.
     wanted = WIDE**2 * fit.std(name) ** 2 / plain if plain > 0 else math.inf
     least = system.cost(fit.noise)
     below, above = (_end(joint, fit, name, way * half, low, least, wanted) for way in (-1.0, 1.0))
-    return below, above
+    ends[name] = below, above
+    return below[name], above[name]
+
+
+def _together(fit: Fit, name: str, other: str) -> float:
+    """Correlation of two figures."""
+    i, j = fit.free.index(name), fit.free.index(other)
+    both = fit.std(name) * fit.std(other)
+    return float(fit.covariance[i, j]) / both if both > 0.0 else 0.0
 
 
 def _end(
     joint: JointInWork, fit: Fit, name: str, away: float, low: float, least: float, wanted: float
-) -> float:
-    """Where the cost has risen by so much, on one side."""
+) -> Values:
+    """All figures where the cost has risen by so much, on one side."""
     value, farthest = fit.values[name], FARTHEST * abs(away)
-    states = fit
+    states, at = fit, value
     for _ in range(TRIES):
         at = max(value + away, low)
         if at == value:
-            return at
+            return fit.values
         found = states = _held(joint, states, name, {**fit.values, **_along(joint, fit, name, at)})
         rise = _cost(joint, found, fit.noise) - least
         if at == low and rise < wanted:
-            return low
+            return found.values
         share = math.sqrt(wanted / max(rise, 1e-3 * wanted))
         if abs(share - 1.0) < NEAR:
             break
         away = math.copysign(min(abs(at - value) * share, farthest), away)
-    return max(value + away, low)
+    further = (max(value + away, low) - value) / (at - value)
+    return {
+        other: ended if other == name else fit.values[other] + further * (ended - fit.values[other])
+        for other, ended in {**states.values, name: max(value + away, low)}.items()
+    }
 
 
 def _along(joint: JointInWork, fit: Fit, name: str, at: float) -> Mapping[str, float]:

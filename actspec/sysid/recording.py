@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Collector, Span, listed
 from actspec.ir import JointActuator
 from actspec.logs import JointLog, Log
+from actspec.sysid.descent import EXACT
 from actspec.sysid.spoilt import MOST, frozen, jumps, wild
 from actspec.units import format_number
 
@@ -23,8 +24,13 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
-GAP = 1.5
-"""Usual row times from which on rows are missing. Chosen: jitter is less."""
+GAP, MOST_GAP = 1.5, 1.8
+"""Usual row times from which on rows are missing, where rows come evenly and where they do not. Chosen: behind a row
+that is missing, the next comes after two."""
+AROUND = 31
+"""Rows by which that is told."""
+UNEVEN = 4.0
+"""Standard deviations of the time between two rows that are no sign of a missing row."""
 FILLED = 10
 """Most missing rows in a row that are put in again. Chosen: a command changes little in 20 ms."""
 PIECE = 1.0
@@ -151,7 +157,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     if fresh.any():
         message = f"{int(fresh.sum())} rows are missing: the command between its neighbours is taken there"
         out.info("SYS013", message, where=joint.name, span=place)
-    gaps = np.flatnonzero(np.diff(time) > GAP * log.step)
+    gaps = np.flatnonzero(np.diff(time) > longest_step(time))
     if len(gaps):
         first = log.span(int(np.searchsorted(log.time, time[gaps[0]])))
         longest = float(np.diff(time)[gaps].max())
@@ -167,7 +173,8 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         for readings in (measured, released)
     )
     off = off[index]
-    starts, rows = _pieces(time, measured["position"], off)
+    # A row that was put in lacks no reading.
+    starts, rows = _pieces(time, np.where(fresh, 0.0, measured["position"]), off)
     if not len(starts):
         message = "no stretch of the log is long enough for a fit"
         out.error(
@@ -268,13 +275,39 @@ def _unusable(signal: Array) -> str | None:
     return None
 
 
+def _usual(gaps: Array) -> Array:
+    """The usual time between two rows, as it is around each [s]: a loop may go faster while the drive is off."""
+    from scipy.ndimage import median_filter
+
+    found: Array = median_filter(gaps, AROUND, mode="nearest")
+    return found
+
+
+def longest_step(time: Array) -> Array:
+    """The times between two rows from which on rows are missing [s], shape (n - 1,).
+
+    1.5 times what is usual there, and more where a clock jitters.
+    """
+    import numpy as np
+
+    most = min(max(GAP, 1.0 + UNEVEN * unevenness(time)), MOST_GAP)
+    return np.asarray(most * _usual(np.diff(time)), dtype=float)
+
+
+def unevenness(time: Array) -> float:
+    """Standard deviation of the time between two rows, as a share of what is usual there."""
+    import numpy as np
+
+    gaps = np.diff(time)
+    return 1.4826 * float(np.median(np.abs(gaps / _usual(gaps) - 1.0)))
+
+
 def _filled(time: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
     """Times with missing rows put in, the old row of each, and which are new."""
     import numpy as np
 
     gaps = np.diff(time)
-    usual = float(np.median(gaps))
-    missing = np.where((gaps > GAP * usual), np.round(gaps / usual) - 1, 0).astype(int)
+    missing = np.where(gaps > longest_step(time), np.round(gaps / _usual(gaps)) - 1, 0).astype(int)
     missing[missing > FILLED] = 0
     index = np.repeat(np.arange(len(time)), np.append(missing, 0) + 1)
     rank = np.arange(len(index)) - np.searchsorted(index, index)
@@ -307,7 +340,7 @@ def stretches(time: Array, wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
     gaps = np.diff(time)
     usual = float(np.median(gaps))
     turns = wanted[1:] != wanted[:-1]
-    ends = np.flatnonzero((gaps > GAP * usual) | turns) + 1
+    ends = np.flatnonzero((gaps > longest_step(time)) | turns) + 1
     both = zip([0, *ends.tolist()], [*ends.tolist(), len(time)], strict=True)
     wait = math.ceil(SWITCHED / usual)
     found = [
@@ -341,7 +374,7 @@ def smooth(time: Array, signal: Array, width: float, derivative: int = 0) -> Arr
     """A signal, or its derivative, by a local cubic; what is not a number is filled by a straight line.
 
     Args:
-        time: [s], shape (n,), rows even but for jitter.
+        time: [s], shape (n,).
         signal: Likewise.
         width: Of the cubic [s].
         derivative: Which.
@@ -350,39 +383,56 @@ def smooth(time: Array, signal: Array, width: float, derivative: int = 0) -> Arr
     from scipy.signal import savgol_filter
 
     gaps = np.diff(time)
-    usual = float(np.median(gaps))
-    rows = max(round(width / usual) // 2 * 2 + 1, 5)
+    rows = max(round(width / float(np.median(gaps))) // 2 * 2 + 1, 5)
     good = np.isfinite(signal)
     filled = np.interp(time, time[good], signal[good])
     found = np.zeros(len(time))
     # Across a gap the signal jumps, which is no speed.
-    for part in np.split(np.arange(len(time)), np.flatnonzero(gaps > GAP * usual) + 1):
+    for part in np.split(np.arange(len(time)), np.flatnonzero(gaps > longest_step(time)) + 1):
         wide = min(rows, (len(part) - 1) // 2 * 2 - 1)
-        if wide >= 5:
-            found[part] = savgol_filter(filled[part], wide, 3, deriv=derivative, delta=usual)
-        elif derivative == 0:
-            found[part] = filled[part]
+        if wide < 5:
+            found[part] = filled[part] if derivative == 0 else 0.0
+            continue
+        course, first, second = (savgol_filter(filled[part], wide, 3, deriv=d) for d in range(3))
+        if derivative == 0:
+            found[part] = course
+            continue
+        # By row at first. The rows' own times go through the same cubic, so that a clock may jitter or change its rate.
+        rate, change = (savgol_filter(time[part], wide, 3, deriv=d) for d in (1, 2))
+        speed = first / rate
+        found[part] = speed if derivative == 1 else (second - speed * change) / rate**2
     return found
 
 
-def slope_of(signal: Array, time: Array) -> Array:
-    """A smooth signal's derivative at its rows, such that straight lines between them have the signal's changes.
+def scatter(signal: Array, time: Array | None = None) -> float:
+    """Standard deviation of a signal's noise, from what a local parabola leaves of it.
 
-    Differences over two rows alone would be 0.4 % too small at 10 Hz and 2 ms, which one joint takes for inertia of
-    another.
+    Args:
+        signal: NaN where it is unknown, shape (n,).
+        time: Of its rows, likewise; None: even. With a clock that jitters, a joint's speed would count as noise.
     """
     import numpy as np
 
-    found = np.gradient(signal, time)
-    found[1:-1] -= 0.25 * np.diff(found, 2)
-    return np.asarray(found, dtype=np.float64)
+    rows = np.arange(len(signal), dtype=float) if time is None else time
+    at = [rows[i : len(rows) - 3 + i] for i in range(4)]
+    # Divided differences, of which the first, middle and last row of even ones are 1, 3, 3, 1.
+    weights = [1.0 / np.prod([at[i] - at[j] for j in range(4) if j != i], axis=0) for i in range(4)]
+    size = np.sqrt(sum(weight**2 for weight in weights))
+    third = sum(weight * signal[i : len(signal) - 3 + i] for i, weight in enumerate(weights)) / size
+    left = np.abs(third[np.isfinite(third)])
+    return 1.4826 * float(np.median(left)) if len(left) else 0.0
 
 
-def scatter(signal: Array) -> float:
-    """Standard deviation of a signal's noise, from what a local cubic leaves of it."""
+def reading_noise(recordings: Sequence[Recording]) -> float:
+    """Noise of the position's readings [rad or m]."""
     import numpy as np
 
-    third = signal[3:] - 3 * signal[2:-1] + 3 * signal[1:-2] - signal[:-3]
-    left = np.abs(third[np.isfinite(third)])
-    # 1, 3, 3, 1 of white noise: the sum of the squares is 20.
-    return 1.4826 * float(np.median(left)) / math.sqrt(20.0) if len(left) else 0.0
+    # What is no number keeps the recordings apart.
+    readings = [np.append(recording.measured["position"], np.nan) for recording in recordings]
+    times = [np.append(recording.time, recording.time[-1] + recording.step) for recording in recordings]
+    readings_std = max(float(np.nanstd(one)) for one in readings)
+    ends = np.cumsum([0.0, *(time[-1] + time[1] - time[0] for time in times[:-1])])
+    noise = scatter(
+        np.concatenate(readings), np.concatenate([t + e for t, e in zip(times, ends, strict=True)])
+    )
+    return max(noise, EXACT * readings_std, 1e-9)

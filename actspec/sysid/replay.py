@@ -14,15 +14,18 @@ from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet, Command
 from actspec.logs import Log
 from actspec.robot.view import RobotView
-from actspec.spec.results import JointResult, Results
+from actspec.spec.results import JointResult, Results, value_of
+from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
-from actspec.sysid.descent import Fit, Piecewise, Search, descend, simulated
+from actspec.sysid.coupling import course_of, dense, fitted, links_of, read
+from actspec.sysid.course import Course
+from actspec.sysid.descent import Piecewise, Search, descend
 from actspec.sysid.figures import Bounds, Figures, figures_of, time_constant
 from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
-from actspec.sysid.links import Links, links_along
-from actspec.sysid.motion import Course
-from actspec.sysid.recording import Recording, driven, record, slope_of
+from actspec.sysid.motion import Moved
+from actspec.sysid.recording import Recording, driven, record
+from actspec.sysid.settle import Going, moved_each, settled
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,6 +33,8 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
 
+FIT, SPEC = "fit", "spec"
+"""What a simulated joint is called: its motion was fitted, or it is the spec's with a figure of another method."""
 SHOWS = 1e-6
 """Least slope of gravity's torque over kp at which an encoder's bias shows."""
 
@@ -49,6 +54,7 @@ class Replay:
             `friction`; NaN outside of the pieces, shape (n,).
         starts: First rows of the pieces.
         rows: Length of each.
+        name: `FIT` or `SPEC`.
     """
 
     joint: str
@@ -60,6 +66,7 @@ class Replay:
     spread: Mapping[str, Array]
     starts: NDArray[np.intp]
     rows: int
+    name: str = FIT
 
     @property
     def model(self) -> Mapping[str, Array]:
@@ -135,12 +142,12 @@ def replay(
         checked = check(recorded, known, limits, out)
         usable = {name: mine[0] for name, mine in checked.items() if mine}
         if usable:
-            begin = {name: _figures(actuators, name, results.joints[name], log, logs) for name in usable}
+            first = {name: _figures(actuators, name, results.joints[name], log, logs) for name in usable}
 
             def tell_more(count: int, before: int = done) -> None:
                 tell(before + count, total)
 
-            for one in _replayed(robot, log, usable, known, begin, results, tell_more):
+            for one in _replayed(robot, log, usable, known, first, results, tell_more):
                 found.setdefault(one.joint, []).append(one)
         done += len(recorded)
     return found
@@ -155,56 +162,64 @@ def _replayed(
     results: Results,
     tell: Callable[[int], None],
 ) -> list[Replay]:
-    import numpy as np
+    names, every = list(recordings), list(recordings.values())
+    figures = dict(values)
+    states: list[tuple[Array, Array]] | None = None
+    paths = [read(recordings[name], values[name]["bias"]) for name in names]
+    # Joints of one log move each other: the second time as they are fitted in place of a filter's.
+    for again in (False, True) if len(names) > 1 else (False,):
+        links = links_of(robot, every, paths, names)
+        logs = [_pieces(r, course_of(r, links, paths, j)) for j, r in enumerate(every)]
+        if not again:
+            for name, log_of in zip(names, logs, strict=True):
+                told = results.joints[name]
+                figures[name] = (
+                    _moving(told, recordings[name], log_of, known[name], values[name])
+                    if results.method == "friction" and "torque" in log_of.measured
+                    else _completed(told, log_of, known[name], values[name])
+                )
+        going = [Going(pieces, figures[n], known[n]) for pieces, n in zip(logs, names, strict=True)]
+        found = settled(going, states, 1 if again else 2)
+        states = [at for at, _ in found]
+        tell(len(names) // (1 if again or len(names) == 1 else 2))
+        if len(names) > 1 and not again:
+            finely = [dense(pieces, r) for pieces, r in zip(logs, every, strict=True)]
+            finer = [replace(one, log=pieces) for one, pieces in zip(going, finely, strict=True)]
+            paths = [
+                fitted(r, figures[name]["bias"], [(pieces, moved)])
+                for r, name, pieces, moved in zip(
+                    every, names, finely, moved_each(finer, states), strict=True
+                )
+            ]
+    return [
+        _replay(recordings[name], one, moved, results)
+        for name, one, (_, moved) in zip(names, going, found, strict=True)
+    ]
 
-    names = list(recordings)
-    base = log.sidecar.base
-    q = np.stack([recordings[name].position - values[name]["bias"] for name in names], axis=1)
-    qd = np.stack([recordings[name].velocity for name in names], axis=1)
-    links = links_along(robot, names, q, qd, None if base is None else base.orientation)
-    accelerations = {name: recordings[name].acceleration for name in names}
-    fits: dict[str, Fit] = {}
-    logs: dict[str, Piecewise] = {}
-    # Joints of one log move each other: the second time with accelerations of the fit in place of a filter's.
-    rounds = (False, True) if len(names) > 1 else (False,)
-    for again in rounds:
-        if again:
-            accelerations = {
-                name: _acceleration(recordings[name], logs[name], fits[name], known[name]) for name in names
-            }
-        for j, name in enumerate(names):
-            course = _course(recordings[name], links, names, j, accelerations, values[name]["bias"])
-            logs[name] = _pieces(recordings[name], course)
-            free = () if again else _free(results.joints[name], course, values[name])
-            search = Search([logs[name]], known[name], free, _scales(values[name], course), _lowest())
-            before = fits.get(name)
-            fits[name] = descend(search, before.values if before else values[name], before)
-            tell((j + 1 + again * len(names)) // len(rounds))
-    return [_replay(recordings[name], logs[name], fits[name], known[name], results) for name in names]
+
+def _completed(
+    result: JointResult, log: Piecewise, bounds: Bounds, values: Mapping[str, float]
+) -> Mapping[str, float]:
+    """The figures, those that the results do not tell as they do best here."""
+    free = _free(result, log.course, values)
+    if not free:
+        return values
+    return descend(Search([log], bounds, free, _scales(values, log.course), _lowest()), values).values
 
 
-def _course(
-    recording: Recording,
-    links: Links,
-    names: Sequence[str],
-    j: int,
-    accelerations: Mapping[str, Array],
-    bias: float,
-) -> Course:
-    """What a joint is commanded, with a load in which the others' accelerations are."""
-    others = sum(
-        (links.inertia[:, j, k] * accelerations[name] for k, name in enumerate(names) if k != j),
-        0.0 * recording.time,
-    )
-    return Course(
-        recording.time,
-        recording.command,
-        recording.speed_command,
-        links.inertia[:, j, j].copy(),
-        links.load[:, j] + others,
-        links.slope[:, j].copy(),
-        recording.position - bias,
-    )
+def _moving(
+    result: JointResult, recording: Recording, log: Piecewise, bounds: Bounds, values: Mapping[str, float]
+) -> Mapping[str, float]:
+    """All figures that constant speeds do not tell, as they do best here: the rollout that the method begins with."""
+    first = begin([recording], [log.course], bounds, [0], None)
+    kp, kd = first.gains[0]
+    free = ["kp", "kd", "armature", "viscous", "delay"]
+    free = [name for name in free if FIELDS[name][0] not in result.bounds_hit]
+    free = [name for name in free if _value(result, FIELDS[name][0]) is None]
+    begun = {**values, **{name: first.values.get(name, values[name]) for name in free}, "kp": kp, "kd": kd}
+    reading = (first.lag - 0.5) * recording.step if first.lag else begun["delay"]
+    search = Search([log], bounds, tuple(free), _scales(begun, log.course), _lowest(), reading)
+    return descend(search, begun).values
 
 
 def _pieces(recording: Recording, course: Course) -> Piecewise:
@@ -212,16 +227,9 @@ def _pieces(recording: Recording, course: Course) -> Piecewise:
     return Piecewise(course, recording.measured, recording.starts, recording.rows, behind)
 
 
-def result_value(result: JointResult, field: str) -> float | None:
-    """What a results file says of a field; None: it has no value.
-
-    Args:
-        result: Of the joint.
-        field: As in `randomize`.
-    """
-    section, _, key = field.rpartition(".")
-    holder = getattr(result, section) if section else result
-    stated = getattr(holder, key, None)
+def _value(result: JointResult, field: str) -> float | None:
+    """What a results file says of a field [SI]; None: it has no value."""
+    stated = value_of(result, field)
     return None if stated is None or stated.value is None else float(stated.value)
 
 
@@ -237,7 +245,7 @@ def _figures(
     gains = gains_of(actuator, mine, torque=True, free=none, hold=none, out=Collector())
     place = next(gains.used[i] for i, other in enumerate(mine) if other is log)
     for figure, (field, _) in FIELDS.items():
-        value = result_value(result, field)
+        value = _value(result, field)
         if value is not None:
             found[figure] = time_constant(value) if figure == "lag" else value
         elif field in result.bounds_hit:
@@ -245,7 +253,7 @@ def _figures(
     for gain in GAINS:
         first, sent = gains.sets[0].sent(gain), gains.sets[place].sent(gain)
         held = None if result.gains is None or place else getattr(result.gains, gain).value
-        if result_value(result, gain) is None:
+        if _value(result, gain) is None:
             found[gain] = next((value for value in (held, sent) if value is not None), found[gain])
         elif place and first and sent is not None:
             # Results have the gains of the first set; those of another log are off by the same share.
@@ -288,24 +296,14 @@ def _lowest() -> dict[str, float]:
     return {name: (-float("inf") if name == "bias" else 0.0) for name in Figures.names()}
 
 
-def _acceleration(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds) -> Array:
-    """Of the fitted joint, outside of the pieces of the filter."""
-    moved = simulated(log, fit.values, bounds, fit.states[0])
-    found = recording.acceleration.copy()
-    for piece, start in enumerate(log.starts):
-        rows = slice(start, start + log.rows)
-        found[rows] = slope_of(moved.qd[:, piece, 0], recording.time[rows])
-    return found
-
-
-def _replay(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds, results: Results) -> Replay:
+def _replay(recording: Recording, one: Going, moved: Moved, results: Results) -> Replay:
     import numpy as np
 
-    moved = simulated(log, fit.values, bounds, fit.states[0])
+    log = one.log
     spread: dict[str, Array] = {}
     behind = moved.friction if log.joint_torque else 0.0
     for name, pieces in (
-        ("position", moved.q + fit.values["bias"]),
+        ("position", moved.q + one.values["bias"]),
         ("velocity", moved.qd),
         ("torque", moved.torque - behind),
         ("friction", moved.friction),
@@ -317,16 +315,17 @@ def _replay(recording: Recording, log: Piecewise, fit: Fit, bounds: Bounds, resu
     told = {
         name
         for name, (field, _) in FIELDS.items()
-        if result_value(results.joints[recording.joint], field) is not None
+        if _value(results.joints[recording.joint], field) is not None
     }
     return Replay(
         recording.joint,
         recording,
         log.course,
-        bounds,
-        fit.values,
+        one.bounds,
+        one.values,
         frozenset(told),
         spread,
         log.starts,
         log.rows,
+        SPEC if results.method in ("frequency", "step") else FIT,
     )

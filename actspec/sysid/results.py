@@ -53,6 +53,13 @@ def _joint(joint: JointFit) -> dict[str, Any]:
         if parameter.state is State.IDENTIFIED:
             section, _, key = parameter.field.rpartition(".")
             (data.setdefault(section, {}) if section else data)[key] = _number(parameter)
+    ends = {
+        p.field: [_short(p.low), _short(p.high)]
+        for p in joint.parameters
+        if p.state is State.IDENTIFIED and p.low is not None and p.high is not None
+    }
+    if ends:
+        data["intervals"] = ends
     held = {p.field: p for p in joint.parameters if p.state is State.HELD and p.field in ("kp", "kd")}
     if len(held) == 2:
         data["gains"] = {name: {"value": p.value, "unit": p.unit} for name, p in held.items()}

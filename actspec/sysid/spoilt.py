@@ -202,7 +202,8 @@ def _spoilt(
             return False
         away = np.ptp(gone - signal[start] * (time[rows][np.isfinite(position[rows])] - time[start]))
         least = max(WILD * textures["position"].noise, COUNTS * textures["position"].count, EXCITED)
-        return float(away) > least
+        # A servo that stands may read a count of speed.
+        return float(away) - seen.count * float(time[end] - time[start]) > least
     if seen.flickers:
         return True
     usual = np.abs(np.diff(signal))
@@ -213,7 +214,7 @@ def _spoilt(
     velocity = measured.get("velocity")
     if velocity is None or not np.isfinite(velocity[rows]).all():
         return False
-    went = np.ptp(np.cumsum(velocity[rows][:-1] * np.diff(time[rows])))
     length = float(time[end] - time[start])
+    went = np.ptp(np.cumsum(velocity[rows][:-1] * np.diff(time[rows]))) - textures["velocity"].count * length
     drift = WILD * textures["velocity"].noise * math.sqrt(length * length / (end - start))
     return float(went) > max(COUNTS * seen.count, drift, EXCITED)

@@ -17,7 +17,7 @@ from actspec.ir import JointActuator
 from actspec.joints import JointKind
 from actspec.sysid.figures import Bounds
 from actspec.sysid.identified import Indicator, JointFit
-from actspec.sysid.recording import GAP, Recording, scatter
+from actspec.sysid.recording import Recording, longest_step, scatter
 
 if TYPE_CHECKING:
     import numpy as np
@@ -96,7 +96,7 @@ def steps(recording: Recording, bounds: Bounds, gains: tuple[float, float] | Non
     """
     import numpy as np
 
-    position, noise = recording.measured["position"], scatter(recording.measured["position"])
+    position, noise = recording.measured["position"], scatter(recording.measured["position"], recording.time)
     found = []
     for before, first, last in _holds(recording):
         size = float(recording.command[first] - recording.command[first - 1])
@@ -129,7 +129,7 @@ def _holds(recording: Recording) -> list[tuple[int, int, int]]:
     import numpy as np
 
     command, time = recording.command, recording.time
-    gap = np.diff(time) > GAP * recording.step
+    gap = np.diff(time) > longest_step(time)
     changes = np.flatnonzero((np.diff(command) != 0.0) | gap) + 1
     edges = [0, *changes.tolist(), len(command)]
     least = max(LEAST_ROWS, round(LEAST_HELD / recording.step))

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from actspec.ir import JointActuator
+from actspec.sysid.course import Course
 from actspec.sysid.descent import Fit, Piecewise, Search, System, linearised
 from actspec.sysid.figures import Bounds
 from actspec.sysid.gains import GainSets
-from actspec.sysid.motion import Course
 from actspec.sysid.recording import Recording
 
 if TYPE_CHECKING:

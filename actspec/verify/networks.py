@@ -12,11 +12,11 @@ from actspec.laws.network import NetworkDrive
 from actspec.simulate.excitation import COURSES, HeldMotion, HeldMotions, torque_scale
 from actspec.simulate.reference import PassiveFriction, held_network_torque
 from actspec.targets.base import Approximation
-from actspec.verify.agreement import Row, TargetFiles, alike, keys, worst_of
+from actspec.verify.agreement import Row, TargetFiles, alike, worst_of
 from actspec.verify.engines.asking import EngineAnswer
 from actspec.verify.joint_laws import JointLaws
 from actspec.verify.response import without_loss
-from actspec.verify.torque import ROUNDINGS, SINGLE, at, draws, lags, least_error, usual
+from actspec.verify.torque import ROUNDINGS, SINGLE, draws, lags, least_error, row_of
 
 if TYPE_CHECKING:
     from actspec.laws.arrays import Floats as Array
@@ -74,22 +74,11 @@ def _judge(
     rounded = held_network_torque(_in_single(drive), short[0], short[1], short[2], step, right[0])
     tolerance = SINGLE * torque_scale(asked.clip) + ROUNDINGS * float(np.abs(rounded - wanted[0]).max())
     error = least_error(got, wanted, actuator)
-    worst = float(error.max())
-    ok = worst <= tolerance
-    k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
     posed = replace(asked.clip, command=Command.POSITION)
-    inside = usual(posed, actuator, motion, column)
-    beside = ", known approximations aside" if lost else ""
-    row = Row(
-        *(target.name, actuator.group, actuator.joint, 1, COURSES, unit, worst, tolerance, ok),
-        at=at(posed, motion, k, env, column),
-        approximations=keys(lost),
-        engine=answer.engine,
-        code=None if ok else "VFY100",
-        message="" if ok else f"the torque differs from the network's by {worst:.4g} {unit}{beside}",
-        usual_error=float(error[inside].max()) if inside.any() else None,
+    than = "the network's" + (", known approximations aside," if lost else "")
+    return row_of(
+        target, actuator, COURSES, error, tolerance, posed, motion, column, lost, answer.engine, than
     )
-    return worst / tolerance, row
 
 
 def _floats(array: Array) -> Array:

@@ -151,7 +151,7 @@ def _reading(
     reading: FileReading, options: TargetOptions, actuators: ActuatorSet, robot: RobotView
 ) -> FileFigures:
     if reading.reason is not None:
-        return FileFigures(reading.path, reading.reason)
+        return FileFigures(reading.path, reading.told)
     kind = {ModelFormat.MJCF: FileKind.MJCF, ModelFormat.URDF: FileKind.URDF}.get(robot.format)
     spec = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     partners = [spec] if kind is None else [Artifact(robot.path, kind, robot.name, robot=robot), spec]

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import shortened
-from actspec.ir import ActuatorSet, Command, JointActuator, JointKind
+from actspec.ir import ActuatorSet, Command, JointActuator, JointKind, Origin, Quantity
 from actspec.laws import TorqueLaw
 from actspec.simulate.experiment import COURSES, Experiment, design
 from actspec.simulate.reference import DrivenJoint, PassiveFriction, Trajectory
@@ -86,7 +86,11 @@ def _expected(
     losses = [loss for loss in target.losses if loss.joint in (actuator.joint, "")]
     own_body = target.options.kind in OWN_BODY
     friction = PassiveFriction.of(actuator)
-    if not own_body:
+    if own_body:
+        dry, viscous = map(_acting, (actuator.friction_coulomb, actuator.friction_viscous))
+        friction = replace(friction, coulomb=dry, viscous=viscous)
+        inertia += 0.0 if actuator.armature.known else _acting(actuator.armature)
+    else:
         # The body's friction is not the engine's: what the target cannot say of it is no loss here.
         friction = PassiveFriction(friction.coulomb, friction.viscous)
     left_law, left, sized, counted = law, friction, True, []
@@ -104,6 +108,14 @@ def _expected(
     return ExpectedResponse(
         DrivenJoint(law, friction, inertia), DrivenJoint(left_law, left, inertia), tuple(counted), sized
     )
+
+
+def _acting(quantity: Quantity) -> float:
+    """A figure of a joint's body; where the spec does not state it, the model's own, which the target keeps."""
+    if quantity.value is not None:
+        return quantity.value
+    own = (lost.value for lost in quantity.lost if lost.origin in (Origin.MODEL, Origin.DEFAULT))
+    return next(own, None) or 0.0
 
 
 def without_loss(

@@ -106,23 +106,55 @@ def _judge(
     right = lags(law, actuator, step, ranged=draws(target))
     error = least_error(got, [held_torque(law, command, q, qd, step, lag) for lag in right], actuator)
     strict = _strict(law, motion, column, single=answer.single)
-    worst = float(error.max())
-    ok, tolerance = worst <= strict, strict
-    if not ok:
+    tolerance = strict
+    if not error.max() <= strict:
         # Only where it shows: an approximation elsewhere on the grid does not hide another fault here.
         tolerance = strict + SLACK * _size(lost)
-        ok = worst <= tolerance
+    return row_of(target, actuator, quantity, error, tolerance, law, motion, column, lost, answer.engine)
+
+
+def row_of(
+    target: TargetFiles,
+    actuator: JointActuator,
+    quantity: str,
+    error: Array,
+    tolerance: float,
+    law: TorqueLaw,
+    motion: HeldMotion,
+    column: int,
+    lost: Sequence[Approximation],
+    engine: str,
+    than: str = "the law",
+) -> tuple[float, Row]:
+    """The row of one joint's torque, and its largest error in tolerances.
+
+    Args:
+        target: What was compiled.
+        actuator: What the spec asks for.
+        quantity: Which torque.
+        error: Of the engine [N*m or N], (n_step, n_env).
+        tolerance: What of it is let pass.
+        law: The clip, for what is usual of the motion.
+        motion: What was asked, all joints.
+        column: The joint's.
+        lost: What the target is known to lose of the joint.
+        engine: What was run.
+        than: What the engine is held to, for the message.
+    """
+    import numpy as np
+
+    worst, unit = float(error.max()), actuator.effort_limit.unit
+    ok = worst <= tolerance
     k, env = (int(i) for i in np.unravel_index(int(error.argmax()), error.shape))
+    inside = usual(law, actuator, motion, column)
     row = Row(
         *(target.name, actuator.group, actuator.joint, 1, quantity, unit, worst, tolerance, ok),
         at=at(law, motion, k, env, column),
         approximations=keys(lost),
-        engine=answer.engine,
+        engine=engine,
         code=None if ok else "VFY100",
-        message="" if ok else f"the torque differs from the law by {worst:.4g} {unit}",
-        usual_error=float(error[inside].max())
-        if (inside := usual(law, actuator, motion, column)).any()
-        else None,
+        message="" if ok else f"the torque differs from {than} by {worst:.4g} {unit}",
+        usual_error=float(error[inside].max()) if inside.any() else None,
     )
     return worst / tolerance if tolerance > 0.0 else math.inf, row
 

@@ -119,8 +119,8 @@ def test_text_is_stable_and_valid(folder: Path) -> None:
     "text, message",
     [
         (None, "the baseline cannot be read: no such file or directory"),
-        ("{", "this is not JSON in UTF-8"),
-        ("[" * 100_000, "this is not JSON in UTF-8"),
+        ("{", "this is not JSON in UTF-8: "),
+        ("[" * 100_000, "this is not JSON in UTF-8: it is nested too deeply"),
         ("[]", "this is no baseline of actspec"),
         ('{"format": "actspec-baseline/2"}', "the baseline is of another version of actspec"),
         ('{"format": "actspec-baseline/1"}', "an entry of the baseline is not as actspec writes it"),
@@ -148,7 +148,8 @@ def test_bad_baselines(text: str | None, message: str, folder: Path) -> None:
     with pytest.raises(AuditError) as caught:
         read_baseline("base.json", {})
     (item,) = caught.value.diagnostics
-    assert (item.code, item.message) == ("AUD005", message)
+    assert item.code == "AUD005"
+    assert item.message.startswith(message)
 
 
 def test_a_baseline_that_cannot_be_written(folder: Path) -> None:

@@ -181,8 +181,8 @@ def test_pyproject_names_its_own_path(folder: Path) -> None:
     with pytest.raises(AuditError) as caught:
         load_settings(RULES)
     assert [item.where for item in caught.value.diagnostics] == [
-        "tool.actspec.adit",
         "tool.actspec.audit.selct",
+        "tool.actspec.adit",
     ]
 
 

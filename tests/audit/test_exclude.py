@@ -171,3 +171,31 @@ def test_what_is_said_of_files_can_be_ignored(settings: Settings, shown: list[st
     )
     report = audit(["robots/own/e.urdf"], settings)
     assert [item.code for item in report.for_people(Severity.WARNING)] == shown
+
+
+@pytest.mark.parametrize(
+    ("glob", "named", "said"),
+    [
+        pytest.param("thrid_party", ".", "did you mean 'third_party'?", id="a misspelt name"),
+        pytest.param("robots/own/third_prty/*.xml", ".", "did you mean 'third_party'?", id="in a path"),
+        pytest.param("third_party", ".", None, id="one that fits"),
+        pytest.param("build", ".", None, id="not made yet, and nothing has nearly its name"),
+        pytest.param("thrid_party", "robots", None, id="a part of what the settings are for"),
+        pytest.param("thrid_party", "robots/a.xml", None, id="a file, as a hook names it"),
+    ],
+)
+def test_a_misspelt_glob_is_told(
+    glob: str, named: str, said: str | None, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Where all was looked at that it could name; the exit code stays."""
+    Path("actspec.toml").write_text(f'[audit]\nexclude = ["{glob}"]\n')
+    main(["audit", named, "--exit-zero", "--jobs", "1"])
+    found = [
+        line for line in capsys.readouterr().err.splitlines() if "AUD017" in line or "did you mean" in line
+    ]
+    wanted = (
+        [f"AUD017 [warning]: the glob {glob!r} of exclude fits nothing here", f"  help: {said}"]
+        if said
+        else []
+    )
+    assert found == wanted

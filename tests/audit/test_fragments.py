@@ -77,3 +77,13 @@ def test_a_part_that_compiles_alone_is_judged_in_its_model() -> None:
     together = audited("hand.xml", "scene.xml")
     assert [file.path for file in together.case.files] == ["scene.xml"]
     assert together.findings == ()
+
+
+def test_a_part_is_left_to_a_model_that_cannot_be_read() -> None:
+    """It is that model's of which something is wrong; the part alone has neither its angle nor its classes."""
+    Path("leg.xml").write_text(MAIN.replace("</mujoco>", '<include file="not_here.xml"/></mujoco>'))
+    Path("leg_actuators.xml").write_text(FRAGMENT)
+    report = audited(".")
+    assert [(Path(file.path).name, file.readable) for file in report.case.files] == [("leg.xml", False)]
+    Path("leg.xml").unlink()
+    assert [Path(file.path).name for file in audited(".").case.files] == ["leg_actuators.xml"]

@@ -360,7 +360,7 @@ def test_as_a_process(folder: Path) -> None:
     paths = os.pathsep.join([str(ROOT), *sys.path])
     (folder / "bén.xml").write_text(LEG)
     done = subprocess.run(
-        [sys.executable, "-m", "actspec.cli.main", "audit", "bén.xml", "--output-format", "concise"],
+        [sys.executable, "-m", "actspec", "audit", "bén.xml", "--output-format", "concise"],
         capture_output=True,
         text=True,
         env={**os.environ, "PYTHONPATH": paths, "PYTHONIOENCODING": "ascii"},
@@ -452,6 +452,20 @@ def test_rule_that_is_none_any_more(selector: str, capsys: pytest.CaptureFixture
     assert run("rule", selector) == 0
     said = capsys.readouterr().out
     assert said.startswith("ACT002 unused-ignore\n") and "no rule" in said
+
+
+def test_rule_of_any_case(capsys: pytest.CaptureFixture[str]) -> None:
+    """`lim101` is LIM101, and a code of a table in the docs says in which; one that cannot be is refused."""
+    assert run("rule", "LIM101") == 0
+    page = capsys.readouterr().out
+    assert run("rule", "lim101") == 0
+    assert capsys.readouterr().out == page
+    for code in ("sys031", "LOG004"):
+        assert run("rule", code) == 0
+        said = capsys.readouterr().out
+        assert said.startswith(f"{code.upper()}\n") and "docs/sysid.md" in said
+        assert f"| {code.upper()} |" in (ROOT / "docs" / "sysid.md").read_text("utf-8")
+    assert run("rule", "sys31") == 2
 
 
 def test_rules_as_json(capsys: pytest.CaptureFixture[str]) -> None:

@@ -146,6 +146,12 @@ BAD: dict[str, tuple[Lines | bytes, str, str, str]] = {
         ":1:3",
         "1 N*m is a torque, not a position",
     ),
+    "counts below 0 read as 65535": (
+        changed(4, lambda a: np.round(a * 1e3) % 65536),
+        ".csv",
+        ":1:5",
+        "LOG014 hip.torque: jumps between 0 and 65535: a signed number of 16 bits, read as an unsigned one",
+    ),
     "unknown unit": (
         text(header=HEADER.replace("[rad],hip.v", "[ell],hip.v")),
         ".csv",

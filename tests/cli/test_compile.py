@@ -137,6 +137,37 @@ def test_the_model_itself_is_never_replaced(spec: Path) -> None:
     assert Path("mujoco/arm.xml").read_text() == MODEL
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="no forks there")
+@pytest.mark.parametrize("back", [False, True])
+def test_after_a_kill(back: bool, spec: Path, capsys: Any) -> None:
+    """Killed when one of two files has been replaced: the next run goes on, or back, without --force."""
+    old = spec.read_text()
+    assert main(["compile", "arm.yaml"]) == 0
+    before = OUT.read_bytes()
+    spec.write_text(old.replace("kp: 20", "kp: 30"))
+    child = os.fork()
+    if child == 0:
+        real, calls = os.replace, iter(range(9))
+        os.replace = lambda *a: real(*a) if next(calls) == 0 else os.kill(os.getpid(), 9)
+        main(["compile", "arm.yaml"])
+        os._exit(0)
+    assert os.WTERMSIG(os.waitpid(child, 0)[1]) == 9
+    # The main file is new, the manifest of the old spec lies beside it.
+    assert OUT.read_bytes() != before
+    if back:
+        spec.write_text(old)
+    assert main(["compile", "arm.yaml"]) == 0
+    assert (OUT.read_bytes() == before) is back
+    assert sorted(os.listdir(OUT.parent)) == ["arm.xml", "manifest.json"]
+
+
+def test_two_targets_of_one_file(spec: Path, capsys: Any) -> None:
+    """Two versions of one target write the same paths: neither is written."""
+    assert main(["compile", "arm.yaml", "-t", "mujoco==4.0", "-t", "mujoco==3.7"]) == 2
+    assert "build/arm/mujoco/arm.xml: OUT004: two targets of this run write it" in capsys.readouterr().err
+    assert not Path("build").exists()
+
+
 def test_target_on_the_command_line(spec: Path) -> None:
     """--target mujoco==3.11 compiles for that version whatever the spec says."""
     assert main(["compile", "arm.yaml", "-t", "mujoco==3.11"]) == 0
@@ -179,7 +210,7 @@ def test_nothing_is_written_when_one_of_two_specs_fails(spec: Path) -> None:
 
 def test_plain_output_in_a_pipe(spec: Path) -> None:
     """In a pipe there is no colour, and a closed pipe is no traceback."""
-    command = [sys.executable, "-m", "actspec.cli.main", "compile", "arm.yaml"]
+    command = [sys.executable, "-m", "actspec", "compile", "arm.yaml"]
     environment = {**os.environ, "PYTHONPATH": str(ROOT)}
     done = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
     assert done.returncode == 0, done.stderr

@@ -112,7 +112,7 @@ def test_revision_of_a_spec(repository: Path, capsys: pytest.CaptureFixture[str]
     capsys.readouterr()
     assert main(["diff", "HEAD~1:robots/leg.yaml", "robots/leg.yaml"]) == 2
     err = capsys.readouterr().err
-    assert err.startswith("HEAD~1:robots/leg.yaml: DIF001: cannot be read:")
+    assert err.startswith("HEAD~1:robots/leg.yaml:2:27: DIF001: cannot be read:")
     assert "tmp" not in err
 
 

@@ -205,7 +205,7 @@ def joint(found: Any) -> Any:
     [
         (["--check"], "actspec.lock: LCK001: there is no such lock"),
         ([], "actspec.lock: LCK001: there is no such lock"),
-        (["leg.xml", "-o", "leg.yaml"], "leg.yaml: LCK001: is not a dynamics lock"),
+        (["leg.xml", "-o", "leg.yaml"], "leg.yaml:1:1: LCK001: is not a dynamics lock"),
         (["leg.xml", "-o", "."], ".: LCK001: cannot be read: a folder"),
         (["leg.xml", "-o", "no/actspec.lock"], "no/actspec.lock: LCK001: cannot be written"),
         (["none.xml"], "none.xml: DIF001: cannot be read"),
@@ -251,4 +251,13 @@ def test_an_edited_lock_is_written_anew() -> None:
     joint(found)["kd"] = 4.0
     Path("actspec.lock").write_text(json.dumps(found))
     assert main(["lock"]) == 0
+    assert main(["lock", "--check"]) == 0
+
+
+@pytest.mark.skipif(os.sep != "/", reason="no such names here")
+@pytest.mark.parametrize("name", ["a:b.xml", "C:x.xml", "a\\b.xml", "a\nb.xml", os.fsdecode(b"caf\xe9.xml")])
+def test_files_of_any_name(name: str) -> None:
+    """What is locked is checked again, whatever its name has."""
+    Path(name).write_text(LEG)
+    assert main(["lock", name]) == 0
     assert main(["lock", "--check"]) == 0

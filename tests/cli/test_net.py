@@ -99,7 +99,9 @@ def test_evaluate(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys
     page = Path("legs.html").read_text("utf-8")
     # Motion once, torque and errors of each joint.
     assert page.count("<svg class") == 5 and "<script" not in page and "arm: good" in page
-    assert main([*arguments, "--html", "no/legs.html"]) == 2
+    assert main([*arguments, "--html", "legs.html"]) == 2
+    assert "OUT003: exists already" in capsys.readouterr().err
+    assert main([*arguments, "--html", "spec.yaml", "--force"]) == 2
 
 
 def test_an_lstm(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:

@@ -15,6 +15,7 @@ from lxml import html
 import actspec
 from actspec.cli.main import main
 from tests.audit.report.test_browser import CHROMIUM, looked
+from tests.schemas import fits
 
 SECTIONS = [
     *("verdict", "joints", "advice", "envelopes", "steps", "damping", "tracking", "findings", "ledger"),
@@ -33,6 +34,7 @@ motors:
     side: joint
     stall_torque: {value: 20 N*m, source: us}
     no_load_speed: {value: 10 rad/s, source: us}
+    reflected_inertia: {value: 0.01 kg*m^2, source: us}
 actuators:
   all:
     joints: [".*"]
@@ -116,11 +118,15 @@ def test_figures_are_files_too(folder: Path) -> None:
     """Each picture as SVG, and its points as CSV: 200 of the knee's are beyond, at 8 rad/s and 9 N*m."""
     names = sorted(path.name for path in (folder / "figures").iterdir())
     assert all(re.fullmatch(r"[A-Za-z0-9_.-]+", name) for name in names)
-    assert {name.partition("-")[0] for name in names} == {"envelope", "step", "tracking"}
+    assert {name.partition("-")[0] for name in names} == {"envelope", "step", "damping", "tracking"}
     with open(folder / "figures" / "envelope-knee.csv", newline="") as file:
         rows = list(csv.reader(file))
     assert rows[0] == ["series", "speed [rad/s]", "torque [N*m]"]
     assert [row[1:] for row in rows if row[0] == "beyond"] == [["8", "9"]] * 200
+    (damping,) = (name for name in names if name.startswith("damping") and name.endswith(".csv"))
+    text = (folder / "figures" / damping).read_text()
+    assert text.splitlines()[0] == "joint,kd of the drive [N*m*s/rad],viscous friction [N*m*s/rad]"
+    assert text.splitlines()[1].endswith(" +1,1,0.05")
 
 
 def test_without_a_log(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -130,6 +136,7 @@ def test_without_a_log(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: An
     page = html.document_fromstring((folder / "spec.html").read_text())
     assert "natural frequency" in page.get_element_by_id("joints").text_content()
     assert "LOG.csv" in page.get_element_by_id("tracking").text_content()
+    assert "actspec import" not in page.get_element_by_id("advice").text_content()
     assert "level: dc_motor" in page.get_element_by_id("verdict").text_content()
     assert (
         main(
@@ -149,8 +156,10 @@ def test_without_a_log(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: An
     )
     text = (folder / "r.md").read_text()
     # wn = sqrt(20 / 0.1) / 2 pi = 2.25 Hz
-    assert "2.25 Hz" in text and "to be filled: `actspec sysid fit" in text and len(text) < 60_000
+    assert "2.25 Hz" in text and "gains and delay: `actspec sysid fit leg.yaml" in text and len(text) < 60_000
     assert "<b" not in text
+    # A rotor of 0.01 kg*m^2 by the datasheet, of which the spec has none: an armature of 0.
+    assert "| 0 kg\\*m^2 | 0.01 kg\\*m^2 (0 of it is modelled) |" in text
 
 
 def test_an_agreement_is_shown(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
@@ -178,6 +187,69 @@ def test_an_agreement_is_shown(folder: Path, monkeypatch: pytest.MonkeyPatch, ca
     assert not Path("none.html").exists()
 
 
+def test_an_ablation_is_shown(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Means and worst joints of its log, and its training; without one the record names the command."""
+    monkeypatch.chdir(folder)
+    tracking = [
+        {"variant": "A_ideal_pd", "joint": joint, "rmse": rmse, "peak_torque": 5.0, "saturated": 0.0}
+        for joint, rmse in ((BAD, 0.1), ("knee", 0.3))
+    ]
+    training = [{"variant": "A_ideal_pd", "reward": 7.25, "reward_std": None, "seeds": [0]}]
+    missing = [{"variant": "network", "joint": BAD, "reason": "none"}]
+    found = {
+        "format": "actspec-ablation/1",
+        "variants": [],
+        "missing": missing,
+        "tracking": tracking,
+        "training": training,
+    }
+    Path("ablation").mkdir()
+    Path("ablation/ablation.json").write_text(json.dumps(found))
+    assert main(["report", "leg.yaml", "-o", "a.html", "--ablation", "ablation"]) == 0
+    page = html.document_fromstring(Path("a.html").read_text())
+    assert [one.get("id") for one in page.iter("section")] == [*SECTIONS, "ablation"]
+    cells = [cell.text_content() for cell in page.get_element_by_id("ablation").iter("td")]
+    assert cells[:5] == ["A_ideal_pd", "0.2", "0.3", "knee", "5"]
+    assert cells[5:11] == ["A_ideal_pd", "7.25", "-", "-", "-", "1"]
+    assert BAD in cells and not list(page.iter("b"))
+    assert (
+        main(["report", "leg.yaml", "-o", "a.md", "--ablation", "ablation", "--output-format", "markdown"])
+        == 0
+    )
+    assert "| A\\_ideal\\_pd | 0.2 | 0.3 | knee | 5 |" in Path("a.md").read_text()
+    assert main(["report", "leg.yaml", "-o", "none.html", "--ablation", "figures"]) == 2
+    assert "actspec ablate SPEC" in capsys.readouterr().err
+    Path("ablation/ablation.json").write_text('{"format": "actspec-ablation/1", "variants": [NaN]}')
+    assert main(["report", "leg.yaml", "-o", "none.html", "--ablation", "ablation"]) == 2
+    assert "NaN is no number" in capsys.readouterr().err
+
+
+def test_as_json(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the schema has it; the knee is beyond in 200 of 1000 rows, and each joint stands in a picture of each kind."""
+    monkeypatch.chdir(folder)
+    arguments = [
+        "report",
+        "leg.yaml",
+        "log.csv",
+        "-o",
+        "r.json",
+        "--output-format",
+        "json",
+        "--fail-on",
+        "never",
+    ]
+    assert main(arguments) == 0
+    record = json.loads(Path("r.json").read_text())
+    fits("overview", record)
+    assert record["verdict"]["enough"] is False
+    assert [joint["joint"] for joint in record["joints"]] == [BAD, "knee"]
+    assert record["diagnosis"]["joints"][1]["beyond"] == pytest.approx(0.2)
+    assert record["joints"][0]["inertia"] == pytest.approx(0.1)
+    for kind in ("envelope", "step", "damping", "tracking"):
+        shown = [name for one in record["figures"] if one["figure"] == kind for name in one["joints"]]
+        assert shown == [BAD, "knee"]
+
+
 def test_robot_files_without_a_spec(folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     """A model as import reads it; a spec beside it, or logs alone, are refused; nothing else is written."""
     monkeypatch.chdir(folder)
@@ -190,6 +262,7 @@ def test_robot_files_without_a_spec(folder: Path, monkeypatch: pytest.MonkeyPatc
     page = html.document_fromstring(Path("bare.html").read_text())
     joints = page.get_element_by_id("joints").text_content()
     assert "30 N*m/rad" in joints and "12 N*m/rad" in joints and "7 N*m" in joints
+    assert "actspec import bare.xml -o spec.yaml" in page.get_element_by_id("advice").text_content()
     assert {path.name for path in folder.iterdir()} == before | {"bare.html"}
     for files in (["leg.yaml", "bare.xml"], ["log.csv"]):
         assert main(["report", *files, "-o", "none.html"]) == 2
@@ -202,6 +275,20 @@ def test_in_a_browser(folder: Path) -> None:
     found = looked(folder)
     assert found["wide"] == [] and found["over"] == 0 and found["hit"]
     assert all(there for _, there in found["links"])
+    assert found["least"] >= 8.0 and found["scrolled"] == []
     assert (
         looked(folder, "--blink-settings=preferredColorScheme=0", width=1200)["ground"] == "rgb(13, 17, 23)"
     )
+
+
+def test_a_record_that_is_too_long(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Room for 3000 characters: steps give way, with the command that has them, and the conclusion stays."""
+    from actspec.report import overview_markdown
+
+    monkeypatch.chdir(folder)
+    monkeypatch.setattr(overview_markdown, "LONGEST", 3000)
+    assert main(["report", "leg.yaml", "-o", "long.md", "--output-format", "markdown"]) == 0
+    text = Path("long.md").read_text()
+    assert len(text) <= 3000
+    assert "more lines do not fit here: `actspec compare leg.yaml --output-format markdown`" in text
+    assert text.index("### Conclusion") < text.index("Model level")

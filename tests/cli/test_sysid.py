@@ -18,6 +18,17 @@ from tests.sysid.test_fit import MODEL, SPEC
 pytest.importorskip("scipy")
 pytestmark = pytest.mark.slow
 
+_SIMULATE = ["simulate", "spec.yaml", "--command", "c.csv", "--seed", "1"]
+
+
+def _exit(arguments: list[str]) -> int:
+    """Exit code, argparse's too."""
+    try:
+        return main(arguments)
+    except SystemExit as end:
+        assert isinstance(end.code, int)
+        return end.code
+
 
 @pytest.fixture(scope="module")
 def bench(tmp_path_factory: pytest.TempPathFactory) -> Path:
@@ -96,6 +107,9 @@ def test_same_seed_same_bytes(bench: Path, monkeypatch: pytest.MonkeyPatch, caps
     assert 0.9 * len(sound.time) < len(rough.time) < len(sound.time)
     position = rough.joints["hip"].position
     assert position is not None
+    # A row comes 10 % of 2 ms early or late, and its position is that of its time.
+    late = rough.time[:, None] - sound.time
+    assert 1.5e-4 < np.std(late[np.abs(late) < 1e-3]) < 2.5e-4
     # 1024 counts a turn: every reading is a whole number of them, to the ten digits of the file.
     counts = position / (2 * np.pi / 1024)
     assert counts == pytest.approx(np.round(counts), abs=1e-6)
@@ -120,21 +134,57 @@ def test_design_keeps_to_the_joint(
     capsys.readouterr()
 
 
+def test_joints_in_turn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Each moves in its own part, takes most of what the spec allows, and does what the virtual robot does."""
+    monkeypatch.chdir(tmp_path)
+    spec = str(data_path("robots", "a1.yaml"))
+    design = [
+        "sysid",
+        "design",
+        spec,
+        "-o",
+        "c.csv",
+        "--experiment",
+        "steps",
+        "--joint",
+        "FR_(thigh|calf)_joint",
+    ]
+    assert main([*design, "--duration", "3 s", "--rate", "200 Hz"]) == 0
+    log = load_log("c.csv")
+    for i, joint in enumerate(log.joints.values()):
+        assert joint.command is not None and joint.velocity is not None and joint.torque is not None
+        moves = np.flatnonzero(np.diff(joint.command))
+        assert i * 600 <= moves[0] and moves[-1] < (i + 1) * 600
+        # 21 rad/s and 33.5 N*m; the amplitudes tried are 9 % apart at most.
+        taken = max(np.abs(joint.velocity).max() / 21.0, np.abs(joint.torque).max() / 33.5)
+        assert 0.7 < taken <= 0.8
+    assert main(["sysid", "simulate", spec, "--command", "c.csv", "-o", "l.csv", "--seed", "1"]) == 0
+    thigh, true = (load_log(name).joints["FR_thigh_joint"] for name in ("c.csv", "l.csv"))
+    # The calf swings when the thigh moves, which the design leaves out.
+    assert thigh.position is not None and true.position is not None
+    off = np.std(thigh.position[:600] - true.position[:600])
+    assert off < 0.05 * np.std(thigh.position[:600])
+    capsys.readouterr()
+
+
 def test_crest_and_correlation_of_joints_together(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
 ) -> None:
-    """Multisines of three joints at once: crest factors of at most 2, correlations below 0.3."""
+    """Multisines of three joints at once: crest factors of at most 2, correlations below 0.3, links that couple."""
     monkeypatch.chdir(tmp_path)
     spec = str(data_path("robots", "a1.yaml"))
     design = ["sysid", "design", spec, "-o", "c.npz", "--experiment", "multisine", "--joint", "FR_.*"]
     assert main([*design, "--together", "--duration", "5 s", "--rate", "200 Hz"]) == 0
     log = load_log("c.npz")
-    commands = np.stack([j.command - j.command.mean() for j in log.joints.values()])  # type: ignore[union-attr, operator]
+    commands = np.stack([np.asarray(j.command) - np.mean(j.command) for j in log.joints.values()])  # type: ignore[operator]
     assert len(commands) == 3
     crest = np.abs(commands).max(axis=1) / np.sqrt((commands**2).mean(axis=1))
     assert (crest <= 2.0).all(), crest
     correlation = np.corrcoef(commands)
     assert np.abs(correlation - np.eye(3)).max() < 0.3
+    assert main(["sysid", "simulate", spec, "--command", "c.npz", "-o", "l.npz", "--seed", "1"]) == 0
+    for name, found in load_log("l.npz").joints.items():
+        assert found.position == pytest.approx(log.joints[name].position, abs=3e-3), name
     capsys.readouterr()
 
 
@@ -174,7 +224,19 @@ def test_joints_that_push_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["fit", "spec.yaml", "log.csv", "--free", "armatur"], "did you mean 'armature'?"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "chirp", "--joint", "hp"], "matches no joint"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "chirp", "--duration", "10"], "has no unit"),
-        (["simulate", "spec.yaml", "--command", "log.csv", "-o", "no/x.csv", "--seed", "1"], "cannot be written"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--linear"], "only a chirp's frequency grows"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--duration", "1e9 s"], "40000000 numbers"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--rate", "0 Hz"], "must be above 0, got"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--seed", "-1"], "'-1' is no whole number"),
+        (["design", "spec.yaml", "-o", "x.parquet", "--experiment", "steps"], "written as .csv, .txt or .npz"),
+        ([*_SIMULATE, "-o", "spec.yaml/x.csv"], "spec.yaml/x.csv: LOG001"),
+        ([*_SIMULATE, "-o", "x.mat"], "written as .csv, .txt or .npz"),
+        ([*_SIMULATE, "-o", "x.csv", "--dropped", "100 %"], "--dropped: must be at most 0.9, got 100 %"),
+        ([*_SIMULATE, "-o", "x.csv", "--encoder-bits", "9999"], "--encoder-bits: must be at most 40"),
+        (["fit", "spec.yaml", "log.csv", "log.csv"], "log.csv: SYS035: is named twice"),
+        (["fit", "spec.yaml", "log.csv", "-o", "log.yaml", "--force"], "e.g. log-results.yaml"),
+        (["fit", "spec.yaml", "log.csv", "-o", "./c.yaml"], "./c.yaml: SYS036: this is where the sidecar of c.csv is"),
+        (["fit", "spec.yaml", "log.csv", "./copy.csv"], "SYS035: the same bytes as log.csv"),
     ],
 )  # fmt: skip
 def test_bad_input_writes_nothing(
@@ -182,8 +244,9 @@ def test_bad_input_writes_nothing(
 ) -> None:
     """Exit code 2, the cause, and no file."""
     monkeypatch.chdir(bench)
+    (bench / "copy.csv").write_bytes((bench / "log.csv").read_bytes())
     before = sorted(path.name for path in bench.iterdir())
-    assert main(["sysid", *arguments]) == 2
+    assert _exit(["sysid", *arguments]) == 2
     assert words in capsys.readouterr().err
     assert sorted(path.name for path in bench.iterdir()) == before
 

@@ -144,6 +144,40 @@ def test_one_page_with_all_of_it(bench: Path, capsys: pytest.CaptureFixture[str]
     assert (bench / "r.html").stat().st_size < 200_000
 
 
+def test_an_uneven_interval_is_drawn_as_the_file_has_it(bench: Path) -> None:
+    """kp 32 of 31 to 34, where its standard deviation alone would give 30 to 34; two joints have a table of both."""
+    given = results(bench)
+    joint = given["joints"]["hip"]  # type: ignore[index]
+    joint["kp"]["std"], joint["intervals"] = 1.02, {"kp": [31.0, 34.0]}
+    given["joints"]["knee"] = {"kp": joint["kp"]}  # type: ignore[index]
+    (bench / "r.yaml").write_text(yaml.safe_dump(given, sort_keys=False))
+    assert report() == 1
+    text = " ".join(page_of(bench).text.split())
+    assert "31.0 to 34.0" in text and "32.0 +2.0 −1.0" in text and "32.0 ± 2.0" in text
+
+
+def test_methods_that_fit_no_motion(bench: Path) -> None:
+    """Steps leave the spec's joint, with nothing of the results; constant speeds come with a rollout of their own."""
+    given = results(bench)
+    loop = {"natural_frequency": {"value": 4.0, "unit": "Hz"}, "damping_ratio": {"value": 0.4, "unit": "1"}}
+    given |= {"method": "step", "joints": {"hip": {"diagnostics": loop}}}
+    (bench / "r.yaml").write_text(yaml.safe_dump(given))
+    assert report() == 0
+    text = " ".join(page_of(bench).text.split())
+    assert "Simulated is the spec's joint: this method fits no motion." in text
+    assert "This method tells no figure of the spec" in text and "Intervals of 95 %" not in text
+    # The spec's kp is 40, the joint's 32: only the rollout moves as the joint did.
+    assert "log less spec" in text
+    dry = {"coulomb": {"value": TRUE["friction.coulomb"], "unit": "N*m", "std": 0.001}}
+    given |= {"method": "friction", "joints": {"hip": {"friction": dry}}}
+    (bench / "r.yaml").write_text(yaml.safe_dump(given))
+    assert report("--force") == 0
+    text = " ".join(page_of(bench).text.split())
+    assert "Friction over speed" in text and "log less fit" in text
+    noise = re.search(r"Root mean square \S+ rad, (\S+) times the noise", text)
+    assert noise is not None and float(noise[1]) < 1.5
+
+
 def test_the_fitted_joint_moves_as_the_true_one(bench: Path) -> None:
     """With the true figures what is left is the noise of 0.5 mrad; with a kp of 5 % more it is not."""
     from actspec import api
@@ -297,7 +331,7 @@ def test_results_do_not_choose_what_is_read(
 
 
 def test_files_that_are_there_stay(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A page is replaced by --force alone, what is read never; a folder that is not there is reported."""
+    """A page is replaced by --force alone, what is read never; a file in place of a folder is reported."""
     (bench / "r.html").write_text("mine")
     assert report() == 2
     assert "--force" in capsys.readouterr().err
@@ -305,8 +339,8 @@ def test_files_that_are_there_stay(bench: Path, capsys: pytest.CaptureFixture[st
     before = (bench / "r.yaml").read_bytes()
     assert main(["sysid", "report", "r.yaml", "-o", "r.yaml", "--force"]) == 2
     assert (bench / "r.yaml").read_bytes() == before
-    assert main(["sysid", "report", "r.yaml", "-o", "no/r.html"]) == 2
-    assert "OUT001" in capsys.readouterr().err
+    assert main(["sysid", "report", "r.yaml", "-o", "spec.yaml/r.html"]) == 2
+    assert "spec.yaml/r.html: OUT00" in capsys.readouterr().err
 
 
 def test_a_spec_of_another_robot(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:

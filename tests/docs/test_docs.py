@@ -8,16 +8,20 @@ How a block is read:
 - `text` right after a spec: exactly those diagnostics, without their place.
 - `xml` with `<mujoco`: leg.xml for the rest of its section. Else, after a spec: lines of the written model.
 - `python`: executed, unless its first line names a file; what each `print` line prints stands behind it as a comment.
-- `console`: run by bash, in order; a line `...` stands for any lines.
-- A fence with a file behind its language, ```` ```python leg_cfg.py ````: lines of that file as the spec above
-  compiles to it; a line `...` stands for any lines. More words name another spec and one target:
-  ```` ```python unitree_a1_cfg.py robots/a1.yaml isaaclab==2.3 ````.
-- Named after a file of a user's project: ```` ```toml actspec.toml ```` must be settings that the audit takes,
-  ```` ```yaml .pre-commit-config.yaml ```` hooks that there are, ```` ```yaml .github/workflows/audit.yml ````
-  commands that the parser takes.
-- ```` ```python needs mjlab robots/a1.yaml ````: for a machine with that framework, beside the module that the
-  spec compiles to for it (or for a target that is named behind): what it takes from the module is there; with
+- `console`: run by bash, in order; a line `...` stands for any lines. In ```` ```console { data-within="0.05" } ````
+  so much of a number with a point may differ, as the last digits of a fit do on another processor.
+- A fence with a title, ```` ```python title="leg_cfg.py" ````: lines of that file as the spec above compiles to it;
+  a line `...` stands for any lines. Attributes name another spec and one target:
+  ```` ```python { title="unitree_a1_cfg.py" data-spec="robots/a1.yaml" data-target="isaaclab==2.3" } ````.
+- With the title of a file of a user's project: ```` ```toml title="actspec.toml" ```` must be settings that the
+  audit takes, ```` ```yaml title=".pre-commit-config.yaml" ```` hooks that there are,
+  ```` ```yaml title=".github/workflows/audit.yml" ```` commands that the parser takes.
+- ```` ```python { data-needs="mjlab" data-spec="robots/a1.yaml" } ````: for a machine with that framework, beside the
+  module that the spec compiles to for it (or for `data-target`): what it takes from the module is there; with
   mjlab it is executed in the real package.
+
+The site reads the same fences: `title` is printed above the block, and the rest of what stands behind a language is
+for the tests.
 """
 
 from __future__ import annotations
@@ -58,7 +62,7 @@ ROOT = Path(__file__).parents[2]
 PAGES = [
     ROOT / "README.md",
     ROOT / "actspec" / "SKILL.md",
-    *sorted((ROOT / "docs").glob("*.md")),
+    *sorted((ROOT / "docs").rglob("*.md")),
     ROOT / "benchmarks" / "README.md",
 ]
 LANGUAGE = ROOT / "docs" / "spec-language.md"
@@ -72,7 +76,7 @@ class Block:
     line: int
     section: int
     language: str
-    words: tuple[str, ...]
+    attributes: dict[str, str]
     text: str
 
     @property
@@ -81,14 +85,24 @@ class Block:
         return f"{self.page.name}:{self.line}"
 
     @property
+    def plain(self) -> bool:
+        """Whether nothing but the page's own text says what it is."""
+        return not self.attributes or self.language == "console"
+
+    @property
     def needs(self) -> bool:
         """Whether it is for a machine with a framework."""
-        return self.words[:1] == ("needs",)
+        return "data-needs" in self.attributes
 
     @property
     def project(self) -> bool:
         """Whether it is a file of a user's project."""
-        return self.language == "toml" or " ".join(self.words).startswith(".")
+        return self.language == "toml" or self.title.startswith(".")
+
+    @property
+    def title(self) -> str:
+        """The file that it shows, "" for none."""
+        return self.attributes.get("title", "")
 
     @property
     def file(self) -> str | None:
@@ -97,10 +111,14 @@ class Block:
         return found[1] if found else None
 
 
+FENCE = re.compile(r'```(\w*)(?: title="[^"]+"| \{(?: [a-z-]+="[^"]+")+ \})?')
+"""What both the tests and the site understand."""
+
+
 def _blocks(page: Path) -> list[Block]:
     found: list[Block] = []
     section = 0
-    fence: tuple[int, list[str]] | None = None
+    fence: tuple[int, str, dict[str, str]] | None = None
     body: list[str] = []
     for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
         if fence is None and line.startswith("#"):
@@ -108,10 +126,11 @@ def _blocks(page: Path) -> list[Block]:
         if not line.startswith("```"):
             body.append(line)
         elif fence is None:
-            fence, body = (number, line[3:].split() or [""]), []
+            opened = FENCE.fullmatch(line)
+            assert opened, f'{page.name}:{number}: not ```python title="FILE"'
+            fence, body = (number, opened[1], dict(re.findall(r'([a-z-]+)="([^"]+)"', line))), []
         else:
-            language, *words = fence[1]
-            found.append(Block(page, fence[0], section, language, tuple(words), "\n".join(body) + "\n"))
+            found.append(Block(page, fence[0], section, *fence[1:], "\n".join(body) + "\n"))
             fence = None
     assert fence is None, f"{page.name}: a fence is not closed"
     return found
@@ -121,10 +140,10 @@ BLOCKS = [block for page in PAGES for block in _blocks(page)]
 
 
 def _of(*languages: str) -> list[Block]:
-    return [block for block in BLOCKS if block.language in languages and not block.words]
+    return [block for block in BLOCKS if block.language in languages and block.plain]
 
 
-SHOWN = [block for block in BLOCKS if block.words and not block.needs and not block.project]
+SHOWN = [block for block in BLOCKS if not block.plain and not block.needs and not block.project]
 PROJECT = [block for block in BLOCKS if block.project]
 NEEDING = [block for block in BLOCKS if block.needs]
 
@@ -207,7 +226,7 @@ def test_specs_compile_as_the_page_says(block: Block, folder: Path) -> None:
     following = _after(block)
     if following is None or following.section != block.section:
         return
-    if following.language == "text" and not following.words:
+    if following.language == "text" and not following.attributes:
         lines = "".join(f"{replace(d, span=None)}\n" for d in told)
         assert lines == following.text
     if following.language == "xml" and not _is_model(following):
@@ -279,19 +298,24 @@ def test_commands_are_understood(command: str) -> None:
     assert parser().parse_args(arguments).command
 
 
+def _shims(folder: Path) -> dict[str, str]:
+    """An environment in which `actspec` and `pytest` are these."""
+    bin_ = folder / "bin"
+    bin_.mkdir()
+    for command, module in (("actspec", "actspec"), ("pytest", "pytest")):
+        shim = bin_ / command
+        shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m {module} "$@"\n')
+        shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
+    return {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page", [p for p in PAGES if any(b.page == p for b in _of("console"))], ids=lambda p: p.name
 )
 def test_consoles_show_real_output(page: Path, folder: Path) -> None:
     """The console blocks of a page, run in their order in a shell, print what the page shows."""
-    bin_ = folder / "bin"
-    bin_.mkdir()
-    for command, module in (("actspec", "actspec.cli.main"), ("pytest", "pytest")):
-        shim = bin_ / command
-        shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m {module} "$@"\n')
-        shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
-    env = {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
+    env = _shims(folder)
     for block in (b for b in _of("console") if b.page == page):
         shown: list[tuple[str, list[str]]] = []
         for line in block.text.splitlines():
@@ -310,22 +334,46 @@ def test_consoles_show_real_output(page: Path, folder: Path) -> None:
                 text=True,
                 check=False,
             )
-            pattern = "".join(".*" if line.strip() == "..." else re.escape(line + "\n") for line in lines)
-            assert re.fullmatch(pattern, done.stdout, re.DOTALL), f"{block.id}: $ {command}\n{done.stdout}"
+            within = float(block.attributes.get("data-within", "0"))
+            assert _prints(lines, done.stdout, within), f"{block.id}: $ {command}\n{done.stdout}"
 
 
-def _compiled(block: Block, folder: Path, targets: list[str]) -> dict[str, str]:
+DECIMAL = re.compile(r"(?<![\w.])-?\d+\.\d+(?:e-?\d+)?")
+
+
+def _prints(lines: list[str], output: str, within: float) -> bool:
+    """Whether an output is these lines, `...` being any; decimal numbers may be off by a share of them."""
+    told: list[float] = []
+    if within:
+        told = [float(number) for line in lines for number in DECIMAL.findall(line)]
+        # Columns are as wide as their numbers.
+        lines = [re.sub(r"(?<=\S) +", " ", DECIMAL.sub("\0", line)) for line in lines]
+        output = re.sub(r"(?<=\S) +", " ", output)
+    number = f"({DECIMAL.pattern})"
+    parts = [
+        ".*" if line.strip() == "..." else number.join(map(re.escape, f"{line}\n".split("\0")))
+        for line in lines
+    ]
+    found = re.fullmatch("".join(parts), output, re.DOTALL)
+    return found is not None and all(
+        abs(float(had) - asked) <= within * abs(asked)
+        for had, asked in zip(found.groups(), told, strict=True)
+    )
+
+
+def _compiled(block: Block, folder: Path, otherwise: str = "") -> dict[str, str]:
     """The files that a block's spec compiles to, by path: the spec that it names, else the one above it."""
-    spec = next((word for word in block.words[1:] if word.endswith(".yaml")), "spec.yaml")
+    spec = block.attributes.get("data-spec", "spec.yaml")
     if spec == "spec.yaml":
-        above = [b for b in _before(block) if b.language == "yaml" and not b.words]
+        above = [b for b in _before(block) if b.language == "yaml" and not b.attributes]
         source = next(b for b in reversed(above) if not b.file or "actspec: 1" in b.text)
         _prepare(source, folder)
         (folder / spec).write_text(yaml.safe_dump(_spec_data(source), sort_keys=False))
-    done = api.compile(spec, output="out", targets=targets)
+    target = block.attributes.get("data-target", otherwise)
+    done = api.compile(spec, output="out", targets=[target] if target else [])
     found: dict[str, str] = {}
     for file in (file for emission in done.emissions for file in emission.files):
-        assert file.path not in found, f"{block.id}: two targets write {file.path}: name one behind the spec"
+        assert file.path not in found, f"{block.id}: two targets write {file.path}: name one as data-target"
         found[file.path] = file.data.decode("utf-8")
     return found
 
@@ -333,7 +381,7 @@ def _compiled(block: Block, folder: Path, targets: list[str]) -> dict[str, str]:
 @pytest.mark.parametrize("block", SHOWN, ids=lambda b: b.id)
 def test_shown_files_are_what_is_compiled(block: Block, folder: Path) -> None:
     """Lines of a compiled file stand in it as the page shows them, without a gap that is not marked."""
-    text = _compiled(block, folder, list(block.words[2:]))[block.words[0]]
+    text = _compiled(block, folder)[block.title]
     lines = block.text.splitlines()
     pattern = "".join("(?s:.*?)" if line.strip() == "..." else re.escape(line + "\n") for line in lines)
     assert re.search(f"(?m)^{pattern}", text), text
@@ -353,8 +401,8 @@ def test_generated_python_is_formatted_as_its_framework_s(block: Block, folder: 
     ruff = shutil.which("ruff", path=os.path.dirname(sys.executable))
     if ruff is None:
         pytest.skip("ruff is not installed")
-    kind = block.words[2].partition("==")[0]
-    (folder / "shown.py").write_text(_compiled(block, folder, [block.words[2]])[block.words[0]])
+    kind = block.attributes["data-target"].partition("==")[0]
+    (folder / "shown.py").write_text(_compiled(block, folder)[block.title])
     options = [part for option in LAYOUT[kind] for part in ("--config", option)]
     command = [ruff, "format", "--isolated", *options, "--diff", "shown.py"]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
@@ -363,7 +411,7 @@ def test_generated_python_is_formatted_as_its_framework_s(block: Block, folder: 
 
 def _beside(block: Block, folder: Path) -> None:
     """Write the module that a block needs into the folder that it runs in."""
-    for name, text in _compiled(block, folder, list(block.words[3:] or block.words[1:2])).items():
+    for name, text in _compiled(block, folder, block.attributes["data-needs"]).items():
         (folder / name).write_text(text)
 
 
@@ -395,7 +443,9 @@ def _top_level(text: str) -> set[str]:
 
 @pytest.mark.slow
 @pytest.mark.engine
-@pytest.mark.parametrize("block", [b for b in NEEDING if b.words[1] == "mjlab"], ids=lambda b: b.id)
+@pytest.mark.parametrize(
+    "block", [b for b in NEEDING if b.attributes["data-needs"] == "mjlab"], ids=lambda b: b.id
+)
 def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
     """A snippet for mjlab prints in the real package what the page says."""
     try:
@@ -422,18 +472,18 @@ def test_snippets_for_mjlab_run_in_it(block: Block, folder: Path) -> None:
 @pytest.mark.parametrize("block", [b for b in PROJECT if b.language == "toml"], ids=lambda b: b.id)
 def test_settings_are_taken(block: Block, folder: Path) -> None:
     """Settings of a page are without an error, and say something."""
-    (folder / block.words[0]).write_text(block.text)
-    assert load_settings(all_rules(), block.words[0]) != Settings()
+    (folder / block.title).write_text(block.text)
+    assert load_settings(all_rules(), block.title) != Settings()
 
 
 @pytest.mark.parametrize(
-    "block", [b for b in PROJECT if b.words[0] == ".pre-commit-config.yaml"], ids=lambda b: b.id
+    "block", [b for b in PROJECT if b.title == ".pre-commit-config.yaml"], ids=lambda b: b.id
 )
 def test_hooks_of_a_page_are_there(block: Block, folder: Path) -> None:
     """pre-commit takes a page's configuration, and actspec what its hooks are called with."""
-    (folder / block.words[0]).write_text(block.text)
+    (folder / block.title).write_text(block.text)
     clientlib = pytest.importorskip("pre_commit.clientlib")
-    assert clientlib.load_config(block.words[0])
+    assert clientlib.load_config(block.title)
     known = {hook["id"]: hook for hook in yaml.safe_load((ROOT / ".pre-commit-hooks.yaml").read_text())}
     for hook in (hook for repo in yaml.safe_load(block.text)["repos"] for hook in repo["hooks"]):
         called = {**known[hook["id"]], **hook}
@@ -443,17 +493,33 @@ def test_hooks_of_a_page_are_there(block: Block, folder: Path) -> None:
         )
 
 
-WORKFLOWS = [b for b in PROJECT if b.words[0].startswith(".github/workflows/")]
+WORKFLOWS = [b for b in PROJECT if b.title.startswith((".github/workflows/", ".gitlab-ci"))]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("block", WORKFLOWS, ids=lambda b: b.id)
-def test_workflows_call_what_there_is(block: Block) -> None:
-    """Every step of a workflow that runs actspec runs a command that the parser takes."""
-    (job,) = yaml.safe_load(block.text)["jobs"].values()
-    commands = [command for step in job["steps"] for command in _commands(step.get("run", ""))]
-    assert commands
-    for command in commands:
-        assert parser().parse_args(shlex.split(command)[1:]).command
+def test_workflows_run(block: Block, folder: Path) -> None:
+    """The steps that call actspec, run in a shell on the example, find what is wrong with it and write their files."""
+    shutil.copytree(ROOT / "docs" / "example", folder / "example")
+    (job,) = yaml.safe_load(block.text).get("jobs", {0: yaml.safe_load(block.text).get("audit")}).values()
+    lines = job["script"] if "script" in job else [step.get("run", "") for step in job["steps"]]
+    env = {**_shims(folder), "GITHUB_STEP_SUMMARY": "summary.md"}
+    codes = {
+        line: subprocess.run(
+            ["bash", "-c", line.replace("audit robots", "audit example")],
+            cwd=folder,
+            env=env,
+            capture_output=True,
+            check=False,
+        ).returncode
+        for line in lines
+        if _commands(line)
+    }
+    # Two of them leave the verdict to somebody else.
+    assert codes == {line: int("--fail-on" in line) for line in codes} and codes
+    for line in codes:
+        for name in re.findall(r"(?<= -o )\S+", line) + ["summary.md"] * ("SUMMARY" in line):
+            assert b"biped" in (folder / name).read_bytes()
 
 
 CHECKS = ["CLI", "DEP", "DMP", "FRC", "ISL", "MJC", "MJL", "NET", "NWT", "OUT", "RND", "RTP", "STB", "URD"]
@@ -462,19 +528,19 @@ AUDIT = ["ACT", "AUD", "CFG", "DEPLOY"]
 """Families of docs/audit.md."""
 SYSID = ["LOG", "SYS"]
 LEARN = ("LRN",)
-COMPARE, DIAGNOSE = ("CMP",), ("DGN", "RPT")
-"""Families of docs/sysid.md, networks.md, compare.md and diagnose.md."""
+COMPARE, DIAGNOSE, ABLATE = ("CMP",), ("DGN", "RPT"), ("ABL",)
+"""Families of docs/sysid.md, networks.md, compare.md, diagnose.md and ablate.md."""
 RULES = {rule.code for rule in all_rules()}
 FORMER = {code for rule in all_rules() for code in rule.aliases} - RULES
 
 
-@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN, *COMPARE, *DIAGNOSE])
+@pytest.mark.parametrize("family", [*CHECKS, *AUDIT, *SYSID, *LEARN, *COMPARE, *DIAGNOSE, *ABLATE])
 def test_every_check_has_its_line(family: str) -> None:
     """docs/checks.md, for the audit docs/audit.md, names exactly the codes that the source gives and no rule has."""
     sources = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "actspec").rglob("*.py"))
     given = set(re.findall(rf'"({family}\d{{3}})"', sources)) - RULES - FORMER
     pages = ((AUDIT, "audit.md"), (SYSID, "sysid.md"), (LEARN, "networks.md"), (LEARN, "delta-action.md"))
-    pages += ((COMPARE, "compare.md"), (DIAGNOSE, "diagnose.md"))
+    pages += ((COMPARE, "compare.md"), (DIAGNOSE, "diagnose.md"), (ABLATE, "ablate.md"))
     names = [page for families, page in pages if family in families] or ["checks.md"]
     page = "\n".join((ROOT / "docs" / name).read_text(encoding="utf-8") for name in names)
     # As an entry, a heading or the first cell of a row: a code that a sentence mentions is not explained by it.

@@ -50,10 +50,10 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 
 def test_the_index_names_every_page() -> None:
-    """docs/README.md leads to each page of docs, once or more, and to the two pages of whoever works on actspec."""
+    """docs/README.md leads to each page and tutorial, once or more, and to the pages of whoever works on actspec."""
     index = ROOT / "docs" / "README.md"
     named = {(index.parent / link.partition("#")[0]).resolve() for link in _links(index)}
-    pages = {page for page in (ROOT / "docs").glob("*.md") if page != index}
+    pages = {page for page in (ROOT / "docs").rglob("*.md") if page != index}
     assert pages <= named, sorted(page.name for page in pages - named)
     elsewhere = ("CONTRIBUTING.md", "CHANGELOG.md", "actspec/audit/rules/README.md", "benchmarks/README.md")
     assert {ROOT / name for name in elsewhere} <= named

@@ -94,7 +94,7 @@ def test_as_a_process(name: str, folder: Path) -> None:
     root = str(HERE.parents[1])
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([root, *sys.path])}
     done = subprocess.run(
-        [sys.executable, "-m", "actspec.cli.main", command_of(name), f"{name}.yaml"],
+        [sys.executable, "-m", "actspec", command_of(name), f"{name}.yaml"],
         capture_output=True,
         text=True,
         env=environment,

@@ -2,32 +2,23 @@
 
 from __future__ import annotations
 
-import base64
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from actspec.ir import JointKind
-from actspec.laws import TorqueLaw, initial_command_state, law_of, step_command
+from actspec.laws import TorqueLaw, law_of
 from actspec.targets.kit.python_text import stated
+from tests.frameworks.asking import RTOL, STEP, Array, Run, joints, points, sent_files, torque_faults
 from tests.frameworks.newton_stage import WRONG
-from tests.frameworks.prepare import Frameworks, ProbeAnswer
+from tests.frameworks.prepare import Frameworks
 from tests.targets.newton.emitting import Written
 
 PROBE = Path(__file__).with_name("newton_probe.py")
-
-RTOL = 1e-5
-"""Newton computes in single precision: 24 bits, a few roundings deep."""
-
-STEP = 0.005
-"""Physics step [s]."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -54,52 +45,16 @@ class Job:
     solve: tuple[float, ...] = ()
     mutation: tuple[str, str] | None = None
 
-    @property
-    def joints(self) -> list[str]:
-        """Managed joints in the robot's order: the columns of every array."""
-        return [actuator.joint for actuator in self.written.actuators.joints]
-
     def request(self) -> dict[str, Any]:
         """For the probe."""
-        first, *rest = self.written.emission.files
-        data = first.data
-        if self.mutation is not None:
-            old, new = (text.encode() for text in self.mutation)
-            assert data.count(old) >= 1, old
-            data = data.replace(old, new)
-        files = {first.path: data, **{file.path: file.data for file in rest}}
         return {
-            "files": {path: base64.b64encode(held).decode() for path, held in files.items()},
-            "overlay": first.path,
+            "files": sent_files(self),
+            "overlay": self.written.emission.files[0].path,
             "stage": self.stage,
             "joints": self.paths,
             "command": [a.command.value for a in self.written.actuators.joints],
             "step": STEP,
             "solve": {"step": 1e-3, "command": self.solve} if self.solve else None,
-        }
-
-    def points(self) -> dict[str, Array]:
-        """States and commands, (n_point, n_joint): each joint is asked for -3 to 3 times its limit."""
-        if self.grid is None:
-            return {}
-        shares, speeds = (axis.ravel() for axis in np.meshgrid(*self.grid))
-        q = 0.05 * np.cos(np.arange(len(shares)))
-        columns = []
-        for actuator in self.written.actuators.joints:
-            law = self.law(actuator.joint)
-            limit = law.effort_limit if np.isfinite(law.effort_limit) else 10.0
-            scale = law.no_load_speed or (limit / law.kd if law.kd else 1.0)
-            qd = scale * speeds
-            asked = limit * shares
-            command = {
-                "position": q + (asked + law.kd * qd) / (law.kp or 1.0),
-                "velocity": qd + asked / (law.kd or 1.0),
-                "effort": asked,
-            }[actuator.command.value]
-            columns.append((q, qd, command))
-        return {
-            name: np.stack([column[k] for column in columns], axis=1)
-            for k, name in enumerate(("q", "qd", "command"))
         }
 
     def law(self, joint: str) -> TorqueLaw:
@@ -110,12 +65,12 @@ class Job:
 
     def arrays(self) -> dict[str, Array]:
         """For the probe."""
-        found = self.points()
+        found = points(self)
         for key, row in zip(
             ("sequence", "sequence_q", "sequence_qd"), (self.sequence, *(self.motion or ())), strict=False
         ):
             if row:
-                found[key] = np.tile(np.array(row)[:, None], (1, len(self.joints)))
+                found[key] = np.tile(np.array(row)[:, None], (1, len(joints(self))))
         return found
 
 
@@ -145,54 +100,10 @@ def faults(job: Job, said: Mapping[str, Any], arrays: Mapping[str, Array]) -> li
         gains = arrays["joint_target_ke"][k], arrays["joint_target_kd"][k]
         if any(gains):
             found.append(f"{actuator.joint}: the stage's own drive acts with gains {gains}")
-    if job.grid is not None:
-        points = job.points()
-        for column, actuator in enumerate(actuators):
-            law = job.law(actuator.joint)
-            q, qd, command = (points[name][:, column] for name in ("q", "qd", "command"))
-            # What the probe's arrays become there is what the law gets too.
-            q, qd, command = (x.astype(np.float32).astype(np.float64) for x in (q, qd, command))
-            torque = law.torque(command, q, qd)
-            error = np.abs(arrays["force"][:, column] - torque).max() / np.abs(torque).max()
-            if not error <= RTOL:
-                found.append(f"{actuator.joint}: torque differs by {error:.1e}")
-    return found
+    return found + torque_faults(job, arrays)
 
 
-def expected_line(job: Job, joint: str, steps: int) -> Array:
-    """Torque of the law at each step of the sequence, the joint held at 0, behind a delay of `steps`."""
-    law = job.law(joint)
-    state = initial_command_state(job.sequence[0], steps)
-    torques = []
-    for command in job.sequence:
-        effective, state = step_command(state, command, steps=steps, alpha=None)
-        torques.append(float(law.torque(np.float64(effective), np.float64(0.0), np.float64(0.0))))
-    return np.array(torques)
-
-
-@dataclass
-class Run:
-    """All overlays, run."""
-
-    answer: ProbeAnswer
-    jobs: dict[str, Job] = field(default_factory=dict)
-
-    def said(self, name: str) -> dict[str, Any]:
-        """What was said of one overlay."""
-        found: dict[str, Any] = self.answer.said[name]
-        return found
-
-    def arrays(self, name: str) -> dict[str, Array]:
-        """Its arrays."""
-        head = f"{name}."
-        return {k.removeprefix(head): v for k, v in self.answer.arrays.items() if k.startswith(head)}
-
-    def faults(self, name: str) -> list[str]:
-        """In what it differs."""
-        return faults(self.jobs[name], self.said(name), self.arrays(name))
-
-
-def probed(frameworks: Frameworks, jobs: dict[str, Job], path: Sequence[str] = ()) -> Run:
+def probed(frameworks: Frameworks, jobs: dict[str, Job], path: Sequence[str] = ()) -> Run[Job]:
     """Run overlays in Newton, all in one process.
 
     Args:
@@ -202,4 +113,4 @@ def probed(frameworks: Frameworks, jobs: dict[str, Job], path: Sequence[str] = (
     """
     arrays = {f"{name}.{key}": value for name, one in jobs.items() for key, value in one.arrays().items()}
     request = {"path": list(path), "jobs": {name: one.request() for name, one in jobs.items()}}
-    return Run(frameworks.run_probe(PROBE, request, arrays), jobs)
+    return Run(frameworks.run_probe(PROBE, request, arrays), faults, jobs)

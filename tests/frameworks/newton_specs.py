@@ -12,7 +12,8 @@ from actspec.api import load, load_robot, resolve
 from actspec.ir import Source
 from tests.frameworks.newton_asking import Job
 from tests.frameworks.newton_stage import stage_of
-from tests.targets.newton.emitting import LEG, REST, emitted, written
+from tests.targets.leg import LEG, REST
+from tests.targets.newton.emitting import emitted, written
 
 ROOT = Path(__file__).parents[2]
 

@@ -6,11 +6,24 @@ said, arrays = frameworks.run_probe(Path("probe.py"), {"text": text}, {"q": q})
 
 from __future__ import annotations
 
+import hashlib
 from pathlib import Path
 
-from actspec.verify.environments import ISAACLAB, NEWTON, PYTHONS, Frameworks, ProbeAnswer, prepare_frameworks
+from actspec.verify.environments import (
+    INSTALL_TIME,
+    ISAACLAB,
+    NEWTON,
+    PYTHONS,
+    Frameworks,
+    ProbeAnswer,
+    pip,
+    prepare_frameworks,
+    quiet,
+    run,
+    whole,
+)
 
-__all__ = ["EXTRA", "ISAACLAB", "NEWTON", "PYTHONS", "Frameworks", "ProbeAnswer", "prepare"]
+__all__ = ["EXTRA", "ISAACLAB", "NEWTON", "PYTHONS", "Frameworks", "ProbeAnswer", "prepare", "training"]
 
 EXTRA = ("jax[cpu]==0.10.2", "mujoco-mjx==3.11.0")
 """MJX, for which the Playground function is written: 400 MB, most of it jaxlib."""
@@ -25,6 +38,42 @@ def prepare(folder: Path | None = None) -> Frameworks:
     Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
     """
     return prepare_frameworks(folder, EXTRA)
+
+
+TRAINING = (
+    "rsl-rl-lib==5.4.2",
+    "tensordict==0.15.3",
+    "pyvers==0.2.3",
+    "cloudpickle==3.1.2",
+    "GitPython==3.2.1",
+    "gitdb==4.0.12",
+    "smmap==5.0.3",
+    "tensorboard==2.21.0",
+    "grpcio==1.85.1",
+    "markdown==3.11.3",
+    "werkzeug==3.1.9",
+    "requests==2.34.2",
+    "tqdm==4.70.1",
+    "pyyaml==6.0.3",
+)
+"""What mjlab's training imports beyond its simulation, without wandb, a service: 85 MB."""
+
+
+def training(frameworks: Frameworks) -> Path:
+    """The folder of `TRAINING`, for PYTHONPATH beside an environment; made unless it is there already.
+
+    Raises: EngineUnavailableError: a package cannot be had for this Python and platform.
+    """
+    digest = hashlib.sha256("\n".join((*TRAINING, str(frameworks.folder))).encode("utf-8")).hexdigest()
+
+    def make(made: Path) -> None:
+        command = [*pip(frameworks.python()), "install", "--no-deps", "--target", str(made)]
+        run([*command, *TRAINING], "mjlab's training", INSTALL_TIME)
+        (made / "wandb.py").write_text(
+            "run = None  # in its place: nothing is sent anywhere\n", encoding="utf-8"
+        )
+
+    return whole(frameworks.folder.parent / f"training-{digest[:12]}", make, quiet)
 
 
 if __name__ == "__main__":

@@ -9,28 +9,29 @@ import numpy as np
 import pytest
 
 from actspec.ir import Level
-from tests.frameworks.mjlab_asking import ENVS, PROBE, RTOL, Array, Run, expected_line, probed
+from tests.frameworks.asking import RTOL, Array, Run, expected_line, joints, points
+from tests.frameworks.mjlab_asking import ENVS, PROBE, Job, probed
 from tests.frameworks.mjlab_specs import JOBS, PD, RAMP, SEEDED, job
 from tests.frameworks.prepare import Frameworks
 
 
 @pytest.fixture(scope="module")
-def ran(frameworks: Frameworks) -> Run:
+def ran(frameworks: Frameworks) -> Run[Job]:
     """Every module of this file, in one process."""
     return probed(frameworks, {**JOBS, **SEEDED})
 
 
 @pytest.mark.parametrize("name", ["a1", "rich"])
-def test_torque_and_passive_numbers(name: str, ran: Run) -> None:
+def test_torque_and_passive_numbers(name: str, ran: Run[Job]) -> None:
     """Over a grid of torque asked for and speed, mjlab's torque is the law's; the joint's numbers are the spec's."""
     assert ran.faults(name) == []
-    assert ran.arrays(name)["force"].shape == (13 * 23, len(JOBS[name].joints))
+    assert ran.arrays(name)["force"].shape == (13 * 23, len(joints(JOBS[name])))
 
 
-def test_the_models_own_actuators_go(ran: Run) -> None:
+def test_the_models_own_actuators_go(ran: Run[Job]) -> None:
     """The model's servo and filter on driven joints are gone, the tendon's motor stays, and no limit is narrower."""
-    assert sorted(ran.said("rich")["actuators"]) == sorted([*JOBS["rich"].joints, "kept"])
-    narrow = JOBS["rich"].joints.index("narrow")
+    assert sorted(ran.said("rich")["actuators"]) == sorted([*joints(JOBS["rich"]), "kept"])
+    narrow = joints(JOBS["rich"]).index("narrow")
     assert ran.arrays("rich")["actfrcrange"][narrow].tolist() == [-11.0, 11.0]
 
 
@@ -40,7 +41,7 @@ def expected(name: str, steps: int) -> Array:
 
 
 @pytest.mark.parametrize("name", ["fixed", "fixed_dc"])
-def test_fixed_delay(name: str, ran: Run) -> None:
+def test_fixed_delay(name: str, ran: Run[Job]) -> None:
     """10 ms are two steps of 5 ms, in every environment and in a second episode too."""
     lagged = ran.arrays(name)["lagged"][..., 0]
     assert lagged.shape == (2, len(RAMP), ENVS)
@@ -50,7 +51,7 @@ def test_fixed_delay(name: str, ran: Run) -> None:
 
 
 @pytest.mark.parametrize("name", ["episode", "episode_dc"])
-def test_delay_of_an_episode(name: str, ran: Run) -> None:
+def test_delay_of_an_episode(name: str, ran: Run[Job]) -> None:
     """Each environment draws 0, 1 or 2 steps at a reset and keeps them; every lag occurs, and a reset draws anew."""
     lagged = ran.arrays(name)["lagged"][..., 0]
     table = np.stack([expected(name, steps) for steps in range(3)])
@@ -64,7 +65,7 @@ def test_delay_of_an_episode(name: str, ran: Run) -> None:
     assert (lags[0] != lags[1]).any()
 
 
-def test_delay_of_each_step(ran: Run) -> None:
+def test_delay_of_each_step(ran: Run[Job]) -> None:
     """Drawn at every step: a torque is that of the last three commands, and an environment does not keep one lag."""
     lagged = ran.arrays("each")["lagged"][..., 0]
     table = np.stack([expected("each", steps) for steps in range(3)])
@@ -75,11 +76,11 @@ def test_delay_of_each_step(ran: Run) -> None:
     assert (drawn.max(axis=1) > drawn.min(axis=1)).all()
 
 
-def test_curve_is_as_far_off_as_recorded(ran: Run) -> None:
+def test_curve_is_as_far_off_as_recorded(ran: Run[Job]) -> None:
     """The line in place of an asymmetric curve differs by no more than its approximation says, and by nearly that."""
     one = JOBS["curve"]
-    points = one.points()
-    asked = one.law("hip").torque(*(points[name][:, 0] for name in ("command", "q", "qd")))
+    grid = points(one)
+    asked = one.law("hip").torque(*(grid[name][:, 0] for name in ("command", "q", "qd")))
     error = float(np.abs(ran.arrays("curve")["force"][:, 0] - asked).max())
     said = one.written.lost("torque_speed_curve").max_torque_error
     assert said is not None
@@ -127,12 +128,12 @@ def test_network(frameworks: Frameworks, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("name", [name for name in SEEDED if name != "lag-one-off"])
-def test_seeded_mistakes_are_found(name: str, ran: Run) -> None:
+def test_seeded_mistakes_are_found(name: str, ran: Run[Job]) -> None:
     """A module with one mistake in it does not pass the checks above."""
     assert ran.faults(name)
 
 
-def test_seeded_lag_is_found(ran: Run) -> None:
+def test_seeded_lag_is_found(ran: Run[Job]) -> None:
     """A lag that is one step off does not give the expected sequence."""
     one = SEEDED["lag-one-off"]
     lagged = ran.arrays("lag-one-off")["lagged"][..., 0]

@@ -12,7 +12,8 @@ from actspec.api import load, load_robot, resolve
 from actspec.targets.base import TargetOptions
 from actspec.targets.mjlab.emit import emit
 from actspec.verify.environments import EngineUnavailableError, prepare_release
-from tests.frameworks.mjlab_asking import ENVS, PROBE, RTOL, STEP, Job, Run, expected_line
+from tests.frameworks.asking import RTOL, STEP, Run, expected_line, points
+from tests.frameworks.mjlab_asking import ENVS, PROBE, Job, faults
 from tests.frameworks.mjlab_specs import (
     EPISODE,
     GRID,
@@ -79,14 +80,14 @@ def version(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture(scope="module")
-def ran(frameworks: Frameworks, version: str) -> Run:
+def ran(frameworks: Frameworks, version: str) -> Run[Job]:
     """All modules in a release, in one process."""
     try:
         folder = prepare_release("mjlab", RELEASES[version])
     except EngineUnavailableError as err:
         (pytest.fail if os.environ.get("CI") else pytest.skip)(str(err))
     asked = jobs(version)
-    arrays = {f"{name}.{key}": value for name, one in asked.items() for key, value in one.points().items()}
+    arrays = {f"{name}.{key}": value for name, one in asked.items() for key, value in points(one).items()}
     for name, one in asked.items():
         if one.sequence:
             arrays[f"{name}.sequence"] = np.array(one.sequence)[:, None]
@@ -95,10 +96,10 @@ def ran(frameworks: Frameworks, version: str) -> Run:
         "probe": str(PROBE),
         "jobs": {name: one.request() for name, one in asked.items()},
     }
-    return Run(frameworks.run_probe(VERSIONS_PROBE, job, arrays), asked)
+    return Run(frameworks.run_probe(VERSIONS_PROBE, job, arrays), faults, asked)
 
 
-def unstated(run: Run, name: str) -> list[str]:
+def unstated(run: Run[Job], name: str) -> list[str]:
     """Faults that are not among the approximations."""
     lost = {(a.joint, a.field) for a in run.jobs[name].written.emission.approximations}
     viscous = tuple(f"{joint}: friction_viscous" for joint, field in lost if field == "friction.viscous")
@@ -106,7 +107,7 @@ def unstated(run: Run, name: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", ["a1", "rich"])
-def test_torque_and_passive_numbers(ran: Run, version: str, name: str) -> None:
+def test_torque_and_passive_numbers(ran: Run[Job], version: str, name: str) -> None:
     """The torque is the law's on the whole grid; before 1.3 viscous friction stays the model's, and that is said."""
     assert unstated(ran, name) == []
     lost = {a.field for a in ran.jobs[name].written.emission.approximations}
@@ -114,7 +115,7 @@ def test_torque_and_passive_numbers(ran: Run, version: str, name: str) -> None:
 
 
 @pytest.mark.parametrize("name", ["fixed", "fixed_dc", "fixed_velocity"])
-def test_fixed_delay(ran: Run, name: str) -> None:
+def test_fixed_delay(ran: Run[Job], name: str) -> None:
     """10 ms are two steps of 5 ms, in a second episode too; a wrapper holds them before 1.3, the cfg since."""
     assert STEP == 0.005
     assert "error" not in ran.said(name), ran.said(name)
@@ -123,7 +124,7 @@ def test_fixed_delay(ran: Run, name: str) -> None:
     np.testing.assert_allclose(lagged, np.broadcast_to(expected[:, None], lagged.shape), rtol=RTOL)
 
 
-def test_delay_of_an_episode(ran: Run) -> None:
+def test_delay_of_an_episode(ran: Run[Job]) -> None:
     """Each environment holds one lag of 0, 1 or 2 steps through an episode, and all three occur."""
     lagged = ran.arrays("episode")["lagged"][..., 0]
     table = [expected_line(ran.jobs["episode"], "hip", steps) for steps in range(3)]
@@ -139,6 +140,6 @@ def test_delay_of_an_episode(ran: Run) -> None:
     [("no-armature", "pd: armature 0 is not 0.01"), ("saturation-for-limit", "dc: forcerange [-45.  45.]")],
     ids=["no-armature", "saturation-for-limit"],
 )
-def test_a_seeded_mistake_is_found(ran: Run, name: str, fault: str) -> None:
+def test_a_seeded_mistake_is_found(ran: Run[Job], name: str, fault: str) -> None:
     """The comparisons above turn red when the text is wrong in one place."""
     assert any(found.startswith(fault) for found in unstated(ran, name))

@@ -15,7 +15,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "resources", "files", "patterns", "processes"},
+    {"units", "diagnostics", "guest", "resources", "files", "libraries", "patterns", "placing", "processes"},
     {"joints"},
     {"fields"},
     {"ir", "simulators"},

@@ -106,7 +106,7 @@ def test_installed_wheel_finds_its_files(checkout: Path, wheel: Path, tmp_path: 
 
 @pytest.mark.slow
 def test_console_script_is_declared(wheel: Path) -> None:
-    """`actspec` on the command line is `actspec.cli.main:entry`."""
+    """`actspec` on the command line is `actspec.__main__:entry`."""
     with zipfile.ZipFile(wheel) as archive:
         entry = next(name for name in archive.namelist() if name.endswith("/entry_points.txt"))
-        assert "actspec = actspec.cli.main:entry" in archive.read(entry).decode().splitlines()
+        assert "actspec = actspec.__main__:entry" in archive.read(entry).decode().splitlines()

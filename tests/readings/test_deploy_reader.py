@@ -97,7 +97,7 @@ def _bomb() -> str:
     [
         ("[" * 100_000, "it is nested more than 40 deep"),
         (_bomb(), "it has more than 200000 values"),
-        (b"kp: \xff", "it is not UTF-8 at byte 4"),
+        (b"kp: \xff", "it is not UTF-8, byte 0xff"),
         ("kp: [1,\nkd: 2", "it is not YAML"),
         ("", "it has no gains"),
         ("- just\n- words\n", "it has no gains"),

@@ -11,7 +11,7 @@ from actspec.diagnostics import Span
 from actspec.ir import JointKind
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
 from actspec.readings.pair import distinctive, matching, pair
-from actspec.robot.view import JointView, ModelFormat, RobotView
+from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
 
 DOG = tuple(f"{leg}_{part}_joint" for leg in ("FL", "FR", "RL", "RR") for part in ("hip", "thigh", "calf"))
 ARM = ("shoulder", "elbow", "wrist")
@@ -255,3 +255,63 @@ def test_numbers_in_names(one: str, other: str, count: int) -> None:
     """A family's robots have numbers; versions and what only adds to a name are the same robot."""
     artifacts = [model(f"{name}.xml", f"acme_{name}", ARM) for name in (one, other)]
     assert len(pair(artifacts)) == count
+
+
+def test_a_scene_is_of_the_robot_that_it_includes() -> None:
+    """Its own name says where the robot stands."""
+    scene = model("go2/mujoco/scene_terrain.xml", "scene", DOG)
+    assert scene.robot is not None
+    files = (
+        ModelFile("go2/mujoco/scene_terrain.xml", "", b""),
+        ModelFile("go2/mujoco/go2.xml", "go2.xml", b""),
+    )
+    scene = replace(scene, robot=replace(scene.robot, files=files))
+    assert distinctive(scene) == {"go2"}
+    assert len(pair([model("a1/a1.urdf", "a1", DOG), scene])) == 2
+    assert len(pair([model("go2/go2.urdf", "go2", DOG), scene])) == 1
+
+
+def test_a_kind_of_robot_is_no_name() -> None:
+    """A generated humanoid's cfg is not held to the one humanoid in another folder with its joints; a sibling is."""
+    lite = model("assets/lite_humanoid/lite_humanoid.xml", "lite_humanoid", DOG)
+    assert (
+        len(
+            pair(
+                [
+                    lite,
+                    config("gen/humanoid_env.py", "PROCEDURAL_HUMANOID_CFG", [".*"]),
+                    model("z.xml", "z9", ARM),
+                ]
+            )
+        )
+        == 3
+    )
+    assert len(pair([lite, config("gen/scene.py", "HUMANOID_CFG", LEGS), model("z.xml", "z9", ARM)])) == 3
+    assert (
+        len(
+            pair([model("x_biped/urdf/biped.urdf", "biped", DOG), model("x_biped/xml/sf_biped.xml", "", DOG)])
+        )
+        == 1
+    )
+    assert len(pair([model("x9/biped.urdf", "biped", DOG), model("y9/sf_biped.xml", "", DOG)])) == 2
+
+
+def test_a_file_that_is_called_nothing() -> None:
+    """It belongs to the only robot with all of its joints, and to none where there are two."""
+    deploy = model("configs/config.xml", "", DOG)
+    go1, go2 = model("a/go1.xml", "go1", DOG), model("b/go2.xml", "go2", DOG)
+    home = model("assets/go1/go1.xml", "go1", DOG)
+    assert _together(home, replace(deploy, path="/configs/config.xml")) == [(0, 1)]
+    assert _together(go1, go2, replace(deploy, path="/configs/config.xml")) == [(0,), (1,), (2,)]
+
+
+def test_a_cfg_is_of_the_robot_whose_file_it_names() -> None:
+    """What it is called says nothing then."""
+    named = config("cfg/task.py", "ROBOT_CFG", LEGS)
+    assert named.config is not None
+    settings = {"model": Setting("{ROOT}/go1/urdf/go1.urdf", Span("cfg/task.py", 3))}
+    named = replace(named, config=replace(named.config, settings=settings))
+    assert _together(model("a/go1.urdf", "go1", DOG), model("b/go2.urdf", "go2", DOG), named) == [
+        (0, 2),
+        (1,),
+    ]

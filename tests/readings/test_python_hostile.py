@@ -77,13 +77,13 @@ def test_endless(tmp_path: Path, text: str) -> None:
 
 
 UNREADABLE = {
-    "syntax error": (b"X = 1\nX = = 2\n", "line 2: invalid syntax"),
-    "null byte": (b"X = 1\nY = '\0'\n", "line 2 has a null byte"),
-    "not UTF-8": (b"X = 1\n# caf\xe9\n", "line 2 is not utf-8, byte 0xe9"),
-    "UTF-16": ("X = 1".encode("utf-16"), "line 1 is not utf-8, byte 0xff"),
+    "syntax error": (b"X = 1\nX = = 2\n", "invalid syntax"),
+    "null byte": (b"X = 1\nY = '\0'\n", "it has a null byte"),
+    "not UTF-8": (b"X = 1\n# caf\xe9\n", "it is not utf-8, byte 0xe9"),
+    "UTF-16": ("X = 1".encode("utf-16"), "it is not utf-8, byte 0xff"),
     "strange encoding": (b"# coding: punycode\n", "its encoding 'punycode' is not one that is read"),
     "nonsense encoding": (b"# -*- coding: nonsense -*-\n", "its encoding 'nonsense' is not one that is read"),
-    "parentheses": (b"X = " + b"(" * 10_000 + b"1" + b")" * 10_000, "line 1: too many nested parentheses"),
+    "parentheses": (b"X = " + b"(" * 10_000 + b"1" + b")" * 10_000, "too many nested parentheses"),
     "signs": (b"X = " + b"-" * 100_000 + b"1", "its expressions are nested too deep for Python's parser"),
     "large": (b"#" * 50_000_000, "50000000 bytes, more than 1048576"),
 }
@@ -91,7 +91,7 @@ UNREADABLE = {
 
 @pytest.mark.parametrize("data, reason", UNREADABLE.values(), ids=UNREADABLE)
 def test_unreadable(tmp_path: Path, data: bytes, reason: str) -> None:
-    """A file that is no Python text is not read, for a reason with its line."""
+    """A file that is no Python text is not read, for a reason."""
     path = tmp_path / "cfg.py"
     path.write_bytes(data)
     reading = read_python(str(path))

@@ -604,6 +604,21 @@ def test_legged_gym_robot(tmp_path: Path) -> None:
     assert config.notes == ()
 
 
+def test_an_armature_that_training_draws_is_not_the_assets(tmp_path: Path) -> None:
+    """Forks put the drawn one in its place, add it, or multiply by it: what the asset has is nobody's figure."""
+    both = BASE.replace('file = ""', 'file = "dog.urdf"').replace("LeggedRobotCfg", "DogCfg")
+    drawn = "    class domain_rand:\n        randomize_joint_armature = %s\n"
+    (without,) = read(
+        tmp_path, both.replace("    class domain_rand:\n", drawn % False), "one_config.py"
+    ).values()
+    assert values(without.groups[0])["armature"] == 0.0
+    (config,) = read(
+        tmp_path, both.replace("    class domain_rand:\n", drawn % True), "dog_config.py"
+    ).values()
+    assert "armature" not in config.groups[0].settings
+    assert [(note.code, note.where) for note in config.notes] == [("CFG001", "asset.armature")]
+
+
 def test_legged_gym_without_its_base(tmp_path: Path) -> None:
     """A robot alone has what it writes; what it inherits is a note, not a default."""
     (config,) = read(tmp_path, DOG).values()

@@ -9,12 +9,20 @@ import numpy as np
 import pytest
 
 from actspec.logs import JointLog, Log, Sidecar
-from actspec.report.sysid_answers import bode, friction_cloud, friction_law, step_answers, taken
+from actspec.report.sysid_answers import (
+    Loop,
+    _answer,
+    bode,
+    friction_cloud,
+    friction_law,
+    step_answers,
+    taken,
+)
 from actspec.report.sysid_pictures import pictures
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds, Figures
-from actspec.sysid.motion import Course
 from actspec.sysid.recording import record
-from actspec.sysid.replay import Replay
+from actspec.sysid.replay import SPEC, Replay
 
 pytest.importorskip("scipy")
 
@@ -152,3 +160,27 @@ def test_a_page_of_a_long_log_is_small() -> None:
     torque = 2.0 + random.standard_normal(rows)
     one = replay(q, q + 1e-3 * random.standard_normal(rows), q, torque=torque)
     assert len("".join(pictures(one, named=True))) < 160_000
+
+
+def test_the_loop_of_another_method_is_drawn_beside_the_log() -> None:
+    """At its natural frequency gain over twice the damping, a quarter turn late, the delay and half a row besides."""
+    command = multisine()
+    one = replay(command, 0.5 * command, 0.25 * command)
+    loop = Loop(2 * np.pi * 5.0, 0.4, 0.9, 0.01)
+    (value,) = _answer(loop, np.array([5.0]), STEP)
+    assert abs(value) == pytest.approx(0.9 / 0.8, rel=2e-3)
+    late = 90.0 + 360.0 * 5.0 * (0.01 + 0.5 * STEP)
+    assert np.degrees(np.angle(value)) == pytest.approx(-late)
+    assert "".join(bode(one, loop)).count("second order") >= 2
+    # Of steps it has no gain, and stands in their picture.
+    bare = Loop(2 * np.pi * 5.0, 0.4)
+    assert "second order" not in "".join(bode(one, bare)) + "".join(bode(one))
+
+
+def test_what_no_method_fitted_is_called_the_spec_s() -> None:
+    """With figures of spectra, steps or constant speeds the joint that moves is the spec's."""
+    command = multisine()
+    one = replay(command, 0.5 * command, 0.25 * command)
+    assert "log less fit" in "".join(pictures(one, named=False))
+    html = "".join(pictures(replace(one, name=SPEC), named=False))
+    assert "log less spec" in html and "log less fit" not in html

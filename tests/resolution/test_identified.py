@@ -143,7 +143,23 @@ def test_a_joint_that_the_results_lack(leg: Path) -> None:
     """The names that they have are told."""
     (leg / "results" / "leg.yaml").write_text(RESULTS.replace("  hip:", "  hipp:"), encoding="utf-8")
     (error,) = refused(leg, "armature: identified")
-    assert "but results/leg.yaml has no joint 'hip', its joints are hipp" in error
+    assert "but results/leg.yaml has no such joint, its joints are hipp" in error
+
+
+def test_joints_that_the_results_lack_are_told_together(leg: Path) -> None:
+    """One error a field with the names of all, and not one a joint."""
+    ankles = "".join(f'<body><joint name="toe{i}"/><geom size="0.1"/></body>' for i in range(3))
+    (leg / "leg.xml").write_text(
+        MODEL.replace("</body></worldbody>", f"{ankles}</body></worldbody>"), encoding="utf-8"
+    )
+    spec(leg, "armature: identified, randomize: {delay: {from: identified}}")
+    text = (leg / "leg.yaml").read_text(encoding="utf-8")
+    (leg / "leg.yaml").write_text(text.replace("joints: [hip]", "joints: ['toe.*', hip]"), encoding="utf-8")
+    with pytest.raises(ResolveError) as caught:
+        api.resolve("leg.yaml")
+    told = [d.message for d in caught.value.diagnostics if "no such joint" in d.message]
+    assert len(told) == 2
+    assert all(message.startswith("toe0, toe1, toe2: ") for message in told)
 
 
 def test_figures_that_rest_on_other_gains(leg: Path) -> None:

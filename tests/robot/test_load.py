@@ -166,6 +166,19 @@ def test_other_root_is_an_error(tmp_path: Path) -> None:
     )
 
 
+def test_a_folder_whose_name_is_not_utf_8_is_refused(tmp_path: Path) -> None:
+    """MuJoCo takes no such path: an error with the way out, not a fault of actspec."""
+    folder = os.path.join(str(tmp_path), os.fsdecode(b"f\xff"))
+    os.mkdir(folder)
+    path = os.path.join(folder, "leg.xml")
+    with open(path, "w", encoding="utf-8") as stream:
+        stream.write("<mujoco/>")
+    with pytest.raises(
+        RobotError, match=r"ROBOT126: the name of the model's folder is not UTF-8.*\n.*rename"
+    ):
+        load_robot(path)
+
+
 @pytest.mark.skipif(not REAL, reason="no corpus of real robot files")
 @pytest.mark.parametrize("path", REAL, ids=lambda p: str(p.relative_to(CORPUS)))
 def test_real_file_reads_or_says_why(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

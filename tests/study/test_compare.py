@@ -216,3 +216,14 @@ def test_what_is_refused(
     assert main(["compare", "spec.yaml", *more]) == 2
     assert said in capsys.readouterr().err
     assert {entry.name for entry in tmp_path.iterdir()} == before
+
+
+def test_a_target_in_words_of_another_version(tmp_path: Path) -> None:
+    """A <dcmotor> of MuJoCo 3.11 is no model of 4.0: the same drive is compared in the words of that which is here."""
+    path = folder(tmp_path, inertias=(0.05,))
+    newest = compared(path, duration=0.2)
+    path.write_text(path.read_text() + 'targets: {mujoco: {version: "3.11"}}\n')
+    older = compared(path, duration=0.2)
+    assert [(row.variant, row.course, row.departure) for row in older.rows] == [
+        (row.variant, row.course, pytest.approx(row.departure)) for row in newest.rows
+    ]

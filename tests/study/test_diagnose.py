@@ -169,6 +169,10 @@ def test_which_law_is_the_robots(leg: Path, capsys: Any) -> None:
     errors = record["joints"][0]["torque_error"]
     assert errors["dc_motor"]["rmse"] < 1e-8
     assert errors["ideal_pd"]["rmse"] > 0.5
+    # A tenth of the limit is 1 N*m.
+    missed = [item for item in record["findings"] if item["code"] == "DGN006"]
+    assert [item["where"] for item in missed] == (["hip"] if errors["spec"]["rmse"] > 1.0 else [])
+    assert missed and record["enough"] is False
     assert record["joints"][0]["torque_late"] == 1
     log("own.csv", law(command), qd, command, q)
     record = diagnosed(["own.csv", "--fail-on", "never"], capsys)
@@ -262,6 +266,18 @@ def test_joints_that_say_nothing_are_named(leg: Path, capsys: Any) -> None:
     assert "rows" in reasons["hip"]
 
 
+def test_readings_that_no_joint_gives(leg: Path, capsys: Any) -> None:
+    """A torque of 1e200 N*m in 10 of 1000 rows, and infinity in 10 more: they count for nothing, and a note says it."""
+    torque = np.ones(ROWS)
+    torque[100:110], torque[200:210] = 1e200, math.inf
+    log("rollout.csv", torque, np.zeros(ROWS))
+    record = diagnosed(["rollout.csv", "--fail-on", "never"], capsys)
+    hip = record["joints"][0]
+    assert (hip["rows"], hip["peak_torque"], hip["rms_torque"]) == (ROWS - 20, 1.0, 1.0)
+    (note,) = (item for item in record["notes"] if item["code"] == "DGN015")
+    assert note["where"] == "hip" and "1e+12" in note["message"]
+
+
 def test_a_recorder_takes_whole_rows() -> None:
     """Other shapes, other signals than in the first row, names twice: errors of Python."""
     recorder = actspec.Recorder(["a", "b"], 0.01)
@@ -275,3 +291,15 @@ def test_a_recorder_takes_whole_rows() -> None:
     with pytest.raises(ValueError, match="period"):
         actspec.Recorder(["a"], 0.0)
     assert len(recorder) == 1
+
+
+def test_a_log_of_the_spec_itself_is_not_of_another_drive(leg: Path, capsys: Any) -> None:
+    """Level ideal_pd at 6 rad/s, 10 N*m where the line leaves 8: beyond the motor, and yet the law of the log."""
+    speed, command = np.full(ROWS, 6.0), np.full(ROWS, 1.0)
+    log("own.csv", np.full(ROWS, 10.0 - 1e-6), speed, command, 0.0 * speed)
+    record = diagnosed(["own.csv", "--fail-on", "never"], capsys)
+    assert "DGN002" in {item["code"] for item in record["findings"]}
+    assert "DGN006" not in {item["code"] for item in record["findings"]}
+    errors = record["joints"][0]["torque_error"]
+    assert errors["ideal_pd"]["rmse"] == pytest.approx(1e-6, rel=1e-3)
+    assert errors["dc_motor"]["rmse"] == pytest.approx(2.0, rel=1e-3)

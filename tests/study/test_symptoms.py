@@ -11,11 +11,15 @@ import pytest
 
 from actspec.audit.rules import all_rules
 from actspec.cli.main import main, parser
+from actspec.study.findings import CHECKS, COMPARED
 from actspec.study.symptoms import SYMPTOMS, page, symptoms_for
 
 PAGE = Path(__file__).resolve().parents[2] / "docs" / "troubleshooting.md"
 RULES = {rule.code for rule in all_rules()}
-FINDINGS = {"CMP001", "DGN001", "DGN002", "DGN003", "DGN004", "DGN005"}
+FINDINGS = {check.code for check in (*CHECKS, *COMPARED)}
+SYSID = set(
+    re.findall(r"^\| (SYS\d+) ", (PAGE.parent / "sysid.md").read_text(encoding="utf-8"), re.MULTILINE)
+)
 
 
 def test_the_page_is_the_table(request: pytest.FixtureRequest) -> None:
@@ -31,7 +35,7 @@ def test_every_code_and_command_is_there() -> None:
     for symptom in SYMPTOMS:
         for cause in symptom.causes:
             assert cause.codes or cause.command, cause.what
-            assert set(cause.codes) <= RULES | FINDINGS, cause.codes
+            assert set(cause.codes) <= RULES | FINDINGS | SYSID, cause.codes
             if cause.command:
                 assert parser().parse_args(shlex.split(cause.command)[1:]).command
 

@@ -92,3 +92,18 @@ def test_a_gap_is_no_speed(log: Log) -> None:
     found = said(replace(log, time=log.time[kept]), **columns)
     assert {(one.code, one.severity.value) for one in found} == {("SYS013", "info")}
     assert any("0.402 s without rows" in one.message for one in found)
+
+
+def test_a_drive_that_holds_is_not_clipped(log: Log) -> None:
+    """A joint that stands against gravity has one torque for long; a limit has it while the error changes."""
+    t = log.time
+    level = np.where(t < 1.0, 0.2 * np.sin(2 * np.pi * 2 * t), 0.5)
+    late = np.concatenate([np.full(5, level[0]), level[:-5]]) * 0.9
+    position = np.round(late / 1e-3) * 1e-3
+    torque = np.round(np.where(t < 1.05, 20 * (level - late), 4.0) / 0.05) * 0.05
+    columns = {"command": level, "position": position, "velocity": np.gradient(late, t)}
+    assert not [one for one in said(log, **columns, torque=torque.clip(-4, 4)) if one.code == "SYS016"]
+    wave = 0.5 * np.sin(2 * np.pi * 2 * t)
+    columns = {"command": wave, "position": 0.9 * wave, "velocity": np.gradient(0.9 * wave, t)}
+    (one,) = [one for one in said(log, **columns, torque=(100 * wave).clip(-4, 4)) if one.code == "SYS016"]
+    assert "the torque is clipped at 4 N*m" in one.message

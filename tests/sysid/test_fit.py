@@ -69,8 +69,11 @@ def command() -> np.ndarray:
     return found
 
 
-def logged(gravity: bool, rows: int = ROWS) -> Log:
-    """What sensors read of the true joint: 0.5 mrad, 0.05 rad/s and 2 % of the torque's RMS of noise."""
+def logged(gravity: bool, rows: int = ROWS, jitter: float = 0.0) -> Log:
+    """What sensors read of the true joint: 0.5 mrad, 0.05 rad/s and 2 % of the torque's RMS of noise.
+
+    `jitter` is the standard deviation of a row's time, in rows.
+    """
     mgl = 0.8 * 9.81 * 0.15 if gravity else 0.0
     one = {
         "J": LINK + TRUE["armature"], "kp": TRUE["kp"], "kd": TRUE["kd"], "tc": TRUE["friction.coulomb"],
@@ -78,8 +81,11 @@ def logged(gravity: bool, rows: int = ROWS) -> Log:
         "bias": TRUE["encoder_bias"] if gravity else 0.0,
     }  # fmt: skip
     given = command()[:rows]
-    read = truth({name: np.array([value]) for name, value in one.items()}, given[:, None], PERIOD)
     random = np.random.default_rng(11)
+    time = np.arange(rows) * PERIOD
+    if jitter:
+        time += jitter * PERIOD * np.clip(np.random.default_rng(2).standard_normal(rows), -3.0, 3.0)
+    read = truth({name: np.array([value]) for name, value in one.items()}, given[:, None], time)
     q, qd, torque = (part[:, 0] for part in read)
     joint = JointLog(
         "hip",
@@ -89,7 +95,7 @@ def logged(gravity: bool, rows: int = ROWS) -> Log:
         velocity=qd + 0.05 * random.standard_normal(rows),
         torque=torque + 0.02 * np.sqrt(np.mean(torque**2)) * random.standard_normal(rows),
     )
-    return Log("hip.csv", "0" * 64, np.arange(rows) * PERIOD, {"hip": joint}, Sidecar())
+    return Log("hip.csv", "0" * 64, time, {"hip": joint}, Sidecar())
 
 
 @pytest.fixture(scope="module")
@@ -135,6 +141,13 @@ def test_torque_gives_everything(tmp_path: Path, pendulum: Log) -> None:
         near(found, field, goal)
     assert not any(item.severity is Severity.WARNING for item in found.findings)
     assert 0.9 < found.joints[0].misfit < 1.1
+
+
+def test_a_clock_that_jitters(tmp_path: Path) -> None:
+    """By 15 %: a delay of 2.65 rows ends now within the third row, now within the next one."""
+    found = fitted(tmp_path, logged(gravity=True, jitter=0.15))
+    for field, goal in (("kp", 0.05e-2 * 32), ("kd", 0.05e-2 * 0.9), ("delay", 2e-5)):
+        near(found, field, goal)
 
 
 def test_stated_gains_give_the_rest(tmp_path: Path, pendulum: Log) -> None:

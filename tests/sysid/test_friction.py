@@ -7,8 +7,8 @@ import pytest
 
 from actspec.diagnostics import Collector
 from actspec.logs import JointLog, Log, Sidecar
+from actspec.sysid.course import Course
 from actspec.sysid.friction import Cloud, cloud, fitted, joined, of_direction
-from actspec.sysid.motion import Course
 from actspec.sysid.recording import record
 from tests.sysid.truth import truth
 

@@ -104,7 +104,7 @@ def test_a_weak_figure_s_interval_ends_where_the_cost_has_risen(
     free = rolled(tmp_path, log)
     assert free.fit is not None
     assert weak(free, free.fit, "coulomb") and not weak(free, free.fit, "armature")
-    low, high = profiled(free, free.fit, ended(free), "coulomb")
+    low, high = profiled(free, free.fit, ended(free), "coulomb", {})
     assert low == 0.0 and free.fit.values["coulomb"] < high < 0.003
     monkeypatch.setattr(test_fit, "SPEC", test_fit.SPEC.replace("coulomb: 0.1", f"coulomb: {high!r}"))
     held = rolled(tmp_path, log, "friction.coulomb")
@@ -112,6 +112,12 @@ def test_a_weak_figure_s_interval_ends_where_the_cost_has_risen(
     i = free.fit.free.index("coulomb")
     white = np.linalg.inv(free.fit.normal)[i, i]
     assert risen == pytest.approx(1.96**2 * free.fit.covariance[i, i] / white, rel=0.1)
+    # What goes with a figure ends where it does.
+    std, values = np.sqrt(np.diag(free.fit.covariance)), free.fit.values
+    as_one, armature = replace(free.fit, covariance=np.outer(std, std)), values["armature"]
+    ends = {"coulomb": ({**values, "armature": armature + 2e-3}, {**values, "armature": armature - 1e-3})}
+    found = profiled(free, as_one, ended(free), "armature", ends)
+    assert found == pytest.approx((armature - 1e-3, armature + 2e-3))
 
 
 def rolled(folder: Path, log: Log, hold: str = "") -> JointInWork:

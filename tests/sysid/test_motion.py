@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds, Figures
-from actspec.sysid.motion import Course, move
-from actspec.sysid.recording import slope_of
+from actspec.sysid.motion import Run, move, move_each
 from tests.sysid.truth import truth
 
 PERIOD = 0.002
@@ -129,14 +129,30 @@ def test_torque_speed_line_bounds_in_four_quadrants() -> None:
     assert found == pytest.approx([23.5, 11.75, 0.0, -11.75, -23.5, -23.5])
 
 
-def test_a_slope_s_straight_lines_have_the_signal_s_changes() -> None:
-    """A sine of 20 Hz at 2 ms: what straight lines between its slopes add up to is 1.6 % short by plain differences."""
-    time = 0.002 * np.arange(500)
-    signal = np.sin(2 * np.pi * 20.0 * time)
+def test_joints_side_by_side_move_as_each_alone(moved: tuple[np.ndarray, ...]) -> None:
+    """Three joints with a delay each, one behind a low-pass, two sets and different numbers of pieces."""
+    command, runs = commands(350), []
+    for joint, starts in enumerate(([0, 100], [50], [0, 30, 120])):
+        one = course(joint, command[:, joint], moved[0][:, joint], 0.01)
+        sets = [figures(joint, 0.01, lag=0.01 * (joint == 1)), figures(joint, 0.02, lag=0.01 * (joint == 1))]
+        both = Figures(**{n: np.concatenate([getattr(s, n) for s in sets]) for n in Figures.names()})
+        at = np.array(starts)
+        q = np.repeat(moved[0][at, joint][:, None], 2, axis=1)
+        runs.append(Run(one, both, at, q, np.zeros_like(q)))
+    bounds = Bounds(60.0)
+    for run, found in zip(runs, move_each(runs, bounds, 100), strict=True):
+        alone = move(run.course, run.figures, bounds, run.starts, 100, run.q, run.qd)
+        # Steps are those of the fastest joint.
+        for name, size in (("q", 1e-5), ("qd", 2e-3), ("torque", 3e-3)):
+            assert getattr(found, name) == pytest.approx(getattr(alone, name), abs=size), name
 
-    def added(slope: np.ndarray) -> float:
-        changes = 0.5 * (slope[1:] + slope[:-1]) * 0.002
-        return float(changes[5:-5] @ np.diff(signal)[5:-5] / np.sum(np.diff(signal)[5:-5] ** 2))
 
-    assert added(np.gradient(signal, time)) == pytest.approx(np.cos(np.pi * 20.0 * 0.002) ** 2, abs=1e-4)
-    assert added(slope_of(signal, time)) == pytest.approx(1.0, abs=3e-4)
+def test_a_course_with_denser_rows_is_the_same_course(moved: tuple[np.ndarray, ...]) -> None:
+    """Every third row of the dense one is a row of the other; steps of a third are as good."""
+    one = course(1, commands(350)[:, 1], moved[0][:, 1], 0.01)
+    start, values = np.array([0]), figures(1, 0.01)
+    at = np.array([[moved[0][0, 1]]])
+    plain = move(one, values, Bounds(60.0), start, 200, at, 0 * at)
+    dense = move(one.divided(3), values, Bounds(60.0), start, 199 * 3 + 1, at, 0 * at)
+    assert np.abs(dense.q[::3] - plain.q).max() < 1e-6
+    assert dense.torque[::3] == pytest.approx(plain.torque, abs=1e-4)

@@ -20,3 +20,16 @@ def test_diagnostics_are_written_beside_the_figures() -> None:
         "torque_scale": (1.05, 0.002, "1"),
         "rise_time": (0.031, None, "s"),
     }
+
+
+def test_both_ends_of_an_interval_are_written() -> None:
+    """Uneven ones too; a figure that is held or not told has none, and the file passes its own check."""
+    parameters = (
+        Parameter("kp", State.HELD, 25.0, None, None, None, "N*m/rad"),
+        Parameter("friction.viscous", State.IDENTIFIED, 0.01, 0.0102, 0.0, 0.03, "N*m*s/rad"),
+        Parameter("encoder_bias", State.UNIDENTIFIABLE, None, None, None, None, "rad"),
+    )
+    joint = JointFit("hip", JointKind.HINGE, parameters, (), (), 1e-3, None, 1.0, 1.0)
+    text = results_text(Identification("bench", "rollout", (joint,), (), 0.0), [])
+    found = validate_results(document_from_text(text, "r.yaml")).joints["hip"]
+    assert found.intervals == {"friction.viscous": (0.0, 0.03)}

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from actspec.sysid.recording import longest_step, scatter, smooth
 from actspec.sysid.spoilt import frozen, jumps, texture, wild
 
 pytest.importorskip("scipy")
@@ -108,3 +109,42 @@ def test_a_coarse_encoder_that_hangs_shows_by_where_it_goes_on() -> None:
     speed = 0.3 * 2 * np.pi * 0.5 * np.cos(2 * np.pi * 0.5 * T) + 20 * NOISE
     found = frozen(T, 0.3 * np.sin(2 * np.pi * 0.5 * T), {"position": spoilt, "velocity": speed})
     assert found["position"][1000:1500].all()
+
+
+def test_a_clock_that_jitters_is_no_noise_and_no_gap() -> None:
+    """Rows 15 % early or late: the noise is 0.5 mrad at 6 rad/s too, and only what was taken out is missing."""
+    random = np.random.default_rng(1)
+    time = 0.004 * (np.arange(2500) + np.clip(0.15 * random.standard_normal(2500), -0.45, 0.45))
+    read = 0.3 * np.sin(2 * np.pi * 3 * time) + 5e-4 * random.standard_normal(2500)
+    assert scatter(read, time) == pytest.approx(5e-4, rel=0.15)
+    assert scatter(read) > 1e-3
+    short = np.delete(time, np.arange(50, 2500, 50))
+    assert 36 < np.sum(np.diff(short) > longest_step(short)) < 52
+    even = 0.004 * np.arange(100)
+    assert longest_step(even) == pytest.approx(np.full(99, 0.006))
+    # Third differences 1, 3, 3, 1: what even rows give by hand.
+    signal = random.standard_normal(97)
+    third = np.abs(signal[3:] - 3 * signal[2:-1] + 3 * signal[1:-2] - signal[:-3])
+    assert scatter(signal, even[:97]) == pytest.approx(1.4826 * np.median(third) / np.sqrt(20.0))
+    # A loop that is slower from a row on: nothing is missing there, and the speed is the same.
+    turn = np.cumsum(np.repeat([0.0035, 0.0053], [400, 400]))
+    assert np.sum(np.diff(turn) > longest_step(turn)) <= 15
+    speed = smooth(turn, np.sin(3 * turn), 0.02, 1)
+    assert speed[10:-10] == pytest.approx(3 * np.cos(3 * turn)[10:-10], abs=5e-3)
+    bend = smooth(turn, np.sin(3 * turn), 0.02, 2)
+    assert bend[420:-20] == pytest.approx(-9 * np.sin(3 * turn)[420:-20], abs=0.05)
+
+
+def test_a_servo_that_stands_reads_a_count_of_speed() -> None:
+    """0.4 s in stiction at 0.024 rad/s, the least that it can tell, while the command moves: nothing is left out."""
+    time = 0.005 * np.arange(1000)
+    course = np.clip(0.5 * np.sin(time), -0.4, 0.4)
+    read = np.round(course / 0.001534) * 0.001534
+    speed = np.round(np.gradient(course, time) / 0.024) * 0.024
+    speed[np.abs(course) == 0.4] = 0.024
+    found = frozen(time, 0.6 * np.sin(time), {"position": read, "velocity": speed})
+    assert not found["position"].any() and not found["velocity"].any()
+    # Three counts are a speed that a joint has.
+    speed[np.abs(course) == 0.4] = 0.096
+    found = frozen(time, 0.6 * np.sin(time), {"position": read, "velocity": speed})
+    assert found["position"].any()

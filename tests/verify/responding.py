@@ -21,7 +21,7 @@ from actspec.verify.response import (
     response_rows,
 )
 from actspec.verify.run import ENGINES
-from tests.verify.making import Built, Edit, build
+from tests.verify.making import MODEL, Built, Edit, build
 
 
 @dataclass(frozen=True)
@@ -41,9 +41,9 @@ class Bench:
     moved: Moved
 
     @classmethod
-    def of(cls, folder: Path, spec: str, *names: str) -> Bench:
+    def of(cls, folder: Path, spec: str, *names: str, model: str = MODEL) -> Bench:
         """Of a spec and some of its targets."""
-        built = build(folder, spec)
+        built = build(folder, spec, model)
         actuators = built.compilation.actuators
         experiment = design(actuators, laws_of(actuators).laws)
         wanted = {name: expected(built.targets[name], experiment) for name in names}

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from actspec.simulate.experiment import COURSES
 from actspec.verify.response import SOFT
-from tests.verify.making import SPEC, Edit, both, replaced
+from tests.verify.making import MODEL, SPEC, Edit, both, replaced
 from tests.verify.responding import Bench
 
 pytestmark = pytest.mark.slow
@@ -40,6 +41,25 @@ def test_every_course_of_every_joint_agrees(rich: Bench) -> None:
     assert {key for row in rows for key in row.approximations} <= {SOFT}
     # The tolerance means something: a few hundredths of the way.
     assert all(row.tolerance < 0.15 for row in rows)
+
+
+UNSTATED = RICH.replace(
+    "    friction: {coulomb: 0.2, viscous: 0.04}\n",
+    "    friction: {coulomb: unknown, viscous: unknown}\n    armature: unknown\n",
+)
+OWN = 'frictionloss="0.4" damping="0.7" armature="0.05"'
+"""What the model says of its right knee alone, and a spec that states none of it."""
+
+
+def test_what_the_spec_does_not_state_is_not_held_against_the_file(tmp_path: Path) -> None:
+    """The target keeps the model's friction and armature, and the law moves a body that has the same."""
+    model = replaced('range="-120 5"/>', f'range="-120 5" {OWN}/>')(MODEL)
+    bench = Bench.of(tmp_path, UNSTATED, "mujoco", model=model)
+    written = Path(bench.built.targets["mujoco"].path("rich.xml")).read_text("utf-8")
+    assert all(part in written for part in OWN.split())
+    rows = bench.rows("mujoco")
+    assert {row.group for row in rows} == {"hips", "knees", "lift"}
+    assert [row.message for row in rows if not row.ok] == []
 
 
 def test_a_first_order_engine_is_off_by_twice_its_change(rich: Bench) -> None:

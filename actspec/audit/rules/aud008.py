@@ -47,4 +47,4 @@ class Unreadable(Rule):
             )
         if lost or not errors:
             message = f"the file cannot be read: {file.reason}"
-            yield Finding(self.code, message, Span(file.path), severity=severity)
+            yield Finding(self.code, message, file.place, severity=severity)

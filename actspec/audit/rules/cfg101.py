@@ -42,10 +42,7 @@ class DictMissesJoint(RuleInParts):
         """Find joints without a key."""
         if not is_native(case.versions):
             for group in groups_of(case, Framework.ISAACLAB):
-                for name in _ZERO:
-                    keys = _keys(group.cfg.settings.get(name))
-                    if keys is not None:
-                        yield self._missed(group, name, keys)
+                yield from self._missed(group)
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework is not Framework.LEGGED_GYM:
@@ -58,22 +55,36 @@ class DictMissesJoint(RuleInParts):
                     # Where several may be meant, it is the one that the keys fit best.
                     yield sorted(missed, key=len)[0]
 
-    def _missed(self, group: Group, name: str, keys: Sequence[str]) -> Iterator[Finding]:
-        setting = group.cfg.settings[name]
-        for row in group.rows:
-            if any(_may_match(group.framework, key, row.joint) for key in keys):
+    def _missed(self, group: Group) -> Iterator[Iterable[Finding]]:
+        """For each dict of a group the joints without a key; but of limits, what the first dict lacks is told once."""
+        told: set[str] = set()
+        for name, effect in _ZERO.items():
+            keys = _keys(group.cfg.settings.get(name))
+            if keys is None:
                 continue
-            yield Finding(
-                self.code,
-                f"no key of {name} matches this joint of group {shortened(group.cfg.name)!r}: Isaac Lab 2.x gives it "
-                f"0, and {_ZERO[name]}",
-                setting.span,
-                row.joint,
-                0.0,
-                "1",
-                help=f"add a key for it, or {{'.*': ...}}; keys: {', '.join(map(repr, keys[:8]))}",
-                severity=Severity.ERROR if name in ("effort_limit", "effort_limit_sim") else None,
-            )
+            setting, is_limit = group.cfg.settings[name], "limit" in name
+            missed = [
+                row.joint
+                for row in group.rows
+                if not any(_may_match(group.framework, key, row.joint) for key in keys)
+            ]
+            yield [
+                Finding(
+                    self.code,
+                    f"no key of {name} matches this joint of group {shortened(group.cfg.name)!r}: Isaac Lab 2.x gives "
+                    f"it 0, and {effect}",
+                    setting.span,
+                    joint,
+                    0.0,
+                    "1",
+                    help=f"add a key for it, or {{'.*': ...}}; keys: {', '.join(map(repr, keys[:8]))}",
+                    severity=Severity.ERROR if name in ("effort_limit", "effort_limit_sim") else None,
+                )
+                for joint in missed
+                if is_limit or joint not in told
+            ]
+            if not is_limit:
+                told.update(missed)
 
     def _legged_gym(self, model: Artifact, cfg: ActuatorGroup, keys: Sequence[str]) -> Iterator[Finding]:
         for joint in joint_names(model) or ():

@@ -89,7 +89,7 @@ class DampingOutsideClamp(RuleInParts):
             unit(row, "kd"),
             help=_HELP,
             related=(row.span,),
-            severity=None if left <= 0.0 and not sprung else Severity.INFO,
+            severity=None if damping * speed >= _HELD * limit and not sprung else Severity.INFO,
         )
 
     def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
@@ -108,6 +108,10 @@ class DampingOutsideClamp(RuleInParts):
             confidence=Confidence.LOW,
         )
 
+
+_HELD = 1.0 / 0.9
+"""Torque at the joint's speed, as a share of the limit, from which it is a warning. Chosen: a motor has no torque left
+at its top speed, and published top speeds vary by a tenth; damping that takes it all just there is no brake."""
 
 _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "

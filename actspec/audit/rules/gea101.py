@@ -15,6 +15,7 @@ from actspec.audit.rules.reductions import (
     same,
     states_speed,
 )
+from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
@@ -114,6 +115,13 @@ class HiddenGear(RuleInParts):
             (right.row.place("effort_limit"),),
             confidence=Confidence.MEDIUM,
         )
+
+
+def left_out(case: Case) -> frozenset[tuple[Span, str]]:
+    """Place and joint of every finding of GEA101: what it says, no other rule repeats."""
+    return frozenset(
+        (item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)
+    )
 
 
 def _is_equal(joint: Figures, base: Figures) -> bool:

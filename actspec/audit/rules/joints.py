@@ -128,17 +128,27 @@ def _shared(case: Case) -> list[list[list[tuple[_Place, LedgerRow]]]]:
 def top_speed(row: LedgerRow) -> float | None:
     """The joint's top speed: its limit or the end of its torque-speed line, what comes first; no placeholder."""
     limit = finite(row.velocity_limit)
-    nobodys = limit is None or limit >= PLACEHOLDER_SPEED or _is_default(row, limit)
+    nobodys = limit is None or limit >= PLACEHOLDER_SPEED or is_exporters(row)
     speeds = (None if nobodys else limit, finite(row.no_load_speed))
     return min(filter(None, speeds), default=None)
 
 
-def _is_default(row: LedgerRow, speed: float) -> bool:
-    """Whether effort and speed are those that an exporter writes to every joint where nobody stated any.
+def is_exporters(row: LedgerRow) -> bool:
+    """Whether effort and speed of a joint are those that an exporter writes to every joint where nobody stated any.
 
     Source: onshape-to-robot writes 10 and 10, 1 and 20 in earlier releases.
     """
-    return (row.effort_limit, speed) in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0))
+    return (row.effort_limit, row.velocity_limit) in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0))
+
+
+def is_undriven(case: Case, row: LedgerRow) -> bool:
+    """Whether an MJCF has actuators, and none on the row's joint: its limit there bounds no torque.
+
+    Source: MuJoCo, XML reference, joint/actuatorfrcrange: the range clamps what actuators give.
+    """
+    if row.control != "none" or case.artifacts[row.artifact].kind is not FileKind.MJCF:
+        return False
+    return any(other.control != "none" for other in case.rows_of(row.artifact))
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:

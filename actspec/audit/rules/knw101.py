@@ -7,6 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
+from actspec.audit.rules.gea101 import left_out
 from actspec.audit.rules.joints import finite, partner_rows, shown, unit
 from actspec.audit.rules.source_pairs import GRAVE
 from actspec.diagnostics import listed
@@ -38,8 +39,9 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 subject, row, names, limit, times
             )
             if found is not None:
-                # One number is told once: that two files of the robot cannot both be right.
-                yield replace(found, severity=Severity.INFO) if _is_disputed(case, row, limit) else found
+                # One number is told once: that two files of the robot cannot both be right, or a reduction is left out.
+                told = (found.span, found.joint) in case.once(left_out) or _is_disputed(case, row, limit)
+                yield replace(found, severity=Severity.INFO) if told else found
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float

@@ -9,7 +9,7 @@ from typing import ClassVar
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
-from actspec.audit.rules.joints import partner_rows, shown, unit
+from actspec.audit.rules.joints import is_exporters, partner_rows, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
@@ -36,6 +36,9 @@ _UNDRIVEN = re.compile(
 )
 """Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
 
+_TIMES = 2.0
+"""How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone."""
+
 _EMPTY = (0.0, 0.0)
 _MODELS = (FileKind.MJCF, FileKind.URDF)
 _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for none'
@@ -51,8 +54,10 @@ class NoEffectiveLimit(RuleInParts):
     }
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    paired = True
     needs = "no file states an effort or velocity limit, and no MJCF has actuators on joints"
     options: ClassVar[dict[str, float]] = {"least": PLACEHOLDER}
+    paired = True
 
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         written = _ranges_not_in_force(case)
@@ -85,7 +90,11 @@ class NoEffectiveLimit(RuleInParts):
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                yield (replace(nothing, severity=Severity.INFO) if undriven else nothing,)
+                quiet = undriven or row.artifact in case.once(_furniture)
+                yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
+                continue
+            if urdf and is_exporters(row):
+                yield self._exporters(case, row)
                 continue
             if self._are_placeholders(case, limits):
                 yield (self._placeholders(row, limits),)
@@ -94,9 +103,8 @@ class NoEffectiveLimit(RuleInParts):
                 if limit is not None:
                     found = self._stated(case, row, field, limit, idle)
                     # The clamped command bounds it before the placeholder does.
-                    yield (
-                        (replace(one, severity=Severity.INFO) for one in found) if row.span in held else found
-                    )
+                    quiet = row.span in held or (limit == 0.0 and (row.artifact, row.joint) in doubted)
+                    yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
 
     def _is_held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
         """Whether the clamped command of a servo bounds its torque below a limit that is a placeholder."""
@@ -118,7 +126,7 @@ class NoEffectiveLimit(RuleInParts):
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             others = (other.effort_limit or 0.0 for other in partner_rows(case, row, *_MODELS))
             most = max((limit for limit in others if 0.0 < limit < PLACEHOLDER), default=None)
-            if most is not None and bound > most:
+            if most is not None and bound >= _TIMES * most:
                 effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
             else:
                 severity = Severity.INFO
@@ -162,6 +170,28 @@ class NoEffectiveLimit(RuleInParts):
             limits["effort_limit"],
             unit(row, "effort_limit"),
             help="state the motor's effort and velocity limits",
+        )
+
+    def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
+        """Limits that nobody stated, where another file of the robot has the motor's."""
+        others = (
+            other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
+        )
+        other = next((one for one in others if not is_exporters(one)), None)
+        if other is None or other.effort_limit == row.effort_limit:
+            return
+        effort, speed = (shown(row, field, getattr(row, field), 6) for field in _LIMITS)
+        yield Finding(
+            self.code,
+            f"the effort of {effort} and the velocity of {speed} are what exporters write where nobody states any, and "
+            "another file of the robot has its motor's limit",
+            row.place("effort_limit"),
+            row.joint,
+            row.effort_limit,
+            unit(row, "effort_limit"),
+            expected=other.effort_limit,
+            help="state the motor's effort and velocity limits",
+            related=(other.place("effort_limit"),),
         )
 
     def _stated(self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool) -> Iterator[Finding]:
@@ -263,6 +293,22 @@ def _without_efforts(case: Case) -> frozenset[int]:
     for index, _ in case.of_kind(FileKind.URDF):
         rows = [row for row in case.rows_of(index) if "effort_limit" in row.stated]
         if rows and all(row.effort_limit == 0.0 and (row.velocity_limit or 0.0) > 0.0 for row in rows):
+            found.add(index)
+    return frozenset(found)
+
+
+def _furniture(case: Case) -> frozenset[int]:
+    """URDFs without a limit on any joint in which no joint moves another: drawers and doors, that nothing drives.
+
+    A robot has joints behind each other.
+    """
+    found = set()
+    for index, artifact in case.of_kind(FileKind.URDF):
+        limits = [
+            getattr(row, field) for row in case.rows_of(index) for field in _LIMITS if field in row.stated
+        ]
+        joints = () if artifact.robot is None else artifact.robot.joints
+        if limits and not any(limits) and not any(joint.parent for joint in joints):
             found.add(index)
     return frozenset(found)
 

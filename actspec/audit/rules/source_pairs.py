@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
@@ -12,6 +13,8 @@ from typing import ClassVar
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
+from actspec.audit.rules.joints import is_exporters
+from actspec.audit.rules.sym101 import unlike_sides
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, is_placeholder
 from actspec.readings.artifact import FileKind, Robot
@@ -30,6 +33,12 @@ GRAVE = 2.0
 
 _SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
+
+_REVISION = re.compile(r"(?<![a-z])(?:v|rev|version|mode)[_-]?\d+(?:[._]\d+)*")
+"""A hardware's version in a name, as of `atlas_v4` and `g1_29dof_mode_13`."""
+
+_FOLDERS = 4
+"""Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
 
 _REFERENCES: dict[FileKind, tuple[tuple[FileKind, ...], ...]] = {
     FileKind.DEPLOY: ((FileKind.CFG,), (FileKind.URDF, FileKind.MJCF)),
@@ -288,9 +297,37 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
 
 
 def is_no_limit(found: Disagreement) -> bool:
-    """Whether one of two limits is a placeholder or 0, which the LIM rules report."""
+    """Whether one of two limits is a placeholder, an exporter's or 0, which the LIM rules report."""
+    # Where both files have the effort, somebody stated it.
+    efforts = {rows[0].effort_limit for rows in (found.rows, found.others)}
+    if len(efforts) > 1 and any(is_exporters(rows[0]) for rows in (found.rows, found.others)):
+        return True
     values = [found.mine.value or 0.0, found.theirs.value or 0.0]
     return min(values) <= 0.0 or is_placeholder(max(values))
+
+
+def _is_asymmetry(case: Case, found: Disagreement) -> bool:
+    """Whether a file contradicts itself, which SYM101 says: its other side has the other file's figure."""
+    sides = case.once(unlike_sides)
+    return any(
+        sides.get((rows[0].artifact, rows[0].joint, found.field), math.nan) == its.value
+        for rows, its in ((found.rows, found.theirs), (found.others, found.mine))
+    )
+
+
+def is_of_one_training(case: Case, found: Disagreement) -> bool:
+    """Whether the policies of a robot have one set of gains: of several, each has a training of its own.
+
+    Which of them belongs to the configuration at hand, no file tells.
+    """
+    members = case.robot_of(found.rows[0].artifact).artifacts
+    gains = set()
+    for index in members:
+        if case.artifacts[index].kind is FileKind.DEPLOY:
+            joints = case.joints_by_artifact.get(index, {})
+            own = frozenset((joint, rows[0].kp, rows[0].kd) for joint, rows in joints.items() if rows[0].kp)
+            gains |= {own} if own else set()
+    return len(gains) < 2
 
 
 def is_times_off(case: Case, found: Disagreement) -> bool:
@@ -299,9 +336,11 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
     they have other motors.
     """
-    if not _is_grave(found.ratio) or any(_is_of_control(case, rows) for rows in (found.rows, found.others)):
+    if not _is_grave(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
+    if found.variant and _revision(case, one) != _revision(case, other):
+        return False
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
     differ = []
@@ -313,11 +352,17 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     return 2 * sum(differ) < len(differ)
 
 
+def _revision(case: Case, artifact: int) -> frozenset[str]:
+    """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
+    parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
+    return frozenset(_REVISION.findall("/".join(parts[-_FOLDERS:]).lower()))
+
+
 def _is_grave(ratio: float | None) -> bool:
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
 
 
-def _is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
+def is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
     """Whether the control range of an MJCF's motors limits a joint, which is a matter of its task."""
     robot, limit = case.artifacts[rows[0].artifact].robot, rows[0].effort_limit
     if robot is None or limit is None:
@@ -356,14 +401,21 @@ class SourceRule(RuleInParts):
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
-        findings = [
-            self.finding(case, found)
-            for fields in self.groups
-            for found in disagreements(case, fields, tolerance)
-            if not self.is_explained(case, found, tolerance)
-        ]
+        findings = self.findings(
+            case,
+            [
+                found
+                for fields in self.groups
+                for found in disagreements(case, fields, tolerance)
+                if not self.is_explained(case, found, tolerance) and not _is_asymmetry(case, found)
+            ],
+        )
         if findings or any(compared(case, fields) for fields in self.groups):
             yield self.without_reported(case, findings) if findings else ()
+
+    def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
+        """What is said of them: one each."""
+        return [self.finding(case, found) for found in disagreements]
 
     def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
         """Findings without those that another rule has at the same place and joint, and says more about."""

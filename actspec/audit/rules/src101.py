@@ -1,17 +1,33 @@
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from actspec.audit.case import Case
-from actspec.audit.finding import Finding
-from actspec.audit.rules.gea101 import HiddenGear
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.known import Likeness, likenesses, same
+from actspec.audit.rules.gea101 import left_out
+from actspec.audit.rules.joints import is_undriven
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
     SourceRule,
     is_no_limit,
+    is_of_control,
     is_times_off,
     ratio_of,
+    shown,
 )
+from actspec.diagnostics import SEVERITIES, Severity
+from actspec.ir import JointKind
 from actspec.readings.compare import hidden_gear
+from actspec.readings.ledger import LedgerRow
+
+_UNLIKE = 0.01
+"""Chosen: limits that differ by more are of two motors, as `tolerance`."""
+
+_SEVERAL = 4
+"""Joints from which one limit for all tells that nobody looked the motors up. Chosen: a leg may have three alike."""
 
 
 class EffortLimit(SourceRule):
@@ -26,14 +42,64 @@ class EffortLimit(SourceRule):
             return True
         return hidden_gear(found.ratio, ratio_of(found, "velocity_limit", "no_load_speed"))
 
+    def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
+        """One each; those with a file that has one limit for joints of which another tells the motors apart are one."""
+        found: list[Finding] = []
+        uniform: dict[tuple[int, bool], list[tuple[Disagreement, Disagreement]]] = {}
+        for item in disagreements:
+            turned = replace(item, rows=item.others, others=item.rows, mine=item.theirs, theirs=item.mine)
+            sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, turned)}
+            one = [which for which in sides if which in case.once(_of_one_limit)]
+            if len(one) == 1:
+                uniform.setdefault(one[0], []).append((item, sides[one[0]]))
+            else:
+                found.append(self.finding(case, item))
+        for held in uniform.values():
+            each = [self.finding(case, item) for item, _ in held]
+            found += self._of_one_limit(each, [side for _, side in held]) or each
+        return found
+
+    def _of_one_limit(self, found: Sequence[Finding], held: Sequence[Disagreement]) -> list[Finding]:
+        """What is said of a file with one limit, at each joint; nothing where the others have one for those joints."""
+        limits = sorted(side.theirs.value or 0.0 for side in held)
+        if limits[-1] <= limits[0] * (1.0 + _UNLIKE):
+            return []
+        unit = held[0].mine.unit
+        worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
+        message = (
+            f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
+            f"{shown(limits[0], unit)} to {shown(limits[-1], unit)} in another file of the robot: unlike motors have "
+            "no limit in common"
+        )
+        joints = {side.rows[0].joint: side for side in held}
+        return [
+            replace(
+                worst,
+                message=message,
+                span=side.mine.place,
+                joint=joint,
+                value=side.mine.value,
+                expected=side.theirs.value,
+                help="state each motor's limit",
+                related=(side.theirs.place,),
+            )
+            for joint, side in joints.items()
+        ]
+
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """A limit that no actuator meets is a note, and one of 1 that the range of a control makes: a scale."""
+        scale = any(
+            is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
+        )
+        return (Severity.INFO if scale or _limits_nothing(case, found) else self.severity), self.confidence
+
     def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
         """A forgotten reduction says more than that the figures differ."""
-        gears = {(item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)}
-        return [item for item in findings if (item.span, item.joint) not in gears]
+        return [item for item in findings if (item.span, item.joint) not in case.once(left_out)]
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""
-        return is_times_off(case, found)
+        return not _limits_nothing(case, found) and is_times_off(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""
@@ -42,3 +108,42 @@ class EffortLimit(SourceRule):
             return f"the joint has {found.ratio:.3g} times the torque here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint has {share:.3g} % {'more' if found.ratio > 1.0 else 'less'} torque here"
+
+
+def _limits_nothing(case: Case, found: Disagreement) -> bool:
+    """Whether one of the limits is of a joint that no actuator of its file drives."""
+    return any(is_undriven(case, rows[0]) for rows in (found.rows, found.others))
+
+
+def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:
+    """Files that state one effort limit for several joints, all of them; with whether these are slides or hinges.
+
+    Not those of a robot whose motors have that limit in common, as is published.
+    """
+    published = {known.index for known in case.once(likenesses) if _is_published(known)}
+    found = set()
+    for artifact in range(len(case.artifacts)):
+        for slides in (False, True):
+            limits = [
+                row.effort_limit
+                for row in case.rows_of(artifact)
+                if "effort_limit" in row.stated and row.joint and _is_slide(row) is slides
+            ]
+            if len(limits) >= _SEVERAL and len(set(limits)) == 1 and artifact not in published:
+                found.add((artifact, slides))
+    return frozenset(found)
+
+
+def _is_published(known: Likeness) -> bool:
+    """Whether every joint has the limit that is published for it."""
+    limits = [
+        (row.effort_limit, known.robot.variants[v][name].effort)
+        for row, names in known.joints
+        for v in known.variants
+        for name in names
+    ]
+    return all(limit is not None and same(limit, effort) for limit, effort in limits)
+
+
+def _is_slide(row: LedgerRow) -> bool:
+    return row.kind is JointKind.SLIDE

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from actspec.audit.case import Case
+from actspec.audit.finding import Confidence
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
@@ -9,7 +10,12 @@ from actspec.audit.rules.source_pairs import (
     is_times_off,
     ratio_of,
 )
+from actspec.diagnostics import Severity
+from actspec.fields import PLACEHOLDER_SPEED
 from actspec.readings.compare import angle_slip, hidden_gear
+
+_STILL = 0.01
+"""A speed limit up to which a joint is held, not driven [rad/s or m/s]. Chosen: half a turn takes it five minutes."""
 
 
 class VelocityLimit(SourceRule):
@@ -19,14 +25,18 @@ class VelocityLimit(SourceRule):
     needs = "a speed limit of one joint"
 
     def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder, a gear, or degrees."""
-        if is_no_limit(found) or angle_slip(found.ratio, tolerance):
+        """A placeholder, a gear, or degrees; speeds that no joint reaches, both of them."""
+        if is_no_limit(found) or angle_slip(found.ratio, tolerance) or _least(found) >= PLACEHOLDER_SPEED:
             return True
         return hidden_gear(ratio_of(found, "effort_limit"), found.ratio)
 
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """A joint that one file holds still is a note."""
+        return (Severity.INFO if _least(found) <= _STILL else self.severity), self.confidence
+
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""
-        return is_times_off(case, found)
+        return _least(found) > _STILL and is_times_off(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""
@@ -35,3 +45,8 @@ class VelocityLimit(SourceRule):
             return f"the joint is {found.ratio:.3g} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
+
+
+def _least(found: Disagreement) -> float:
+    """The lower of two speed limits."""
+    return min(found.mine.value or 0.0, found.theirs.value or 0.0)

@@ -4,7 +4,7 @@ import math
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.source_pairs import Disagreement, SourceRule
+from actspec.audit.rules.source_pairs import Disagreement, SourceRule, is_of_one_training
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
@@ -30,6 +30,6 @@ class Gain(SourceRule):
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """What the policy trained with and what runs it should be one; an MJCF is often only where it is tried."""
         kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
-        if kinds == {FileKind.CFG, FileKind.DEPLOY}:
+        if kinds == {FileKind.CFG, FileKind.DEPLOY} and is_of_one_training(case, found):
             return Severity.WARNING, Confidence.HIGH
         return Severity.INFO, Confidence.MEDIUM

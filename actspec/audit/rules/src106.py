@@ -4,7 +4,15 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import Disagreement, SourceRule, compared, disagreements, shown
+from actspec.audit.rules.source_pairs import (
+    Disagreement,
+    SourceRule,
+    compared,
+    disagreements,
+    is_of_one_training,
+    shown,
+)
+from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 
 POSE = 0.01
@@ -34,6 +42,12 @@ class ActionOrPose(SourceRule):
                 kinds = {case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others)}
                 if kinds == {FileKind.DEPLOY, FileKind.CFG}:
                     yield self.finding(case, found)
+
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """A note where the robot has policies of several trainings."""
+        if is_of_one_training(case, found):
+            return self.severity, self.confidence
+        return Severity.INFO, Confidence.MEDIUM
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How far the joint goes."""

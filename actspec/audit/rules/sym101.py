@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -9,7 +10,8 @@ from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import shown
+from actspec.audit.rules.joints import is_undriven, shown
+from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import telling
@@ -54,6 +56,12 @@ _SEVERAL = 3
 
 _ABSURD = 10.0
 """From here one of two limits is no motor's. Chosen: gears and motors of one joint differ by less."""
+
+_SAME = 0.01
+"""Chosen: as the rule's `relative`."""
+
+_ROUGH = 0.1
+"""Share of a dry friction up to which two figures of it are one. Chosen: identification tells it no better."""
 
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
@@ -120,6 +128,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             and all(name in _PASSIVE for name, _, _ in differing)
             and left[0].artifact in case.once(_identified)
         )
+        unfelt = not kinds and all(_is_unfelt(case, (left[0], right[0]), *one) for one in differing)
+        quiet = identified or unfelt
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -127,8 +137,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             odd.joint,
             help="the same motor has the same figures on both sides",
             related=(other.place(field),),
-            severity=Severity.ERROR if dead else Severity.INFO if identified else self.severity,
-            confidence=Confidence.HIGH if dead else Confidence.LOW if identified else self.confidence,
+            severity=Severity.INFO if quiet else Severity.ERROR if dead else self.severity,
+            confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
         )
 
     def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
@@ -152,6 +162,38 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             severity=Severity.INFO,
             confidence=Confidence.LOW,
         )
+
+
+def unlike_sides(case: Case) -> Mapping[tuple[int, str, str], float]:
+    """Artifact, joint and figure to what the joint's other side has, where that is not the same."""
+    found = {}
+    for left, right in _pairs(case):
+        passive = () if left[0].artifact in case.once(_identified) else _PASSIVE
+        for field in (*_DRIVE, *passive):
+            for one, other in zip(left, right, strict=False):
+                a: float | None = getattr(one, field)
+                b: float | None = getattr(other, field)
+                if a is not None and b is not None and not math.isclose(abs(a), abs(b), rel_tol=_SAME):
+                    found[one.artifact, one.joint, field] = b
+                    found[other.artifact, other.joint, field] = a
+    return found
+
+
+def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
+    """Whether it makes no difference: nearly equal friction, a speed out of reach, limits that no motor meets."""
+    if field == "frictionloss":
+        return abs(one - other) <= _ROUGH * max(abs(one), abs(other))
+    if field == "velocity_limit" and min(abs(one), abs(other)) >= PLACEHOLDER_SPEED:
+        return True
+    # Of a pair of fingers often one follows the other.
+    return field.endswith("limit") and any(is_undriven(case, row) or _follows(case, row) for row in sides)
+
+
+def _follows(case: Case, row: LedgerRow) -> bool:
+    """Whether a joint follows another one, and has no motor."""
+    robot = case.artifacts[row.artifact].robot
+    joint = None if robot is None else robot.joint(row.joint)
+    return joint is not None and joint.mimic is not None
 
 
 def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:

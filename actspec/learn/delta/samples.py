@@ -227,9 +227,13 @@ def _check_spec(actuators: ActuatorSet, out: Collector) -> None:
     nets = list(dict.fromkeys(j.group for j in actuators.joints if j.level is Level.ACTUATOR_NET))
     if nets:
         message = (
-            f"level actuator_net, of {listed(nets)}: gradients are taken through a PD or a DC motor alone"
+            f"level actuator_net, of {listed(nets)}: what such a network saw in the physics steps between two rows is "
+            "not in a policy's log"
         )
-        out.error("LRN055", message, where="level", help="train on a variant of the spec with level dc_motor")
+        help = (
+            "train on a variant of the spec with level dc_motor, or leave out the network or the delta action"
+        )
+        out.error("LRN055", message, where="level", help=help)
     if len({joint.kind for joint in actuators.joints}) > 1:
         slides = listed(joint.joint for joint in actuators.joints if joint.kind is JointKind.SLIDE)
         message = f"slides and hinges have no common largest correction: {slides}"

@@ -76,7 +76,7 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
         name: get(control, name) for name in ("stiffness", "damping", "control_type", "actuator_net_file")
     }
     asset = _inner(cls, "asset", get)
-    if asset is not None:
+    if asset is not None and not _draws_armature(draft, cls, get):
         values["armature"] = get(asset, "armature")
     settings: dict[str, Setting] = {}
     for name, value in values.items():
@@ -93,6 +93,16 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     cls_name = kind.value if kind is not None and isinstance(kind.value, str) else ""
     patterns = tuple(joints) if certain else None
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
+
+
+def _draws_armature(draft: Draft, cls: Cls, get: Get) -> bool:
+    """Whether `asset.armature` is not what joints have: forks draw one in its place, add to it or multiply it."""
+    domain = _inner(cls, "domain_rand", get)
+    switch = None if domain is None else get(domain, "randomize_joint_armature")
+    if switch is None or switch.data is False:
+        return False
+    draft.note("asset.armature", "domain_rand.randomize_joint_armature draws another", switch.span)
+    return True
 
 
 def _ranges(draft: Draft, cls: Cls, get: Get) -> None:

@@ -60,7 +60,8 @@ def read_python(path: str) -> FileReading:
         reader = _Reader(interpreter, source, module)
         configs = list(reader.configs())
     except UnreadableError as err:
-        return FileReading(path, FileKind.CFG, str(err))
+        refused = Span(path, *err.at) if err.at[0] else None
+        return FileReading(path, FileKind.CFG, str(err), refused=refused)
     except (RecursionError, MemoryError):
         return FileReading(path, FileKind.CFG, "its expressions are nested too deep to fold")
     said = Collector()

@@ -15,7 +15,7 @@ from bisect import bisect_left
 from dataclasses import dataclass, field
 
 from actspec.diagnostics import Span, one_line
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, place_of, read_regular
 
 MAX_BYTES = 1 << 20
 """Size of one file [bytes]. Chosen: ten times the largest configuration that we know."""
@@ -44,7 +44,15 @@ _CODECS = re.compile(
 
 
 class UnreadableError(Exception):
-    """A file cannot be read or parsed; the text says why."""
+    """A file cannot be read or parsed; the text says why.
+
+    Attributes:
+        at: Line and column, from 1; 0 where there is none.
+    """
+
+    def __init__(self, message: str, at: tuple[int, int] = (0, 0)) -> None:
+        super().__init__(message)
+        self.at = at
 
 
 @dataclass(eq=False, slots=True)
@@ -151,7 +159,8 @@ class Library:
                 self.sources[path] = source
             except UnreadableError as err:
                 self.sources[path] = None
-                self._problems[path] = f"cannot be read: {err}"
+                line = f" (line {err.at[0]})" if err.at[0] else ""
+                self._problems[path] = f"cannot be read: {err}{line}"
         return self.sources[path] or self._problems[path]
 
     def _inside(self, path: str) -> bool:
@@ -205,7 +214,7 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         include: The import that named it.
         most: Bytes that are left for it.
 
-    Raises: UnreadableError: it cannot be read or parsed; the text has the line.
+    Raises: UnreadableError: it cannot be read or parsed.
     """
     try:
         data = read_regular(path, min(most, MAX_BYTES))
@@ -217,14 +226,17 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
         raise UnreadableError(getattr(err, "strerror", None) or str(err)) from err
     text = _decode(data)
     if "\0" in text:
-        raise UnreadableError(f"line {text[: text.index(chr(0))].count(chr(10)) + 1} has a null byte")
+        before = text[: text.index("\0")]
+        place = before.count("\n") + 1, len(before) - before.rfind("\n")
+        raise UnreadableError("it has a null byte", place)
     try:
         # A stranger's `"\d"` is no reason to warn our user.
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             tree = ast.parse(text)
     except SyntaxError as err:
-        raise UnreadableError(f"line {err.lineno or 0}: {one_line(err.msg or 'syntax error')}") from err
+        place = (err.lineno, max(err.offset or 0, 0)) if err.lineno else (0, 0)
+        raise UnreadableError(one_line(err.msg or "syntax error"), place) from err
     except (RecursionError, MemoryError) as err:
         raise UnreadableError("its expressions are nested too deep for Python's parser") from err
     except ValueError as err:
@@ -236,24 +248,24 @@ def parse(path: str, package: tuple[str, ...], include: str, most: int) -> Sourc
 def _decode(data: bytes) -> str:
     """The text of a file, in the encoding that its first two lines declare (PEP 263)."""
     marked = data.startswith(codecs.BOM_UTF8)
-    encoding = "utf-8"
+    encoding, named_at = "utf-8", (0, 0)
     for line in data.removeprefix(codecs.BOM_UTF8).split(b"\n", 2)[:2]:
         found = re.match(rb"[ \t\f]*#.*?coding[:=][ \t]*([-\w.]+)", line)
         if found:
             encoding = found[1].decode("ascii").replace("_", "-")
+            named_at = place_of(data, data.index(line) + found.start(1))
             break
         if line.split(b"#")[0].strip():
             break
     if not _CODECS.fullmatch(encoding) or (
         marked and not re.fullmatch("utf-?8(-sig)?", encoding, re.IGNORECASE)
     ):
-        raise UnreadableError(f"its encoding {encoding!r} is not one that is read")
+        raise UnreadableError(f"its encoding {encoding!r} is not one that is read", named_at)
     try:
         return codecs.decode(data.removeprefix(codecs.BOM_UTF8), encoding)
     except UnicodeDecodeError as err:
-        line_number = data[: err.start].count(b"\n") + 1
-        raise UnreadableError(
-            f"line {line_number} is not {encoding}, byte 0x{err.object[err.start]:02x}"
-        ) from err
+        at = err.start + len(codecs.BOM_UTF8) * marked
+        message = f"it is not {encoding}, byte 0x{data[at]:02x}"
+        raise UnreadableError(message, place_of(data, at)) from err
     except (LookupError, ValueError) as err:
-        raise UnreadableError(f"its encoding: {one_line(str(err))}") from err
+        raise UnreadableError(f"its encoding: {one_line(str(err))}", named_at) from err

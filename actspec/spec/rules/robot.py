@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import Any
 
@@ -27,7 +28,7 @@ def check_robot(robot: Robot, breaches: Breaches) -> None:
             "SPEC124",
             f"the name {robot.name!r} cannot be a folder's name",
             ("robot", "name"),
-            "use letters, digits, '-', '_' and '.'",
+            FOLDER_HELP,
         )
     names = [joint if isinstance(joint, str) else joint.name for joint in robot.joints]
     for index, name in enumerate(names):
@@ -73,11 +74,24 @@ def check_pattern(pattern: str, path: Path, breaches: Breaches, *, key: bool = F
         breaches.error("SPEC122", err.message, path, err.help, key=key)
 
 
+FOLDER_HELP = (
+    "use letters, digits, '-', '_' and '.', no '.' at the end, and no device of Windows (CON, NUL, COM1)"
+)
+
+
 def is_folder_name(name: str) -> bool:
     """Whether a name is safe as a folder on every system and as part of an identifier."""
     return (
-        name != "" and name.isascii() and all(c.isalnum() or c in "-_." for c in name) and name[0] not in ".-"
+        name.isascii()
+        and all(c.isalnum() or c in "-_." for c in name)
+        and name[:1] not in ("", ".", "-")
+        and name[-1] != "."
+        and not _RESERVED.fullmatch(name.partition(".")[0])
     )
+
+
+_RESERVED = re.compile(r"CON|PRN|AUX|NUL|CONIN|CONOUT|(?:COM|LPT)[0-9]", re.IGNORECASE)
+"""Devices of Windows, whatever ending stands behind them."""
 
 
 SPEC_ITSELF = "spec"
@@ -86,6 +100,7 @@ SPEC_ITSELF = "spec"
 
 def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
     """Every target is of a kind that there is and has that kind's options, and its name can be a folder's."""
+    folders: dict[str, str] = {}
     for name, target in targets.items():
         kind = target.target or name
         if kind not in KINDS:
@@ -106,9 +121,13 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
                 if name != SPEC_ITSELF
                 else f"the name '{name}' stands for the spec itself in `accept`",
                 ("targets", name),
-                "use letters, digits, '-', '_' and '.'" if name != SPEC_ITSELF else "choose another name",
+                FOLDER_HELP if name != SPEC_ITSELF else "choose another name",
                 key=True,
             )
+        first = folders.setdefault(name.casefold(), name)
+        if first != name:
+            message = f"the name '{name}' and '{first}' are one folder where case is not told apart"
+            breaches.error("SPEC161", message, ("targets", name), "choose another name", key=True)
 
 
 def _check_options(name: str, kind: str, target: Target, breaches: Breaches) -> None:

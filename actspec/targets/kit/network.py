@@ -197,9 +197,18 @@ def read_network(
     return NetworkWithManifest(os.path.basename(path), data, manifest, place)
 
 
+_IMPORTED = (".py", ".pyc", ".pyo", ".pyw", ".pyi", ".so", ".pyd", ".dll", ".dylib")
+"""Endings under which a file beside a configuration would be code."""
+
+
 def _known(path: str, data: bytes, place: Place) -> bool:
     """Whether a file is TorchScript or may be ONNX; a pickle is neither, and is a program."""
     shown = f"'{shortened(os.path.basename(path))}'"
+    if path.lower().endswith(_IMPORTED):
+        place.error(
+            "NET011", f"{shown} has a name that Python imports", "name it by its format: .pt or .onnx"
+        )
+        return False
     help = "`actspec net convert` makes ONNX and TorchScript of a network"
     if data[:2] == b"\x80\x02" or (data[:1] == b"\x80" and data[1:2] in b"\x03\x04\x05"):
         place.error("NET011", f"{shown} is a pickle, which is no network and may run anything", help)

@@ -351,6 +351,14 @@ def _asked(file: NetworkWithManifest, stride: int) -> dict[str, Any]:
 
 def _check_lstm(step: float, file: NetworkWithManifest, metadata: dict[str, Any], stride: int) -> None:
     manifest = file.manifest
+    if (layers := metadata.get("num_layers")) not in (None, 1):
+        file.place.error(
+            "NWT003",
+            f"Newton runs an lstm of one layer, got {shortened(str(layers))}: its ONNX runtime cannot take a layer's "
+            "state from one array of all",
+            "train one layer, such as --hidden 32, or leave this target out",
+        )
+        return
     missing = [name for name in (*TENSORS, "hidden_size", "num_layers") if name not in metadata]
     if missing:
         file.place.error(

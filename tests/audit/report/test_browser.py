@@ -31,7 +31,12 @@ addEventListener("load", () => {{
   const wide = [...page.querySelectorAll("body > *, article > *, details > *")]
     .filter(one => one.getBoundingClientRect().right > root.clientWidth + 1).map(one => one.outerHTML.slice(0, 80));
   const links = [...page.querySelectorAll("a")].map(one => [one.hash, !!page.querySelector(one.hash)]);
+  const letters = [...page.querySelectorAll("svg.plot")].flatMap(one => [...one.querySelectorAll("text")].map(text =>
+    parseFloat(getComputedStyle(text).fontSize) * one.getBoundingClientRect().width / one.viewBox.baseVal.width));
+  const scrolled = [...page.querySelectorAll("body *")].filter(one => one.scrollWidth > one.clientWidth + 1 &&
+    getComputedStyle(one).overflowX !== "visible" && !one.closest("svg")).map(one => one.outerHTML.slice(0, 80));
   document.getElementById("said").textContent = JSON.stringify({{
+    least: Math.min(99, ...letters), scrolled,
     open, wide, links, over: root.scrollWidth - root.clientWidth, hit: frame.contentWindow.hit === undefined,
     title: page.title, ground: getComputedStyle(page.body).backgroundColor,
     sticky: getComputedStyle(page.querySelector(".wide td")).position,

@@ -12,7 +12,7 @@ from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Report, Reported
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Severity
+from actspec.diagnostics import Severity, Span
 from actspec.report import ReportOptions, render
 from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people, grouped
 from actspec.report.text import MOST_REASONS
@@ -153,3 +153,34 @@ def test_copies_of_a_robot_are_reported_once() -> None:
     # A variant with another hand shares a joint.
     (one,) = for_people(of(3, ("a", "l"), ("a", "r"), ("b", "l"), ("b", "m")))
     assert one.headline() == "l, r: no limit (the same for other joints in b)"
+
+
+def test_copies_that_are_held_to_a_file_each_are_one_finding() -> None:
+    """`a.xml` to `a.urdf` and `b.xml` to `b.urdf`: the same is said of both."""
+    found = [
+        _one(1, f"35 N*m in {name}.urdf", "ankle", path=f"{name}.xml", related=(Span(f"{name}.urdf", 3),))
+        for name in "ab"
+    ]
+    (one,) = for_people([replace(item, robot=1) for item in _report(*found).findings])
+    assert one.headline() == "ankle: 35 N*m in a.urdf (the same in b.xml)"
+    other = [
+        replace(item, robot=1)
+        for item in _report(found[0], replace(found[1], message="30 N*m in b.urdf")).findings
+    ]
+    assert len(for_people(other)) == 2
+
+
+def test_two_files_that_disagree_are_one_thing() -> None:
+    """Two joints with more and less than another file: one group; with two other files, two."""
+    other, third = Span("other.urdf", 3), Span("third.urdf", 3)
+    texts = ("has 20 N*m, 50 % more", "has 5 N*m, 75 % less")
+    held = [
+        _one(line, text, joint, value=value, expected=expected, related=(other,))
+        for line, text, joint, value, expected in (
+            (1, texts[0], "a", 30.0, 20.0),
+            (2, texts[1], "b", 5.0, 20.0),
+        )
+    ]
+    (group,) = _groups(*held)
+    assert group.headline() == "b: has 5 N*m, 75 % less (similar: a)"
+    assert len(_groups(held[0], replace(held[1], related=(third,)))) == 2

@@ -266,11 +266,14 @@ def test_page(rule: type[Rule]) -> None:
     assert all(text.strip() for text in found.values())
 
 
+FENCE = r'^```(\w+)(?: title="([^"\n]+)")?\n(.*?)^```$'
+
+
 def fences(text: str) -> tuple[dict[str, str], dict[str, str]]:
     """Files of a section, and the versions that a `sh` fence in it names."""
     files: dict[str, str] = {}
     versions: dict[str, str] = {}
-    for language, name, body in re.findall(r"^```(\w+) *(\S*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+    for language, name, body in re.findall(FENCE, text, re.MULTILINE | re.DOTALL):
         if language == "sh":
             versions |= dict(re.findall(r"--target (\w+)==(\S+)", body))
         else:

@@ -233,12 +233,12 @@ def test_network_goes_with_the_module(tmp_path: Path) -> None:
 
 
 def test_network_does_not_take_the_target_s_own_names(tmp_path: Path) -> None:
-    """A network called like the module or the manifest of the output goes under its group's name."""
+    """A network called like the manifest of the output goes under its group's name."""
     path = written(tmp_path, MANIFEST)
-    (tmp_path / "bot_cfg.py").write_bytes(torchscript())
-    emitted = compiled(NET.replace("net.pt", "bot_cfg.py"), path=path)
-    assert [f.path for f in emitted.emission.files] == ["bot_cfg.py", "legs_bot_cfg.py"]
-    assert 'network_file=os.path.join(FOLDER, "legs_bot_cfg.py"),' in emitted.text
+    (tmp_path / "manifest.json").write_bytes(torchscript())
+    emitted = compiled(NET.replace("net.pt", "manifest.json"), path=path)
+    assert [f.path for f in emitted.emission.files] == ["bot_cfg.py", "legs_manifest.json"]
+    assert 'network_file=os.path.join(FOLDER, "legs_manifest.json"),' in emitted.text
 
 
 def test_implicit_class_runs_no_network(tmp_path: Path) -> None:

@@ -10,41 +10,11 @@ import pytest
 
 from actspec.diagnostics import EmitError
 from actspec.ir import ActuatorSet
-from actspec.resolution import resolve
-from actspec.robot.load import listed_robot
 from actspec.robot.view import RobotView
-from actspec.spec.document import document_from_text
-from actspec.spec.validate import validate
 from actspec.targets.base import Approximation, Emission, TargetOptions
 from actspec.targets.mjlab.emit import emit
-from tests.compiling import MOTORS, spec_text, view_of
-
-LEG = """<mujoco>
-  <compiler angle="radian"/>
-  <worldbody>
-    <body name="trunk">
-      <freejoint name="base"/>
-      <geom size="0.1"/>
-      <body name="thigh">
-        <joint name="hip" axis="0 1 0" range="-1 1" armature="0.003" frictionloss="0.04" damping="0.1"/>
-        <geom size="0.1"/>
-        <body name="shank">
-          <joint name="calf" axis="0 1 0" range="-2 -0.5"/>
-          <geom size="0.1"/>
-          <body name="foot">
-            <joint name="rod" type="slide" axis="0 0 1" range="-0.1 0.2"/>
-            <geom size="0.1"/>
-          </body>
-        </body>
-      </body>
-    </body>
-  </worldbody>
-</mujoco>"""
-"""A leg with two hinges and a slide, and no actuators."""
-
-TIMING = "{physics_dt: 5 ms, decimation: 4}"
-REST = 'unmanaged: ["calf", "rod"]'
-"""A spec of the hip alone."""
+from tests.targets import leg
+from tests.targets.leg import LEG
 
 
 @dataclass(frozen=True)
@@ -90,8 +60,7 @@ class Written:
 
     def lost(self, field: str) -> Approximation:
         """The one approximation of a field."""
-        (found,) = [loss for loss in self.emission.approximations if loss.field == field]
-        return found
+        return leg.lost(self.emission, field)
 
 
 def _value(node: ast.expr) -> Any:
@@ -105,38 +74,14 @@ def _value(node: ast.expr) -> Any:
         return ast.unparse(node)
 
 
-def written(
-    actuators: str,
-    model: str | None = LEG,
-    version: str = "1.6",
-    *,
-    robot: str = REST,
-    motors: str = MOTORS,
-    timing: str = TIMING,
-    path: str = "spec.yaml",
-) -> Written:
-    """Compile the `actuators` of a spec.
-
-    Args:
-        actuators: Lines, each indented by two.
-        model: An MJCF; None: `robot` says `model: none` itself.
-        version: Of mjlab.
-        robot: More keys of `robot`.
-        motors: The spec's motors.
-        timing: The spec's rates.
-        path: Where the spec pretends to lie.
+def written(actuators: str, model: str | None = LEG, version: str = "1.6", **rest: Any) -> Written:
+    """Compile the `actuators` of a spec for this version of mjlab; `rest` as `tests.targets.leg.resolved` takes it.
 
     Raises: EmitError: with what is wrong.
     """
-    text = spec_text(actuators, robot=robot, motors=motors, timing=timing)
-    if model is None:
-        text = text.replace("model: robot.xml, ", "")
-    spec = validate(document_from_text(text, path))
-    view = listed_robot(spec) if model is None else view_of(model)
-    resolved = resolve(spec, view)
-    return Written(
-        resolved, view, emit(resolved, view, TargetOptions("mjlab", "mjlab", version, None, "out"))
-    )
+    resolved, view = leg.resolved(actuators, model, **rest)
+    options = TargetOptions("mjlab", "mjlab", version, None, "out")
+    return Written(resolved, view, emit(resolved, view, options))
 
 
 def refused(actuators: str, model: str | None = LEG, version: str = "1.6", **rest: Any) -> list[str]:
@@ -144,9 +89,3 @@ def refused(actuators: str, model: str | None = LEG, version: str = "1.6", **res
     with pytest.raises(EmitError) as caught:
         written(actuators, model, version, **rest)
     return [f"{d.code} {d.where}: {d.message}" for d in caught.value.diagnostics]
-
-
-def group(**fields: str) -> str:
-    """One group `leg` of the hip with these fields, over `level: ideal_pd` and gains."""
-    entries = {"joints": "[hip]", "level": "ideal_pd", "kp": "25 N*m/rad", "kd": "0.5 N*m*s/rad", **fields}
-    return "  leg: {" + ", ".join(f"{key}: {value}" for key, value in entries.items() if value) + "}"

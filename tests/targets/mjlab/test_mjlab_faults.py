@@ -11,7 +11,8 @@ import pytest
 
 from actspec.diagnostics import EmitError
 from tests.network_files import torchscript
-from tests.targets.mjlab.emitting import LEG, group, refused, written
+from tests.targets.leg import LEG, group
+from tests.targets.mjlab.emitting import refused, written
 
 LIMIT = {"effort_limit": "24 N*m"}
 

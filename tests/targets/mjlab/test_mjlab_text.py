@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 
-from tests.targets.mjlab.emitting import LEG, group, written
+from tests.targets.leg import LEG, group
+from tests.targets.mjlab.emitting import written
 
 LIMIT = {"effort_limit": "24 N*m"}
 DC = {"level": "dc_motor", "motor": "line", **LIMIT}

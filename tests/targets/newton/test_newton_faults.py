@@ -17,7 +17,8 @@ from actspec.spec.models import NewtonTarget
 from actspec.targets.choose import choose_targets
 from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from tests.network_files import onnx_mlp, onnx_operation, torchscript
-from tests.targets.newton.emitting import group, refused, written
+from tests.targets.leg import group
+from tests.targets.newton.emitting import refused, written
 
 LIMIT = {"effort_limit": "24 N*m"}
 
@@ -204,6 +205,14 @@ def test_network_refused(changed: dict[str, Any], expected: str, tmp_path: Path)
     assert [text for text in found if not text.startswith("NET012")] == [expected]
 
 
+def test_a_network_is_no_module(tmp_path: Path) -> None:
+    """A network whose name Python would import is not copied, whatever is in it."""
+    text = network(tmp_path).replace("net.onnx", "Torch.PY")
+    (tmp_path / "net.onnx").rename(tmp_path / "Torch.PY")
+    expected = ["NET011 actuators.leg.network: 'Torch.PY' has a name that Python imports"]
+    assert refused(text, path=str(tmp_path / "spec.yaml")) == expected
+
+
 def test_lstm_refused(tmp_path: Path) -> None:
     """Newton feeds an lstm each step in its own order, and finds its tensors by names that only the file knows."""
     text = network(tmp_path, onnx_operation("LSTM"), kind="lstm", taps=[0], tap_period="5 ms", hidden_size=8)
@@ -214,6 +223,23 @@ def test_lstm_refused(tmp_path: Path) -> None:
         "order, got velocity_position, taps [0] every 5 ms",
         "NWT006 actuators.leg.network: neither the lstm's own metadata nor its manifest have input_name, "
         "hidden_in_name, cell_in_name, output_name, hidden_out_name, cell_out_name, num_layers",
+    ]
+
+
+def test_lstm_of_two_layers(tmp_path: Path) -> None:
+    """Newton keeps the states of all layers in one array, which its ONNX runtime cannot part."""
+    text = network(
+        tmp_path,
+        onnx_operation("LSTM"),
+        kind="lstm",
+        taps=[0],
+        tap_period="5 ms",
+        hidden_size=8,
+        num_layers=2,
+    )
+    assert refused(text, path=str(tmp_path / "spec.yaml"))[1:] == [
+        "NWT003 actuators.leg.network: Newton runs an lstm of one layer, got 2: its ONNX runtime cannot take a layer's "
+        "state from one array of all"
     ]
 
 

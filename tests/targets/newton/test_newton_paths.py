@@ -10,7 +10,8 @@ from actspec.api import compile as compile_spec
 from actspec.diagnostics import EmitError
 from actspec.robot.read_urdf import read_urdf
 from actspec.robot.view import ModelFile
-from tests.targets.newton.emitting import LEG, emitted, group, refused, written
+from tests.targets.leg import LEG, group
+from tests.targets.newton.emitting import emitted, refused, written
 
 ONE = group(effort_limit="24 N*m")
 TWO = "  leg: {joints: [hip, calf], level: ideal_pd, kp: 25 N*m/rad, kd: 0.5 N*m*s/rad, effort_limit: 9 N*m}"

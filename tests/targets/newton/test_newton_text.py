@@ -8,7 +8,8 @@ from dataclasses import replace
 import pytest
 
 from actspec.ir import DeltaAction, Source
-from tests.targets.newton.emitting import LEG, REST, THIGH, emitted, group, written
+from tests.targets.leg import LEG, REST, group
+from tests.targets.newton.emitting import THIGH, emitted, written
 
 HIP = f"{THIGH}/hip"
 ROD = f"{THIGH}/shank/foot/rod"

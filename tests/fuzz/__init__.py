@@ -1,0 +1,1 @@
+"""Real files, changed by their structure, through the commands' own entry point: `python -m tests.fuzz --help`."""
