@@ -13,6 +13,9 @@ from actspec.study.measures import JointMeasures, has_line, knows_bandwidth
 REPORTED = "an estimate for legged robots"
 """Where gains come from that no log shows: shares of the gap to the robot that PD with randomisation leaves."""
 
+EXACT = 0.01
+"""Error of a law, as a share of torque or tracking error, up to which the log is that law's own. Chosen."""
+
 
 @dataclass(frozen=True, slots=True)
 class Action:
@@ -103,7 +106,7 @@ def advise(
     spec, logs = shlex.quote(spec), [shlex.quote(log) for log in logs]
     found = list(_from_logs(spec, measures, actuators, codes))
     taken = {advice.action for advice in found}
-    found += [advice for advice in _from_spec(spec, actuators) if advice.action not in taken]
+    found += [advice for advice in _from_spec(spec, measures, actuators) if advice.action not in taken]
     found += _from_level(spec, logs, actuators, level, answers)
     order = list(ACTIONS)
     return tuple(sorted(found, key=lambda a: (a.days, not a.measured, order.index(a.action))))
@@ -172,17 +175,20 @@ def _from_logs(
 def _removed(measures: Sequence[JointMeasures], joints: Sequence[str], law: str) -> float | None:
     """Share of the error that another law takes away on the logs, of the torque, or of the position without one.
 
-    None: not measured.
+    None: not measured, or the logs are those of the ideal PD law, which leaves nothing to take away: a simulation's.
     """
-    before = after = 0.0
+    before = after = moved = 0.0
     for one in measures:
         errors = one.torque_error or one.position_error
         if one.joint in joints and {"ideal_pd", law} <= errors.keys():
             before, after = before + errors["ideal_pd"] ** 2, after + errors[law] ** 2
-    return max(0.0, 1.0 - (after / before) ** 0.5) if before > 0.0 else None
+            moved += (one.rms_torque if one.torque_error else one.tracking_rmse or 0.0) ** 2
+    return max(0.0, 1.0 - (after / before) ** 0.5) if before > (EXACT**2) * moved else None
 
 
-def _from_spec(spec: str, actuators: Sequence[JointActuator]) -> Iterator[Advice]:
+def _from_spec(
+    spec: str, measures: Sequence[JointMeasures], actuators: Sequence[JointActuator]
+) -> Iterator[Advice]:
     lacking = [a.joint for a in actuators if not a.effort_limit.value]
     if lacking:
         yield _step("torque_limit", lacking, "the spec has no effort limit", "spec", [f"actspec show {spec}"])
@@ -194,6 +200,7 @@ def _from_spec(spec: str, actuators: Sequence[JointActuator]) -> Iterator[Advice
             "the motor's torque-speed line is known, and level ideal_pd leaves it out",
             "spec",
             [f"actspec compare {spec}"],
+            _removed(measures, flat, "dc_motor"),
         )
     late = [a.joint for a in actuators if a.delay is None or not a.delay.nominal.known]
     if late:

@@ -122,7 +122,7 @@ def diagnose(
         )
         help = "by the form of logs a row holds what was read before its command was sent"
         out.info("DGN012", message, span=Span(logs[0].path), help=help)
-    wrong = [item for one in found for item in findings(one, known[one.joint])]
+    wrong = findings(found, known)
     codes: dict[str, list[str]] = {}
     for item in wrong:
         codes.setdefault(item.code, []).append(item.where)
@@ -135,7 +135,7 @@ def diagnose(
         good = False if wrong else True if all(enough(one) for one in found) else None
     steps = advise(spec, [log.path for log in logs], actuators.joints, found, codes, level, answers)
     notes = tuple(item for item in out.sorted())
-    return Diagnosis(tuple(found), tuple(skipped), tuple(wrong), notes, steps, level, good, kept)
+    return Diagnosis(tuple(found), tuple(skipped), wrong, notes, steps, level, good, kept)
 
 
 def _networks(actuators: ActuatorSet, out: Collector) -> dict[str, Sampled]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Diagnostic, Severity
 from actspec.ir import JointActuator, Level
@@ -76,8 +76,17 @@ COMPARED = (
 """What `compare` finds."""
 
 
-def findings(measures: JointMeasures, actuator: JointActuator) -> Iterator[Diagnostic]:
-    """What is wrong with one joint, as warnings."""
+def findings(
+    measures: Sequence[JointMeasures], actuators: Mapping[str, JointActuator]
+) -> tuple[Diagnostic, ...]:
+    """What is wrong with joints, as warnings in the order of the codes, of each code the worst joint first."""
+    found = [pair for one in measures for pair in _findings(one, actuators[one.joint])]
+    found.sort(key=lambda pair: (pair[1].code, -pair[0]))
+    return tuple(item for _, item in found)
+
+
+def _findings(measures: JointMeasures, actuator: JointActuator) -> Iterator[tuple[float, Diagnostic]]:
+    """What is wrong with one joint: how many times the bound, and the words."""
     unit = actuator.effort_limit.unit
     m = measures
     bandwidth = m.command_band if knows_bandwidth(actuator) else None
@@ -125,7 +134,7 @@ def findings(measures: JointMeasures, actuator: JointActuator) -> Iterator[Diagn
     }
     for code, (value, most, words, help) in told.items():
         if value is not None and value > most:
-            yield Diagnostic(code, Severity.WARNING, words, m.joint, actuator.span, help)
+            yield value / most, Diagnostic(code, Severity.WARNING, words, m.joint, actuator.span, help)
 
 
 def enough(measures: JointMeasures) -> bool:

@@ -119,6 +119,29 @@ def test_shares_by_hand(leg: Path, capsys: Any) -> None:
     assert record["level"]["recommended"] == "dc_motor"
 
 
+def test_the_worst_joint_is_first(leg: Path, capsys: Any) -> None:
+    """The hip is at its limit in 20 % of the rows, the knee, behind it in the spec, in 50 %."""
+    recorder = actspec.Recorder(["hip", "knee"], PERIOD)
+    for k in range(100):
+        recorder.add(None, [0.0, 0.0], [0.0, 0.0], [9.5 if k < 20 else 1.0, 9.5 if k < 50 else 1.0])
+    recorder.save("rollout.csv")
+    found = [item for item in diagnosed(["rollout.csv"], capsys, 1)["findings"] if item["code"] == "DGN001"]
+    assert [item["where"] for item in found] == ["knee", "hip"]
+    assert "50% of the rows" in found[0]["message"]
+
+
+def test_a_simulation_without_the_line_measures_no_gain_of_it(leg: Path, capsys: Any) -> None:
+    """Its torque is the ideal PD law's: 20 N*m/rad on 1 rad, limited to 10 N*m, where the motor has 8 at 6 rad/s."""
+    qd = np.where(np.arange(ROWS) % 2 == 0, 6.0, 0.0)
+    command = np.full(ROWS, 1.0)
+    log("rollout.csv", np.clip(20.0 * command - qd, -10.0, 10.0), qd, command)
+    record = diagnosed(["rollout.csv"], capsys, 1)
+    assert record["joints"][0]["torque_error"]["ideal_pd"]["rmse"] == 0.0
+    assert record["joints"][0]["torque_error"]["dc_motor"]["rmse"] > 1.0
+    expected = {item["action"]: item["expected"] for item in record["advice"]}["torque_speed_line"]
+    assert (expected["origin"], expected["low"]) == ("reported", 0.10)
+
+
 def test_frequencies(leg: Path, capsys: Any) -> None:
     """2 N*m at 5 Hz and 1 N*m at 40 Hz over a mean of 3: 1/5 of the variance is above the motor's 20 Hz.
 
@@ -174,6 +197,10 @@ def test_which_law_is_the_robots(leg: Path, capsys: Any) -> None:
     assert [item["where"] for item in missed] == (["hip"] if errors["spec"]["rmse"] > 1.0 else [])
     assert missed and record["enough"] is False
     assert record["joints"][0]["torque_late"] == 1
+    # The errors of the two laws: what the line takes away was measured.
+    lines = [item for item in record["advice"] if item["action"] == "torque_speed_line"]
+    assert [item["expected"]["origin"] for item in lines] == ["measured"]
+    assert lines[0]["expected"]["low"] == pytest.approx(1.0, abs=1e-3)
     log("own.csv", law(command), qd, command, q)
     record = diagnosed(["own.csv", "--fail-on", "never"], capsys)
     assert record["joints"][0]["torque_error"]["dc_motor"]["rmse"] < 1e-8
