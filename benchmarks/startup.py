@@ -23,7 +23,7 @@ from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 SPEC = ROOT / "robots" / "a1.yaml"
-CALL = "from actspec.cli.main import entry; entry()"
+CALL = "from actspec.__main__ import entry; entry()"
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from actspec.study.measures import JointMeasures, has_line, knows_bandwidth
 REPORTED = "an estimate for legged robots"
 """Where gains come from that no log shows: shares of the gap to the robot that PD with randomisation leaves."""
 
-EXACT = 0.01
+_OWN = 0.01
 """Error of a law, as a share of torque or tracking error, up to which the log is that law's own. Chosen."""
 
 
@@ -183,7 +183,7 @@ def _removed(measures: Sequence[JointMeasures], joints: Sequence[str], law: str)
         if one.joint in joints and {"ideal_pd", law} <= errors.keys():
             before, after = before + errors["ideal_pd"] ** 2, after + errors[law] ** 2
             moved += (one.rms_torque if one.torque_error else one.tracking_rmse or 0.0) ** 2
-    return max(0.0, 1.0 - (after / before) ** 0.5) if before > (EXACT**2) * moved else None
+    return max(0.0, 1.0 - (after / before) ** 0.5) if before > (_OWN**2) * moved else None
 
 
 def _from_spec(
