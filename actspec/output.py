@@ -64,12 +64,14 @@ class Output:
 
     Attributes:
         target: Name of its target.
+        folder: Of the target, which has its manifest.
         path: Path.
         data: New bytes.
         old: Bytes that are there; None when there is no file.
     """
 
     target: str
+    folder: str
     path: str
     data: bytes
     old: bytes | None
@@ -108,7 +110,7 @@ def outputs(compilation: Compilation) -> tuple[Output, ...]:
             except OSError as err:
                 collector.error("OUT002", f"cannot be read: {err.strerror}", span=Span(path))
                 continue
-            found.append(Output(options.name, path, file.data, old))
+            found.append(Output(options.name, options.folder, path, file.data, old))
     collector.raise_if_failed(EmitError)
     return tuple(found)
 
@@ -255,17 +257,17 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
 
 
 def is_ours(file: Output) -> bool:
-    """Whether the manifest beside a file that is there says that actspec wrote it as it is."""
+    """Whether the manifest of its target's folder says that actspec wrote a file as it is there."""
     assert file.old is not None
-    beside = os.path.join(os.path.dirname(file.path), MANIFEST)
+    name = os.path.relpath(file.path, file.folder)
     try:
-        with open(beside, encoding="utf-8") as stream:
+        with open(os.path.join(file.folder, MANIFEST), encoding="utf-8") as stream:
             record = json.load(stream)
         if record.get("format") != MANIFEST_FORMAT:
             return False
-        if os.path.basename(file.path) == MANIFEST:
+        if name == MANIFEST:
             return True
-        known = {str(entry["path"]): str(entry["sha256"]) for entry in record["files"]}
+        known = {os.path.normpath(entry["path"]): str(entry["sha256"]) for entry in record["files"]}
     except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return False
-    return known.get(os.path.basename(file.path)) == hashlib.sha256(file.old).hexdigest()
+    return known.get(name) == hashlib.sha256(file.old).hexdigest()

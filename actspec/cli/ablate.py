@@ -7,6 +7,7 @@ import json
 import os
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -22,7 +23,7 @@ from actspec.diagnostics import (
     SpecError,
     one_line,
 )
-from actspec.files import read_regular
+from actspec.files import FAULTS, read_regular
 from actspec.spec.yaml_text import MAX_BYTES
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.units import Kind
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from actspec.ir import ActuatorSet
     from actspec.output import Compilation, Output
     from actspec.report.ablation import Variant
+    from actspec.spec.models import SpecModel
     from actspec.spec.validate import Spec
     from actspec.study.ablation import Plain
     from actspec.study.replay import Tracking
@@ -167,7 +169,7 @@ def _compiled(
     from actspec.draft.plain import yaml_text
     from actspec.spec.document import document_from_text
     from actspec.spec.validate import validate
-    from actspec.study.ablation import NAMES, moved, results_name
+    from actspec.study.ablation import NAMES, moved
 
     path = _spec_path(arguments.output, name, spec)
     folder = os.path.dirname(path)
@@ -177,14 +179,14 @@ def _compiled(
         )
     origin = os.path.basename(arguments.spec)
     head = f"{name} of {origin}: {NAMES[name][1]}.\nWritten by actspec {actspec.__version__}."
-    text = yaml_text(moved(data, os.path.dirname(spec.document.path), folder), head)
-    variant = replace(
-        validate(document_from_text(text, path, folder)),
-        results={results_name(named): results for named, results in spec.results.items()},
-    )
-    own = [EmittedFile(os.path.basename(path), text.encode("utf-8"))]
+    base = os.path.dirname(spec.document.path)
+    text = yaml_text(moved(data, base, folder), head)
+    variant = replace(validate(document_from_text(text, path, folder)), results=spec.results)
+    own = {os.path.basename(path): text.encode("utf-8")}
     for named, results in spec.results.items():
-        own.append(EmittedFile(results_name(named), read_regular(results.document.path, MAX_BYTES)))
+        own[os.path.normpath(named)] = read_regular(results.document.path, MAX_BYTES)
+    own |= _networks(variant, base)
+    variant = replace(variant, model=_reading(variant.model, base))
     targets = list(_targets(variant, folder, drawn=name == "D_ideal_pd_dr"))
     try:
         found = api.compile(variant, targets=targets)
@@ -198,7 +200,35 @@ def _compiled(
         told = any((item.code, item.where, item.message) == (i.code, i.where, i.message) for i in out)
         if item.severity is not Severity.INFO and item.code != "SPEC164" and not told:
             out.add(item)
-    return _beside(found, own, folder)
+    return _beside(found, [EmittedFile(name, held) for name, held in own.items()], folder)
+
+
+def _networks(spec: Spec, base: str) -> dict[str, bytes]:
+    """Files of a variant's networks, by their name below the folder of the spec that it is made from."""
+    from actspec.spec.network import files_beside, named_files
+    from actspec.targets.kit.network import MAX_NETWORK
+
+    found = {}
+    for _, named in named_files(spec.model):
+        for name in (named, *files_beside(named, base)):
+            with suppress(*FAULTS):  # compiling says what is wrong with a file that it needs
+                found[os.path.normpath(name)] = read_regular(os.path.join(base, name), MAX_NETWORK)
+    return found
+
+
+def _reading(model: SpecModel, base: str) -> SpecModel:
+    """A variant's model that reads its networks where they lie now."""
+    groups = {}
+    for name, group in model.actuators.items():
+        if group.network is not None:
+            lie = {
+                key: os.path.abspath(os.path.join(base, path))
+                for key in ("file", "manifest")
+                if (path := getattr(group.network, key)) is not None
+            }
+            group = group.model_copy(update={"network": group.network.model_copy(update=lie)})
+        groups[name] = group
+    return model.model_copy(update={"actuators": groups})
 
 
 def _targets(spec: Spec, folder: str, *, drawn: bool) -> Iterator[TargetOptions]:
@@ -289,7 +319,7 @@ def _script(
     path = os.path.join(arguments.output, TRAIN)
     if os.path.isfile(path) and not arguments.force:
         old = read_regular(path, MAX_BYTES)
-        if old != data and not is_ours(Output("ablation", path, data, old)):
+        if old != data and not is_ours(Output("ablation", arguments.output, path, data, old)):
             out.info(
                 "ABL030", "was edited: it stays as it is", span=Span(path), help="--force writes it anew"
             )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import posixpath
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_packages, add_versions, configured_versions, describe
-from actspec.diagnostics import EXIT_CLEAN, Diagnostic, Severity, Span, listed, one_line
+from actspec.diagnostics import EXIT_CLEAN, Collector, Diagnostic, Severity, Span, listed, one_line
 from actspec.output import check_free, write_spec
 from actspec.units import format_quantity
 
@@ -187,16 +188,33 @@ def _reference(file: str, folder: str) -> str:
 
 
 def _placed(combined: Combined, folder: str) -> Combined:
-    """The robot with its networks named from the spec's folder; what is no file here is named as it was."""
-    joints = []
+    """The robot with its networks named from the spec's folder; a remark says which are to be copied below it."""
+    joints, notes = [], dict(combined.notes)
     for joint in combined.actuators.joints:
         network = joint.network
         if network is not None:
-            files = (network.file, network.manifest)
-            file, manifest = (_reference(f, folder) if f and os.path.isfile(f) else f for f in files)
-            joint = replace(joint, network=replace(network, file=file, manifest=manifest))
+            names: dict[str, str | None] = {}
+            for key, found in (("file", network.file), ("manifest", network.manifest)):
+                reference = _reference(found, folder) if found and os.path.isfile(found) else found
+                names[key] = reference and _below(reference, folder)
+                if reference != names[key]:
+                    text = f"a spec names networks below its folder: copy {reference} to {names[key]} there"
+                    notes[joint.joint] = (*notes.get(joint.joint, ()), text)
+            joint = replace(joint, network=replace(network, file=names["file"], manifest=names["manifest"]))
         joints.append(joint)
-    return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)))
+    return replace(combined, actuators=replace(combined.actuators, joints=tuple(joints)), notes=notes)
+
+
+def _below(name: str, folder: str) -> str:
+    """A name that leads to a file below a spec's folder: the same where it does."""
+    from actspec.spec.document import path_inside
+
+    if path_inside(name, folder, Collector().at(""), "") is not None:
+        return name
+    below = posixpath.normpath(name.replace("\\", "/"))
+    while below.startswith("../"):
+        below = below[3:]
+    return below if name.startswith("../") else posixpath.basename(below)
 
 
 def _warnings(disagreements: Sequence[Disagreement]) -> Iterator[Diagnostic]:

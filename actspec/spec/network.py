@@ -6,14 +6,25 @@ it comes from and how far it may be trusted.
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+import os
+import posixpath
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import Field
 
+from actspec.diagnostics import Collector, Path, SpecError
+from actspec.files import FAULTS, read_regular
 from actspec.laws.network import Layers, NetworkLaw
+from actspec.spec.document import load_document, path_inside
 from actspec.spec.results import FitFile
 from actspec.spec.values import Number, SpecValue, Strict
+from actspec.spec.yaml_text import MAX_BYTES
 from actspec.units import Kind
+
+if TYPE_CHECKING:
+    from actspec.spec.models import SpecModel
+    from actspec.spec.validate import Spec
 
 MOST_STEPS = 1000
 """Most physics steps between two samples, so that a stranger's history cannot fill the memory. Chosen."""
@@ -208,3 +219,59 @@ class NetworkManifest(Strict):
             self.torque_scale,
             self.initial_history == "first_sample",
         )
+
+
+NAMED = "a network is a relative path inside the folder of the spec, such as nets/legs.json"
+
+
+def check_named(spec: Spec, collector: Collector) -> None:
+    """Refuse networks that do not lie below the spec's folder, and manifests whose files do not."""
+    folder = os.path.dirname(os.path.abspath(spec.document.path))
+    inside: dict[str, bool] = {}
+
+    def is_inside(name: str, place: Path) -> bool:
+        if name not in inside:
+            at = collector.at(".".join(map(str, place)), spec.span(*place))
+            inside[name] = path_inside(name, folder, at, NAMED) is not None
+        return inside[name]
+
+    for place, name in named_files(spec.model):
+        if is_inside(name, place):
+            for other in files_beside(name, folder):
+                is_inside(other, place)
+
+
+def named_files(model: SpecModel) -> Iterator[tuple[Path, str]]:
+    """Files that a spec names for its networks and its delta action, and where."""
+    for group, actuator in model.actuators.items():
+        for key in ("file", "manifest") if actuator.network is not None else ():
+            name = getattr(actuator.network, key)
+            if name is not None:
+                yield ("actuators", group, "network", key), name
+    if model.delta_action is not None:
+        yield ("delta_action", "manifest"), model.delta_action.manifest
+
+
+def files_beside(name: str, folder: str) -> Iterator[str]:
+    """Files that are read with one of `named_files`: those that it names as a manifest, and a network's manifest.
+
+    Args:
+        name: As the spec has it.
+        folder: Of the spec, from which the names lead.
+    """
+    yield f"{posixpath.splitext(name)[0]}.json"
+    for other in _files_of(os.path.join(folder, name)):
+        yield posixpath.join(posixpath.dirname(name), other)
+
+
+def _files_of(manifest: str) -> Iterator[str]:
+    """Files that a manifest names; none where it is no manifest, which those say who need it."""
+    try:
+        if b"actspec-" not in read_regular(manifest, MAX_BYTES):
+            return
+        files = load_document(manifest).data.get("files")
+    except (SpecError, *FAULTS):
+        return
+    for entry in files.values() if isinstance(files, dict) else ():
+        if isinstance(entry, dict) and isinstance(entry.get("path"), str):
+            yield entry["path"]

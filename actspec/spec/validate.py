@@ -459,7 +459,7 @@ _RESULTS = "results are a relative path inside the folder of the spec, such as r
 
 
 def load_spec(path: str) -> Spec:
-    """Read and validate a spec and the results files that it names.
+    """Read and validate a spec and the results files that it names; its networks lie below its folder.
 
     Args:
         path: The file, or `FILE#VARIANT`.
@@ -504,5 +504,9 @@ def load_spec(path: str) -> Spec:
                 span=spec.span("actuators", name, "identified"),
                 help="name this robot's results, or correct `robot` in one of the two files",
             )
+    if spec.model.delta_action is not None or any(g.network for g in spec.model.actuators.values()):
+        from actspec.spec.network import check_named
+
+        check_named(spec, collector)
     collector.raise_if_failed(SpecError)
     return replace(spec, results=results, diagnostics=(*spec.diagnostics, *collector.sorted()))

@@ -191,7 +191,7 @@ _ADD: Mapping[str, Callable[[Plain, Plain, Sequence[JointActuator], Assumed], Pl
 
 
 def moved(spec: Plain, base: str, folder: str) -> Plain:
-    """A spec whose paths lead from another folder; results of identifications lie in it by `results_name`.
+    """A spec whose model and packages lead from another folder; results and networks lie in it by the same names.
 
     Args:
         spec: As plain data.
@@ -210,17 +210,7 @@ def moved(spec: Plain, base: str, folder: str) -> Plain:
         robot["model"] = there(robot["model"])
     if "packages" in robot:
         robot["packages"] = {name: there(path) for name, path in robot["packages"].items()}
-    for group in spec["actuators"].values():
-        if "network" in group:
-            group["network"] = {key: there(path) for key, path in group["network"].items()}
-        if "identified" in group:
-            group["identified"] = results_name(group["identified"])
     return spec
-
-
-def results_name(path: str) -> str:
-    """What a file of results is called beside a variant's spec, which must have it in its own folder."""
-    return os.path.normpath(path).replace(os.sep, "_")
 
 
 def changes(before: ActuatorSet, after: ActuatorSet) -> tuple[Change, ...]:

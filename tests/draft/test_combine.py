@@ -8,8 +8,11 @@ from typing import Any
 import pytest
 
 from actspec import api
+from actspec.cli.main import main
 from actspec.diagnostics import ActspecError, AuditError
 from actspec.readings.versions import Versions
+from actspec.spec.models import NetworkFile
+from actspec.spec.validate import load_spec
 from tests.importing import Imported, bare, imported, mjcf, write
 
 MOTORS = mjcf(
@@ -362,8 +365,8 @@ def test_combined_spec_compiles(tmp_path: Path) -> None:
     assert [float(a.kp.value or 0) for a in done.actuators.joints if a.kp is not None] == [40.0, 40.0]
 
 
-def test_networks(tmp_path: Path) -> None:
-    """A network keeps its level, and its file is named from the spec's folder."""
+def test_networks(tmp_path: Path, capsys: Any) -> None:
+    """A network keeps its level, and its file is named from the spec's folder, below which it must lie."""
     text = ISAACLAB.replace("IdealPDActuatorCfg", "ActuatorNetMLPCfg").replace(
         "            stiffness=40.0,\n            damping=1.0,\n",
         '            network_file="net.pt", pos_scale=-1.0, vel_scale=1.0, torque_scale=1.0, input_order="pos_vel",\n'
@@ -373,6 +376,14 @@ def test_networks(tmp_path: Path) -> None:
     group = next(iter(bare(found.data["actuators"]).values()))
     assert group["level"] == "actuator_net"
     assert group["network"] == {"file": "net.pt"}
+    (tmp_path / "net.pt").write_text("")
+    for folder, named in ((tmp_path, "net.pt"), (tmp_path / "specs", "net.pt")):
+        spec = folder / "leg.yaml"
+        files = [str(tmp_path / name) for name in ("leg.xml", "leg.py")]
+        assert main(["import", *files, "-o", str(spec)]) == 0
+        assert load_spec(str(spec)).model.actuators["all"].network == NetworkFile(file=named)
+        told = "copy ../net.pt to net.pt there" in capsys.readouterr().out
+        assert told == ("copy ../net.pt to net.pt" in spec.read_text()) == (folder != tmp_path)
 
 
 def test_errors_are_ours(tmp_path: Path) -> None:

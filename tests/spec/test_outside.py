@@ -14,6 +14,9 @@ GROUP = "actuators:\n  g: {joints: [a], level: %s, kp: 1, kd: 1, effort_limit: 5
 KEYS = {
     "include": ("include: [%s]\n", GROUP % ("ideal_pd", "")),
     "identified": ("", GROUP % ("ideal_pd", ", identified: %s")),
+    "network.file": ("", GROUP % ("actuator_net", ", network: {file: %s}")),
+    "network.manifest": ("", GROUP % ("actuator_net", ", network: {manifest: %s}")),
+    "delta_action.manifest": ("delta_action: {manifest: %s}\n", GROUP % ("ideal_pd", "")),
 }
 
 
@@ -22,7 +25,7 @@ KEYS = {
 )
 @pytest.mark.parametrize("key", KEYS)
 def test_nothing_outside_is_named(key: str, name: str, tmp_path: Path) -> None:
-    """Includes and results are refused in the same words, where the spec names them."""
+    """Includes, results and networks are refused in the same words, where the spec names them."""
     folder = tmp_path / "spec"
     folder.mkdir()
     (tmp_path / "out.yaml").write_text("motors: {}\n")
@@ -39,6 +42,31 @@ def test_nothing_outside_is_named(key: str, name: str, tmp_path: Path) -> None:
     assert found.span is not None
     line = text.splitlines()[found.span.line - 1]
     assert line[found.span.column - 1 :].startswith(name)
+
+
+@pytest.mark.parametrize("key", ["network.file", "network.manifest", "delta_action.manifest"])
+def test_nothing_outside_lies_beside_a_manifest(key: str, tmp_path: Path) -> None:
+    """What a manifest names, and the manifest of a file without one, are no links out of the tree either."""
+    (tmp_path / "nets").mkdir()
+    (tmp_path / "spec").mkdir()
+    (tmp_path / "spec/nets").mkdir()
+    out = tmp_path / "nets/out"
+    out.write_text("{}")
+    named = "legs.pt" if key == "network.file" else "legs.json"
+    beside = "legs.json" if key == "network.file" else "legs.onnx"
+    text = '{"format": "actspec-network/1", "files": {"onnx": {"path": "legs.onnx"}}}'
+    (tmp_path / "spec/nets" / named).write_text(text)
+    top, group = KEYS[key]
+    spec = tmp_path / "spec/s.yaml"
+    spec.write_text(HEAD % "r" + (top % f"nets/{named}" + group if top else group % f"nets/{named}"))
+    load_spec(str(spec))
+    (tmp_path / "spec/nets" / beside).symlink_to(out)
+    with pytest.raises(SpecError) as caught:
+        load_spec(str(spec))
+    (found,) = caught.value.diagnostics
+    assert found.message == f"'nets/{beside}' leaves the folder of the spec by a symbolic link"
+    assert (found.code, found.where) == ("SPEC013", key if top else f"actuators.g.{key}")
+    assert found.span is not None and found.span.line > 2
 
 
 @pytest.mark.parametrize("name", ["CON", "nul", "aux.txt", "COM1", "lpt9.x.y", "r.", ".r", "-r", "a/b"])

@@ -444,6 +444,11 @@ def test_the_network_is_a_variant(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     monkeypatch.chdir(tmp_path)
     gains = "level: actuator_net, kp: 30 N*m/rad, kd: 0.8 N*m*s/rad, "
     netted.build(tmp_path, spec=netted.SPEC.replace("level: actuator_net, ", gains))
+    (tmp_path / "nets").mkdir()
+    for name in ("net.json", "net.onnx"):
+        (tmp_path / name).rename(tmp_path / "nets" / name)
+    spec = tmp_path / "spec.yaml"
+    spec.write_text(spec.read_text().replace("net.json", "nets/net.json"))
     command = np.repeat([0.0, 0.3, -0.1], 20)
     recorded("log.csv", command, ["hip"], 0.01)
     record = ablated(capsys, "spec.yaml", "log.csv", "-o", "out", "--task", "Leg", code=1)
@@ -478,3 +483,16 @@ def test_the_network_is_a_variant(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     assert row["rmse"] == pytest.approx(math.sqrt(np.mean(np.square(left))), rel=0.01)
     assert row["peak_torque"] == pytest.approx(max(torques), rel=0.01)
     assert row["saturated"] == pytest.approx(np.mean(np.array(torques) >= 0.9 * 6.0), abs=0.01)
+    # Each variant has the network below its own folder, and a run after a change of it needs no --force.
+    assert (tmp_path / "out/network/nets/net.onnx").read_bytes() == (tmp_path / "nets/net.onnx").read_bytes()
+    assert main(["compile", "out/network/netted.yaml", "-t", "mujoco", "-o", "built"]) == 0
+    assert not (tmp_path / "out/A_ideal_pd/nets").exists()
+    manifest = tmp_path / "nets/net.json"
+    manifest.write_text(manifest.read_text() + "\n")
+    capsys.readouterr()
+    assert main(["ablate", "spec.yaml", "-o", "out", "--task", "Leg", "--fail-on", "never"]) == 0
+    copied = tmp_path / "out/network/nets/net.json"
+    assert copied.read_bytes() == manifest.read_bytes()
+    copied.write_text(manifest.read_text() + "\n")
+    assert main(["ablate", "spec.yaml", "-o", "out", "--task", "Leg", "--fail-on", "never"]) == 2
+    assert "out/network/nets/net.json: OUT003" in capsys.readouterr().err
