@@ -45,6 +45,17 @@ def place_of(data: bytes, at: int) -> tuple[int, int]:
     return data.count(b"\n", 0, at) + 1, len(before.decode("utf-8-sig", "replace")) + 1
 
 
+_IMPORTED = (".py", ".pyc", ".pyo", ".pyw", ".pyi", ".so", ".pyd", ".dll", ".dylib")
+
+
+def is_imported(name: str) -> bool:
+    """Whether Python would run a file of this name, in the folder of a configuration or elsewhere.
+
+    Windows drops dots and blanks at the end, and what follows a colon.
+    """
+    return os.path.basename(name).partition(":")[0].rstrip(". ").lower().endswith(_IMPORTED)
+
+
 def read_regular(path: str, most: int) -> bytes:
     """Read a regular file; never waits on a pipe or device.
 

@@ -231,9 +231,14 @@ def _check_distinct(files: Sequence[Output], collector: Collector) -> None:
     for file in files:
         other = first.setdefault(os.path.realpath(file.path).casefold(), file)
         if other is not file:
+            both = (
+                f"two targets of this run write it: '{other.target}' and '{file.target}'"
+                if other.target != file.target
+                else f"'{file.target}' writes it twice"
+            )
             collector.error(
                 "OUT004",
-                f"two targets of this run write it: '{other.target}' and '{file.target}'",
+                both,
                 span=Span(file.path),
                 help="compile them one after the other, each into a folder of its own with -o",
             )

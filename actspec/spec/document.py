@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted
+from actspec.files import is_imported
 from actspec.spec.variants import chosen, split
 from actspec.spec.yaml_text import MAX_BYTES, cut, read_file, too_large
 from actspec.spec.yaml_tree import MAX_ALIASES, MAX_DEPTH, MAX_ERRORS, MAX_NODES, Node, Scalar, parse
@@ -256,6 +257,8 @@ def path_inside(name: str, base: str | None, place: Place, help: str) -> tuple[s
         problem = "is an absolute path"
     elif "\\" in name:
         problem = "has a backslash; folders are separated by `/`"
+    elif is_imported(name):
+        problem = "has a name that Python imports"
     elif _climbs(name):
         problem = "leaves the folder of the spec by `..`"
     else:

@@ -21,7 +21,7 @@ KEYS = {
 
 
 @pytest.mark.parametrize(
-    "name", ["../out.yaml", "/etc/hostname", "link.yaml", "C:/x", "a\\b", "https://a.org/b"]
+    "name", ["../out.yaml", "/etc/hostname", "link.yaml", "C:/x", "a\\b", "https://a.org/b", "b/Torch.PY."]
 )
 @pytest.mark.parametrize("key", KEYS)
 def test_nothing_outside_is_named(key: str, name: str, tmp_path: Path) -> None:

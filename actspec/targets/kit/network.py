@@ -12,8 +12,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 from actspec.diagnostics import Collector, Place, SpecError, shortened
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, is_imported, read_regular
 from actspec.ir import Command, JointActuator, Level, Network
+from actspec.readings.onnx_file import NotOnnx, check_onnx
 from actspec.targets.base import EmittedFile
 
 if TYPE_CHECKING:
@@ -185,10 +186,10 @@ def read_network(
             "name the manifest that was written with this network",
         )
         return None
-    if form == "torchscript" and not data.startswith(b"PK") and _known(path, data, place):
+    if data.startswith(b"PK") != (form == "torchscript") and _known(path, data, place):
         place.error(
             "NET009",
-            f"'{shortened(os.path.basename(path))}' is no TorchScript file, and this target runs no other",
+            f"'{shortened(os.path.basename(path))}' is no {_FORMS[form]} file, and this target runs no other",
             "write network: {manifest: ...} with a manifest that names both files: `actspec net convert` writes them",
         )
         return None
@@ -197,14 +198,10 @@ def read_network(
     return NetworkWithManifest(os.path.basename(path), data, manifest, place)
 
 
-_IMPORTED = (".py", ".pyc", ".pyo", ".pyw", ".pyi", ".so", ".pyd", ".dll", ".dylib")
-"""Endings under which a file beside a configuration would be code."""
-
-
 def _known(path: str, data: bytes, place: Place) -> bool:
-    """Whether a file is TorchScript or may be ONNX; a pickle is neither, and is a program."""
+    """Whether a file is TorchScript or ONNX, by its outermost parts; a pickle is neither, and is a program."""
     shown = f"'{shortened(os.path.basename(path))}'"
-    if path.lower().endswith(_IMPORTED):
+    if is_imported(path):
         place.error(
             "NET011", f"{shown} has a name that Python imports", "name it by its format: .pt or .onnx"
         )
@@ -214,6 +211,11 @@ def _known(path: str, data: bytes, place: Place) -> bool:
         place.error("NET011", f"{shown} is a pickle, which is no network and may run anything", help)
         return False
     if not data.startswith(b"PK"):
+        try:
+            check_onnx(data)
+        except NotOnnx:
+            place.error("NET011", f"{shown} cannot be read: it is no ONNX file, or it is cut off")
+            return False
         return True
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:

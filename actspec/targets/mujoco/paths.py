@@ -202,9 +202,13 @@ def _mesh_folder(document: XmlDocument) -> str:
 
 
 def _free(name: str, taken: set[str]) -> str:
+    """A name for an included file, which no other has, whatever the case, and which is that of a model."""
     stem, extension = os.path.splitext(name)
+    if extension.lower() not in (".xml", ".mjcf"):
+        stem, extension = name, ".xml"
+        name = stem + extension
     count = 2
-    while name in taken:
+    while name.casefold() in {other.casefold() for other in taken}:
         name, count = f"{stem}_{count}{extension}", count + 1
     return name
 

@@ -16,6 +16,7 @@ from typing import Any
 
 from actspec.diagnostics import Collector, shortened
 from actspec.ir import JointActuator, JointKind, Quantity
+from actspec.readings.onnx_file import NotOnnx, read_metadata, with_metadata
 from actspec.simulators import text_of
 from actspec.simulators.newton import JOINT_DAMPING, NETWORKS, NewtonDialect
 from actspec.targets.base import Approximation
@@ -23,7 +24,6 @@ from actspec.targets.kit.joint import JointEmission
 from actspec.targets.kit.network import NetworkWithManifest
 from actspec.targets.kit.python_text import origin_of, py, stated
 from actspec.targets.kit.sizes import lined
-from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from actspec.targets.newton.usda import UsdAttribute, asset
 from actspec.units import format_quantity
 
@@ -306,13 +306,10 @@ def _metadata(step: float, file: NetworkWithManifest, stride: int) -> dict[str, 
     try:
         own = read_metadata(file.data)
     except NotOnnx as err:
-        torch = file.data.startswith(b"PK")
         file.place.error(
             "NWT004",
-            f"'{shortened(file.name)}' is not an ONNX file, and Newton runs no other: "
-            + ("it is an archive, as torch writes them" if torch else str(err)),
-            "export it with torch.onnx.export, and name that file and its manifest for this target; "
-            "Newton 1.8 refuses TorchScript",
+            f"'{shortened(file.name)}' has metadata that Newton cannot read: {err}",
+            "export it again with torch.onnx.export",
         )
         return None
     asked = _asked(file, stride)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +14,9 @@ from hypothesis import strategies as st
 
 from actspec.api import load
 from actspec.diagnostics import Collector, EmitError, SpecError
+from actspec.readings.onnx_file import NotOnnx, read_metadata, with_metadata
 from actspec.spec.models import NewtonTarget
 from actspec.targets.choose import choose_targets
-from actspec.targets.newton.onnx_file import NotOnnx, read_metadata, with_metadata
 from tests.network_files import onnx_mlp, onnx_operation, torchscript
 from tests.targets.leg import group
 from tests.targets.newton.emitting import refused, written
@@ -166,8 +167,7 @@ def test_network_with_a_motor(tmp_path: Path) -> None:
     [
         (
             {"data": torchscript()},
-            "NWT004 actuators.leg.network: 'net.onnx' is not an ONNX file, and Newton runs no other: it is an "
-            "archive, as torch writes them",
+            "NET009 actuators.leg.network: 'net.onnx' is no ONNX file, and this target runs no other",
         ),
         (
             {"data": b"weights"},
@@ -203,6 +203,14 @@ def test_network_refused(changed: dict[str, Any], expected: str, tmp_path: Path)
     found = refused(network(tmp_path, data, **changed), path=str(tmp_path / "spec.yaml"))
     # The shape of a gru is not read, which is reported too.
     assert [text for text in found if not text.startswith("NET012")] == [expected]
+
+
+@pytest.mark.parametrize("data", [b"weights", b"import os\n", NET[:-1], NET + b"#", bytes([8, 1])])
+def test_bytes_that_are_no_network(data: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nothing else is copied under a network's name, also where onnx is not there to read it."""
+    monkeypatch.setitem(sys.modules, "onnx", None)
+    (found,) = refused(network(tmp_path, data), path=str(tmp_path / "spec.yaml"))
+    assert "NET011 actuators.leg.network: 'net.onnx' cannot be read: it is no ONNX file" in found
 
 
 def test_a_network_is_no_module(tmp_path: Path) -> None:

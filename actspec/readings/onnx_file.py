@@ -1,4 +1,4 @@
-"""Metadata of an ONNX file, read and written without loading the network.
+"""The outermost records of an ONNX file, for its metadata; the network is not loaded, and onnx not needed.
 
 An ONNX file is one protobuf message, `ModelProto`. Of it only the outermost records are walked: its graph (field 7)
 is passed by, its `metadata_props` (field 14, pairs of key and value) are read, and one is appended. Newton reads a
@@ -26,20 +26,22 @@ class NotOnnx(ValueError):
     """The bytes are no ONNX model."""
 
 
+def check_onnx(data: bytes) -> None:
+    """Whether a file is an ONNX model as far as its outermost records tell: none is cut off, one is a graph.
+
+    Raises: NotOnnx: it is none.
+    """
+    if GRAPH not in [field for field, *_ in _records(data)]:
+        raise NotOnnx("it holds no graph")
+
+
 def read_metadata(data: bytes) -> dict[str, Any]:
     """What the file says of itself, as Newton reads it: the JSON of `metadata`, else each property.
 
     Raises: NotOnnx: it is no ONNX file, or its metadata is no JSON object.
     """
-    found: dict[str, str] = {}
-    graph = False
-    for field, _, value in _records(data):
-        graph = graph or field == GRAPH
-        if field == METADATA:
-            key, text = _entry(value)
-            found[key] = text
-    if not graph:
-        raise NotOnnx("it holds no graph")
+    check_onnx(data)
+    found = dict(_entry(value) for field, _, value in _records(data) if field == METADATA)
     if KEY not in found:
         return {key: _json(text) for key, text in found.items()}
     own = _json(found[KEY])
