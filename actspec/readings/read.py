@@ -160,7 +160,10 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
         try:
             return read_mjcf(document.files, document, poses=POSES, shapes=False)
         except RobotError as err:
-            if err.diagnostics[0].code == TOO_LARGE:
+            from actspec.robot.xml import NOT_FOLLOWED
+
+            # Of a file beside it, too: an attached model is refused as an include is.
+            if err.diagnostics[0].code in (TOO_LARGE, *NOT_FOLLOWED):
                 raise
             refusal = reason_of(err.diagnostics, document.files[0].path)
     from actspec.robot.read_mjcf_text import read_mjcf_text

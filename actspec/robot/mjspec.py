@@ -25,7 +25,6 @@ from actspec.diagnostics import RobotError, Span, one_line
 from actspec.guest import at_work
 from actspec.robot.assets import (
     MeshDependence,
-    base_name,
     give_placeholder_masses,
     mesh_dependence,
     mesh_path,
@@ -34,9 +33,10 @@ from actspec.robot.assets import (
     usable_file,
     without_shapes,
 )
+from actspec.robot.attached import key_of, opened_by
 from actspec.robot.sizes import check
 from actspec.robot.view import ModelFile, ModelFormat
-from actspec.robot.xml import open_document, parse_document
+from actspec.robot.xml import parse_document
 from actspec.robot.xml_tree import XmlDocument
 
 if TYPE_CHECKING:
@@ -110,7 +110,8 @@ def open_spec(
             Span(files[0].path),
             help="pip install 'mujoco>=3.7'; for an older simulator state `version` of the target",
         )
-    text = splice(document if document is not None else parse_document(files))
+    document = document if document is not None else parse_document(files)
+    text = splice(document)
     folder = os.path.dirname(os.path.abspath(files[0].path))
     try:
         folder.encode("utf-8")
@@ -121,26 +122,14 @@ def open_spec(
             Span(files[0].path),
             help="rename the folder, or copy the model to another one",
         ) from None
-    opened = _opened_while_parsing(text, folder, format)
+    opened = {}
+    for name, found in opened_by(document) if format is ModelFormat.MJCF else ():
+        opened[name] = found if isinstance(found, bytes) else splice(found).data
     with quiet(), _engine(text.span), at_work(files[0].path):
         spec = mujoco.MjSpec.from_string(text.data.decode("utf-8"), include=opened)
     spec.modelfiledir = folder
     spec.assets = {**opened, **_stand_ins(spec, real_assets)}
     return spec
-
-
-def _opened_while_parsing(text: SplicedText, folder: str, format: ModelFormat) -> dict[str, bytes]:
-    """What MuJoCo opens before it compiles: attached models and meshes of flexible bodies."""
-    found: dict[str, bytes] = {}
-    for tag, name in text.opened if format is ModelFormat.MJCF else ():
-        if tag == "flexcomp":
-            found[_key(name)] = stand_in("mesh", name)
-            continue
-        # An attached model is checked like the main one; MuJoCo finds it by its base name.
-        # The output folder that a written path climbs out of may not exist yet.
-        path = os.path.normpath(os.path.join(folder, name))
-        found[_key(name)] = splice(open_document(path)).data
-    return found
 
 
 def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
@@ -154,25 +143,20 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
             # A mesh without a name is called after its file.
             mesh.name = mesh.name or stem(mesh.file)
             mesh.file += ".obj"
-        found[_key(mesh.file)] = stand_in("mesh", mesh.file, content_type=mesh.content_type)
+        found[key_of(mesh.file)] = stand_in("mesh", mesh.file, content_type=mesh.content_type)
     for texture in spec.textures:
         names = [name for name in (texture.file, *texture.cubefiles) if name]
         grid = (int(texture.gridsize[0]), int(texture.gridsize[1])) if texture.file else (1, 1)
         if any(not name.lower().endswith(".png") for name in names):
             texture.content_type = "image/png"
-        found.update((_key(name), stand_in("texture", name, grid=grid)) for name in names)
+        found.update((key_of(name), stand_in("texture", name, grid=grid)) for name in names)
     for hfield in spec.hfields:
         if hfield.file:
-            found[_key(hfield.file)] = stand_in("hfield", hfield.file, content_type=hfield.content_type)
+            found[key_of(hfield.file)] = stand_in("hfield", hfield.file, content_type=hfield.content_type)
     for skin in spec.skins:
         if skin.file:
-            found[_key(skin.file)] = stand_in("skin", skin.file)
+            found[key_of(skin.file)] = stand_in("skin", skin.file)
     return found
-
-
-def _key(name: str) -> str:
-    """MuJoCo finds an asset by its base name in any case; equal keys have equal stand-ins."""
-    return base_name(name).lower()
 
 
 def compile_spec(
@@ -314,10 +298,6 @@ def engine_error(err: Exception, place: Callable[[int], Span | None]) -> RobotEr
     )
 
 
-_MARKS = (b"<flexcomp", b"<model")
-"""Elements that MuJoCo opens a file for while it parses."""
-
-
 @dataclass(frozen=True, slots=True)
 class SplicedText:
     """One text with every include in its place.
@@ -326,13 +306,11 @@ class SplicedText:
         data: The text, UTF-8, without a byte order mark.
         starts: First line of each piece in `data`, from 1, ascending.
         origins: File and its line that the piece begins with.
-        opened: `file` of each element that MuJoCo opens while it parses, with its tag.
     """
 
     data: bytes
     starts: tuple[int, ...]
     origins: tuple[tuple[str, int], ...]
-    opened: tuple[tuple[str, str], ...]
 
     def span(self, line: int) -> Span:
         """The author's line for a line of `data`; the main file for line 0."""
@@ -379,12 +357,4 @@ def splice(document: XmlDocument) -> SplicedText:
         put(index, begin, end)
 
     put_file(0, 0, len(files[0].data))
-    return SplicedText(b"".join(pieces), tuple(starts), tuple(origins), _opened(document))
-
-
-def _opened(document: XmlDocument) -> tuple[tuple[str, str], ...]:
-    """What MuJoCo opens while it parses."""
-    if not any(mark in file.data for file in document.files for mark in _MARKS):
-        return ()
-    named = ((element.tag, element.get("file")) for element in document.walk("flexcomp", "model"))
-    return tuple((tag, name) for tag, name in named if name)
+    return SplicedText(b"".join(pieces), tuple(starts), tuple(origins))

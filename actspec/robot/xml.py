@@ -47,6 +47,11 @@ _SECTIONS = (
 )
 _ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
 """Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files."""
+_MODELS = frozenset(("mujoco", "robot"))
+"""Roots of an attached model."""
+
+NOT_FOLLOWED = frozenset(("ROBOT002", "ROBOT006", "ROBOT007", "ROBOT008"))
+"""Codes of models of which a file is not read; nothing else of them is."""
 
 
 def open_document(path: str) -> XmlDocument:
@@ -57,7 +62,7 @@ def open_document(path: str) -> XmlDocument:
 
     Raises: RobotError: a file cannot be read, is not well-formed, or is not fit to be included.
     """
-    return _assemble(read_main(path), _on_disk)
+    return _assemble(read_main(path), on_disk)
 
 
 def read_main(path: str) -> ModelFile:
@@ -71,8 +76,23 @@ def read_main(path: str) -> ModelFile:
         raise RobotError.of("ROBOT001", f"{err}", Span(path)) from err
 
 
-def _on_disk(main: str, including: str, name: str) -> ModelFile:
-    """The file that an include names."""
+def attached_document(file: ModelFile, site: Span) -> XmlDocument:
+    """Parse a model that another attaches, with what it includes.
+
+    Args:
+        file: As `on_disk` finds it.
+        site: Where it is attached.
+
+    Raises: RobotError: as `open_document`; nothing of a file that is no model is shown.
+    """
+    return _assemble(file, on_disk, site)
+
+
+def on_disk(main: str, including: str, name: str) -> ModelFile:
+    """The file that an include, or an attached model, names.
+
+    Raises: Unreadable: it is not there, or cannot be read.
+    """
     candidates = candidates_for(main, including, name)
     for candidate in candidates:
         try:
@@ -111,10 +131,16 @@ _Find = Callable[[str, str, str], ModelFile]
 """(path of the main file, path of the including file, name) to the included file."""
 
 
-def _assemble(main: ModelFile, find: _Find) -> XmlDocument:
-    """Parse the main file and all that it includes, and put the includes in their places."""
+def _assemble(main: ModelFile, find: _Find, site: Span | None = None) -> XmlDocument:
+    """Parse the main file and all that it includes, and put the includes in their places.
+
+    Args:
+        main: The file.
+        find: Gives what it includes.
+        site: Where another model attaches it; None: none does.
+    """
     assembly = _Assembly(main.path, find)
-    root = assembly.add(main, None, (), 0)
+    root = assembly.add(main, site, (), 0)
     assembly.out.raise_if_failed(RobotError)
     assert root is not None
     return XmlDocument(tuple(assembly.files), root, tuple(assembly.includes))
@@ -139,13 +165,14 @@ class _Assembly:
 
         Args:
             file: To be parsed.
-            site: Where it is included; None for the main file.
+            site: Where it is included, or attached; None for a main file that the user names.
             chain: Paths from the main file to the including one.
             depth: Elements that its root is inside of.
 
         Returns: Its root; None after an error, which has been collected.
         """
         index = len(self.files)
+        roots = _ROOTS if chain else _MODELS
         self.files.append(file)
         self._bytes += len(file.data)
         if self._bytes > MOST_BYTES:
@@ -154,34 +181,34 @@ class _Assembly:
         try:
             elements = scan(file, index, depth, self._elements, MOST_ELEMENTS)
         except Malformed as err:
-            if site is not None and err.diagnostic.code == "ROBOT004" and err.root not in _ROOTS:
-                self._not_mjcf(file, site)
+            if site is not None and err.diagnostic.code == "ROBOT004" and err.root not in roots:
+                self._no_model(file, site, chain)
             else:
                 self.out.add(err.diagnostic)
             return None
         root = elements[0]
         self._elements += len(elements)
-        if site is not None and root.tag not in _ROOTS:
-            self._not_mjcf(file, site)
+        if site is not None and root.tag not in roots:
+            self._no_model(file, site, chain)
             return None
-        if site is not None and len(elements) == 1:
+        if chain and len(elements) == 1:
             self.out.error("ROBOT008", f"the included file {file.include!r} has no elements", span=site)
             return None
-        chain = (*chain, os.path.normpath(file.path))
-        if b"<include" in file.data and (site is not None or root.tag == "mujoco"):
+        included, chain = bool(chain), (*chain, os.path.normpath(file.path))
+        if b"<include" in file.data and (included or root.tag == "mujoco"):
             for parent, element, inside in _includes(root, depth):
                 at = parent.children.index(element)
                 parent.children[at : at + 1] = self._include(element, index, chain, inside)
         return root
 
-    def _not_mjcf(self, file: ModelFile, site: Span) -> None:
+    def _no_model(self, file: ModelFile, site: Span, chain: tuple[str, ...]) -> None:
         # Nothing of the file is shown: it may be any file of this machine.
-        self.out.error(
-            "ROBOT008",
-            f"the included file {file.include!r} is not an MJCF file",
-            span=site,
-            help="an included file is XML with the root <mujocoinclude>, <mujoco> or another element of MJCF",
-        )
+        message = f"the included file {file.include!r} is not an MJCF file"
+        help = "an included file is XML with the root <mujocoinclude>, <mujoco> or another element of MJCF"
+        if not chain:
+            message = f"the attached model {file.include!r} is not an MJCF or URDF file"
+            help = "an attached model is XML with the root <mujoco> or <robot>"
+        self.out.error("ROBOT008", message, span=site, help=help)
 
     def _include(self, element: Element, index: int, chain: tuple[str, ...], depth: int) -> list[Element]:
         """Elements that take the place of an include; none after an error."""

@@ -12,6 +12,7 @@ import mujoco
 import numpy as np
 import pytest
 
+from actspec.audit.read import read_files
 from actspec.diagnostics import RobotError, Severity
 from actspec.ir import JointKind
 from actspec.robot.assets import mesh_dependence
@@ -284,6 +285,87 @@ def test_attached_joints_point_at_the_attach() -> None:
     arm = one_joint('<joint name="j" damping="0.4"/>')
     (joint,) = read(text, arm_xml=arm).joints
     assert (joint.name, joint.span.line, joint.stated) == ("left_j", 3, {"damping"})
+
+
+def attaching(*files: str) -> str:
+    """A model with a body that attaches the body `b` of each file."""
+    models = "".join(f'<model name="m{k}" file="{name}"/>' for k, name in enumerate(files))
+    bodies = "".join(f'<attach model="m{k}" body="b" prefix="{k}_"/>' for k in range(len(files)))
+    own = f'<body name="b"><joint name="j"/><geom size=".1"/>{bodies}</body>'
+    return f"<mujoco><asset>{models}</asset><worldbody>{own}</worldbody></mujoco>"
+
+
+def test_an_attached_model_attaches_others(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Each looks for its own from its folder, never in the working directory."""
+    for name, text in {
+        "m.xml": attaching("s/arm.xml"),
+        "s/arm.xml": attaching("hand.xml"),
+        "s/hand.xml": one_joint('<joint name="finger"/>'),
+        "w/hand.xml": one_joint('<joint name="wrong"/>'),
+    }.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    monkeypatch.chdir(tmp_path / "w")
+    assert [joint.name for joint in load_robot("../m.xml").joints] == ["j", "0_j", "0_0_finger"]
+
+
+@pytest.mark.parametrize(
+    ("files", "expected"),
+    [
+        (
+            {"m.xml": attaching("arm.xml")},
+            "m.xml:1:16: ROBOT006: the attached model cannot be followed: there is no file 'arm.xml'",
+        ),
+        (
+            {"m.xml": attaching("")},
+            'm.xml:1:16: ROBOT006: an attached model without a file\n  help: write file="..."',
+        ),
+        (
+            {"m.xml": attaching("../s")},
+            "m.xml:1:16: ROBOT006: the attached model cannot be followed: '../s' is a folder",
+        ),
+        (
+            {"m.xml": attaching("notes.txt"), "notes.txt": "the secret"},
+            "m.xml:1:16: ROBOT008: the attached model 'notes.txt' is not an MJCF or URDF file",
+        ),
+        (
+            {"m.xml": attaching("part.xml"), "part.xml": "<mujocoinclude><secret/></mujocoinclude>"},
+            "m.xml:1:16: ROBOT008: the attached model 'part.xml' is not an MJCF or URDF file",
+        ),
+        (
+            {"m.xml": attaching("m.xml")},
+            "m.xml:1:16: ROBOT007: the attached models go in a circle: m.xml -> m.xml",
+        ),
+        (
+            {"m.xml": attaching("a.xml"), "a.xml": attaching("b.xml"), "b.xml": attaching("a.xml")},
+            "b.xml:1:16: ROBOT007: the attached models go in a circle: a.xml -> b.xml -> a.xml",
+        ),
+        (
+            {
+                "m.xml": attaching("a/leg.xml", "leg.xml"),
+                "a/leg.xml": one_joint(""),
+                "leg.xml": one_joint(""),
+            },
+            "m.xml:1:51: ROBOT006: another attached model is called 'leg.xml' too: MuJoCo would take one for the other",
+        ),
+    ],
+    ids=["missing", "empty", "folder", "text", "include", "itself", "circle", "name"],
+)
+def test_attached_models_that_are_refused(
+    files: dict[str, str], expected: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """In the words of an include, where they are attached, and nothing of a file that is no model is shown."""
+    (tmp_path / "s").mkdir()
+    (tmp_path / "w").mkdir()
+    monkeypatch.chdir(tmp_path / "w")
+    for name, text in files.items():
+        Path(name).parent.mkdir(exist_ok=True)
+        Path(name).write_text(text)
+    with pytest.raises(RobotError) as caught:
+        load_robot("m.xml")
+    assert str(caught.value).startswith(expected) and "secret" not in str(caught.value)
+    (reading,) = read_files(["m.xml"], jobs=1)
+    assert not reading.readable
 
 
 def test_too_many_copies_are_refused() -> None:
