@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Span, listed
-from actspec.learn.spline import spline
+from actspec.learn.spline import spline, stiffness
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
 from actspec.sysid.links import bench_model
@@ -66,7 +66,10 @@ def floating(
     signs = np.cumprod(np.where(np.sum(turn[1:] * turn[:-1], axis=1) < 0.0, -1.0, 1.0))
     turn = turn * np.concatenate([[1.0], signs])[:, None]
     turn = np.stack([np.interp(time, log.time, column) for column in turn.T], axis=1)
-    courses = [spline(log.time, column) for column in np.concatenate([linear, angular], axis=1).T]
+    courses = [
+        spline(log.time, column, stiffness(log.time, column))
+        for column in np.concatenate([linear, angular], axis=1).T
+    ]
     speed = np.stack([course(time) for course in courses], axis=1)
     rate = np.stack([course.derivative()(time) for course in courses], axis=1)
     data = mujoco.MjData(model)

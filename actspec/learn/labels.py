@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
 from actspec.learn.floating import floating
-from actspec.learn.spline import spline
+from actspec.learn.spline import spline, stiffness
+from actspec.learn.steps import Course, sharpened
 from actspec.learn.windows import Dataset, with_rows
 from actspec.logs import Log, LogError
 from actspec.robot.view import RobotView
@@ -54,12 +55,14 @@ def inferred(
         message = f"armature is unknown, and counts as 0: {listed(unknown)}"
         out.warning("LRN023", message, help="a network learned with it makes up for it in this model alone")
     by_name = {actuator.joint: actuator for actuator in data.actuators}
-    labels: dict[tuple[str, str], tuple[Array, Array, Array]] = {}
+    labels: dict[tuple[str, str], tuple[Array, Array]] = {}
+    courses: dict[str, dict[str, Course]] = {}
     for path in dict.fromkeys(track.log.path for track in data.tracks):
         parts = [r for found in data.recordings.values() for r in found if r.log.path == path]
         names = [part.joint for part in parts]
         time = max((part.time for part in parts), key=len)
-        columns = [[np.interp(time, p.time, part) for part in _motion(p)] for p in parts]
+        moved = [_motion(p) for p in parts]
+        columns = [[np.interp(time, p.time, x) for x in m[:3]] for p, m in zip(parts, moved, strict=True)]
         bias = np.array([by_name[name].encoder_bias.value or 0.0 for name in names])
         log = parts[0].log
         held, moves = log.sidecar.base, log.base is not None and base is None
@@ -90,24 +93,43 @@ def inferred(
                 actuator.friction_viscous.value or 0.0
             ) * qd[:, j]
             told = torque[:, j] + own + np.where(slides, coulomb * np.sign(qd[:, j]), 0.0)
-            labels[path, name] = (time, told, np.where(slides, 0.0, max(static, coulomb)))
+            labels[path, name] = (time, np.where(slides, 0.0, max(static, coulomb)))
+            part, (*_, stiff, order) = parts[j], moved[j]
+            courses.setdefault(name, {})[path] = Course(
+                part.time, part.command, time, q[:, j], qd[:, j], told, slides, stiff, order
+            )
+    limits = [by_name[name].effort_limit.value or np.inf for name in courses]
+    torques = dict(
+        zip(courses, sharpened([[*mine.values()] for mine in courses.values()], limits), strict=True)
+    )
+    told_at = {
+        (path, name): torque
+        for name, mine in courses.items()
+        for path, torque in zip(mine, torques[name], strict=True)
+    }
     tracks = []
     for track in data.tracks:
-        time, torque, slack = labels[track.log.path, track.joint]
-        track = with_rows(track, np.interp(track.time, time, torque))
+        time, slack = labels[track.log.path, track.joint]
+        track = with_rows(track, np.interp(track.time, time, told_at[track.log.path, track.joint]))
         tracks.append(replace(track, slack=np.interp(track.time, time, slack)))
     return replace(data, tracks=tuple(tracks))
 
 
-def _motion(part: Recording) -> tuple[Array, Array, Array]:
-    """Position, speed and acceleration of a joint, by a spline through the velocities, or else the positions."""
+def _motion(part: Recording) -> tuple[Array, Array, Array, float, int]:
+    """Position, speed and acceleration of a joint, by a spline through the velocities, or else the positions.
+
+    With its stiffness, and the derivative of it that is the acceleration.
+    """
     import numpy as np
 
     if "velocity" in part.measured:
-        speed = spline(part.time, part.measured["velocity"])
-        return part.position, speed(part.time), speed.derivative()(part.time)
-    course = spline(part.time, part.measured["position"])
-    return tuple(np.asarray(course(part.time, k)) for k in range(3))  # type: ignore[return-value]
+        stiff = stiffness(part.time, part.measured["velocity"])
+        speed = spline(part.time, part.measured["velocity"], stiff)
+        return part.position, speed(part.time), speed.derivative()(part.time), stiff, 1
+    stiff = stiffness(part.time, part.measured["position"])
+    course = spline(part.time, part.measured["position"], stiff)
+    q, qd, qdd = (np.asarray(course(part.time, k)) for k in range(3))
+    return q, qd, qdd, stiff, 2
 
 
 def _check_base(robot: RobotView, logs: Sequence[Log], base: str | None) -> None:

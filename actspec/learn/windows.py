@@ -34,7 +34,7 @@ WHOLE = 1e-3
 HELD_OUT = 0.2
 """Share of the rows to validate on."""
 LONGEST = 0.06
-"""Longest delay with which a torque's sign is judged [s]."""
+"""Longest delay with which a torque is expected to follow its command [s]."""
 BROKEN = 0.25
 """Share of steps longer than the usual one from which on a log has two rates. Chosen: gaps are rare."""
 

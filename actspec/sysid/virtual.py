@@ -202,7 +202,7 @@ def follow(
         shift = np.clip(random.normal(0.0, flaws.jitter, len(time)), -MOST_JITTER, MOST_JITTER)
         time[1:-1] += commands.step * shift[1:-1]
     q, qd, torque = _moved(plant, time, command, speed_command, enabled, STEP, progress)
-    return _sensed(replace(commands, time=time), actuators, q, qd, torque, path, flaws, random)
+    return sensed(replace(commands, time=time), actuators, q, qd, torque, path, flaws, random)
 
 
 def expected(
@@ -369,7 +369,7 @@ def _stepped(
     return q, np.where(turned, 0.0, qd), rate
 
 
-def _sensed(
+def sensed(
     commands: Log,
     actuators: Sequence[JointActuator],
     q: Array,
@@ -379,7 +379,17 @@ def _sensed(
     flaws: Flaws,
     random: np.random.Generator,
 ) -> Log:
-    """What is logged of a motion."""
+    """What is logged of a motion.
+
+    Args:
+        commands: The log of commands, on the rows that were read.
+        actuators: Of the joints.
+        q, qd: True position [rad or m] and speed, shape (n, n_joint).
+        torque: Of the drive [N*m or N], likewise.
+        path: Of the log.
+        flaws: Of the sensors.
+        random: Draws the noise, joint by joint.
+    """
     time, step = commands.time, commands.step
     kept = random.random(len(time)) >= flaws.dropped
     kept[[0, -1]] = True

@@ -14,9 +14,11 @@ import pytest
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import EmitError
+from actspec.learn.files import write_network
 from actspec.logs import write_log
 from tests.cli.test_net import checked
 from tests.learn.policies import FLOATING, SPEC, folder, walk
+from tests.learn.test_files import perceptron
 
 pytest.importorskip("torch")
 pytestmark = pytest.mark.slow
@@ -215,6 +217,20 @@ def test_logs_that_are_refused(inside: Path, capsys: Any, change: Any, code: str
     told = capsys.readouterr().err
     assert code in told and said in told and "Traceback" not in told
     assert not (inside / "bad").exists()
+
+
+def test_a_networks_history_is_in_no_policys_log(inside: Path, capsys: Any) -> None:
+    """Drives of level actuator_net are refused, with what to do."""
+    manifest = {"inputs": "position_velocity", "taps": [0, 1], "tap_period": "5 ms"}
+    scales = {f"{name}_scale": 1.0 for name in ("position", "velocity", "torque")}
+    write_network("legs", perceptron(), {**manifest, **scales, "initial_history": "zero"})
+    spec = Path("spec.yaml").read_text("utf-8")
+    netted = spec.replace("level: ideal_pd", "level: actuator_net, network: {manifest: legs.json}")
+    Path("netted.yaml").write_text(netted, "utf-8")
+    assert main(["delta", "train", "netted.yaml", "walk.npz", "-o", "netted/delta"]) == 2
+    told = capsys.readouterr().err
+    assert "LRN055 level: level actuator_net, of legs" in told and "level dc_motor" in told
+    assert not Path("netted").exists()
 
 
 @pytest.mark.parametrize(

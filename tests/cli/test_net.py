@@ -67,17 +67,37 @@ def test_a_linear_law_is_learned(trained: tuple[Path, dict[str, Any]]) -> None:
     assert (manifest["taps"], manifest["tap_period"], manifest["torque"]) == ([0, 1, 2], "5 ms", "drive")
 
 
-def test_the_same_seed_gives_the_same_files(trained: tuple[Path, dict[str, Any]], monkeypatch: Any) -> None:
-    """Weights follow from logs, options and seed."""
+def test_the_same_seed_gives_the_same_files(
+    trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """Weights follow from logs, options and seed; of several seeds the best is kept, and the spread is told."""
     path, _ = trained
     monkeypatch.chdir(path)
-    options = ["--taps", "2", "--hidden", "4", "--epochs", "1"]
-    for name, seed in (("a", "5"), ("b", "5"), ("c", "6")):
-        assert main(
-            ["net", "train", "spec.yaml", "2.npz", "3.npz", "-o", name, *options, "--seed", seed]
-        ) in (0, 1)
-    data = [Path(f"{name}.onnx").read_bytes() for name in "abc"]
-    assert data[0] == data[1] != data[2]
+    options = ["--taps", "2", "--hidden", "4", "--epochs", "1", "--output-format", "json"]
+    found = {}
+    for name, seed in (("a", "5"), ("b", "5"), ("c", "6"), ("d", "5")):
+        several = ["--seeds", "2"] if name == "d" else []
+        command = [
+            "net",
+            "train",
+            "spec.yaml",
+            "2.npz",
+            "3.npz",
+            "-o",
+            name,
+            *options,
+            "--seed",
+            seed,
+            *several,
+        ]
+        assert main(command) in (0, 1)
+        found[name] = checked("net-train", capsys.readouterr().out)
+    data = {name: Path(f"{name}.onnx").read_bytes() for name in "abcd"}
+    assert data["a"] == data["b"] != data["c"]
+    rmse = [run["rmse"] for run in found["d"]["seeds"]]
+    assert rmse == [found[name]["validation"]["rmse"] for name in "ac"] and found["a"]["spread"] is None
+    assert found["d"]["spread"] == pytest.approx(abs(rmse[0] - rmse[1]) / 2)
+    assert data["d"] == data[{5: "a", 6: "c"}[found["d"]["seed"]]]
 
 
 def test_evaluate(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any) -> None:

@@ -12,7 +12,8 @@ from actspec import api
 from actspec.diagnostics import Collector
 from actspec.learn.floating import floating
 from actspec.learn.labels import inferred
-from actspec.learn.spline import spline
+from actspec.learn.spline import spline, stiffness
+from actspec.learn.steps import Course, sharpened
 from actspec.learn.train import beyond
 from actspec.learn.windows import dataset, slacks
 from actspec.logs import BaseLog, JointLog, Log, LogError, Sidecar
@@ -29,10 +30,12 @@ def test_a_spline_is_as_stiff_as_the_noise_allows() -> None:
     noisy = clean + 0.02 * np.random.default_rng(0).standard_normal(400)
     middle = slice(20, -20)
     assert np.std((np.gradient(noisy, time) - slope)[middle]) == pytest.approx(2.8, rel=0.1)
-    assert np.std((spline(time, noisy).derivative()(time) - slope)[middle]) < 0.8
+    assert np.std((spline(time, noisy, stiffness(time, noisy)).derivative()(time) - slope)[middle]) < 0.8
     # Without noise, nothing is bent away; a reading that is none is left out.
     holed = np.where(np.arange(400) == 200, np.nan, clean)
-    assert np.abs((spline(time, holed).derivative()(time) - slope)[middle]).max() < 0.05
+    assert (
+        np.abs((spline(time, holed, stiffness(time, holed)).derivative()(time) - slope)[middle]).max() < 0.05
+    )
 
 
 def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
@@ -52,8 +55,8 @@ def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
         assert rubbed.slack is not None
         stands = rubbed.slack > 0
         assert 1 < stands.sum() < 200 and set(np.round(rubbed.slack, 9)) == {0.0, 0.6}
-        assert np.all(more[stands] == 0.0)
-        assert more[~stands] == pytest.approx(0.4 * np.sign(rubbed.velocity[~stands]))
+        assert more[stands] == pytest.approx(0.0, abs=0.005)
+        assert more[~stands] == pytest.approx(0.4 * np.sign(rubbed.velocity[~stands]), abs=0.005)
         # Without friction in the spec the labels are the drive's torque, but for the steps of the command.
         measured = logs[0].joints[without.joint].torque
         assert measured is not None
@@ -65,6 +68,35 @@ def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
         np.concatenate([t.slack[t.rows] for t in found[1].tracks if t.slack is not None]),
     )
     assert not slacks(replace(found[1], tracks=(replace(found[1].tracks[0], slack=None),)), rows[:1]).any()
+
+
+def test_steps_are_as_sharp_as_the_command() -> None:
+    """20 (c(7 ms ago) - q) - 0.5 q' on 0.06 kg*m^2, targets that hold for 20 ms, speeds with noise of 0.02 rad/s."""
+    random = np.random.default_rng(2)
+    rows = 800
+    command = np.repeat(0.3 * np.sin(random.standard_normal(rows // 4).cumsum()), 4)
+    q, qd, read = 0.0, 0.0, np.empty((rows, 4))
+    for k in range(5 * rows):
+        late = command[max(k - 7, 0) // 5]
+        tau = 20.0 * (late - q) - 0.5 * qd
+        if k % 5 == 0:
+            read[k // 5] = q, qd, tau / 0.06, tau
+        qd += 0.001 * tau / 0.06
+        q += 0.001 * qd
+    time, torque = 0.005 * np.arange(rows), read[:, 3]
+    noisy = read[:, 1] + 0.02 * random.standard_normal(rows)
+    for order, signal in ((1, noisy), (2, read[:, 0] + 5e-5 * random.standard_normal(rows))):
+        stiff = stiffness(time, signal)
+        blurred = 0.06 * spline(time, signal, stiff).derivative(order)(time)
+        course = Course(time, command, time, read[:, 0], noisy, blurred, np.ones(rows, bool), stiff, order)
+        middle = slice(20, -20)
+        ((found,),) = sharpened([[course]], [np.inf])
+        assert np.std((found - torque)[middle]) < 0.3 * np.std((blurred - torque)[middle])
+        # Not beyond the limit, and not by a command that does not tell the torque.
+        ((kept,),) = sharpened([[course]], [1.0])
+        assert np.all(np.abs(kept) <= np.maximum(1.0, np.abs(blurred)) + 1e-9) and np.any(kept != found)
+        ((other,),) = sharpened([[replace(course, command=command[::-1].copy())]], [np.inf])
+        assert other == pytest.approx(blurred)
 
 
 def test_what_lies_within_the_slack_is_no_error() -> None:
@@ -118,7 +150,7 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
     log = Log("thrown.csv", "", time, {"arm": joint}, Sidecar(), base=moved)
     spec = api.load(str(tmp_path / "spec.yaml"))
     robot = api.load_robot(spec)
-    qdd = spline(time, v[:, 6]).derivative()(time)
+    qdd = spline(time, v[:, 6], stiffness(time, v[:, 6])).derivative()(time)
     found, touching = floating(robot, ["arm"], log, time, q[:, 7:8], v[:, 6:7], qdd[:, None])
     assert touching[hit].mean() > 0.8 and not touching[: np.flatnonzero(hit)[0] - 10].any()
     free = slice(3, np.flatnonzero(hit)[0] - 6)
