@@ -69,8 +69,8 @@ def folder(tmp_path: Path) -> Path:
 
 def start(folder: Path, fault: str, command: list[str], wait: float = 60.0) -> subprocess.Popen[str]:
     """A command whose MuJoCo has a fault."""
-    # A slow machine may take more than a second to fill the memory.
-    work = 30.0 if fault == "memory" else 1.0
+    # A slow machine may take more than a second to reach the fault.
+    work = 1.0 if fault == "loop" else 30.0
     paths = os.pathsep.join([str(folder / "stub"), str(ROOT), *filter(None, sys.path)])
     return subprocess.Popen(
         [sys.executable, "-c", ENTRY, str(work), str(wait), *command],
