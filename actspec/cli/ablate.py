@@ -285,14 +285,22 @@ def _variants(
     script = shlex.quote(os.path.join(arguments.output, TRAIN))
     for name, compilation in made.items():
         before = made[FIRST].actuators if FIRST in made and name != FIRST else actuators
+        after = _with_networks_of(compilation.actuators, actuators)
         trains = task is not None and any(target.kind == "mjlab" for target in compilation.targets)
         yield Variant(
             name,
             _spec_path(arguments.output, name, compilation.spec),
-            changes(before, compilation.actuators),
+            changes(before, after),
             tuple(file.path for file in files[name] if os.path.basename(file.path) != MANIFEST),
             f"python {script} {name} --seed 0" if trains else None,
         )
+
+
+def _with_networks_of(variant: ActuatorSet, actuators: ActuatorSet) -> ActuatorSet:
+    """A variant whose networks are named as the spec does that it is made from."""
+    own = {actuator.joint: actuator.network for actuator in actuators.joints}
+    joints = (replace(a, network=a.network and own[a.joint]) for a in variant.joints)
+    return replace(variant, joints=tuple(joints))
 
 
 def _script(

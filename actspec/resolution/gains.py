@@ -24,8 +24,6 @@ def stiffness(
     """
     if inputs.command is not Command.POSITION:
         return None
-    if inputs.level is Level.ACTUATOR_NET:
-        return inputs.number("kp", Kind.STIFFNESS)
     gain = inputs.stated.get("kp")
     derived = None
     if isinstance(gain, DerivedGain):
@@ -35,6 +33,8 @@ def stiffness(
             derived = _natural_frequency(inputs, gain, _inertia(inputs, gain, armature, held, "kp"))
         if derived is None:
             return unknown(inputs.unit(Kind.STIFFNESS))
+    if inputs.level is Level.ACTUATOR_NET:
+        return inputs.number("kp", Kind.STIFFNESS, derived=derived)
     return _gain(
         inputs,
         "kp",
@@ -59,14 +59,14 @@ def velocity_gain(
     """
     if inputs.command is Command.EFFORT:
         return None
-    if inputs.level is Level.ACTUATOR_NET:
-        return inputs.number("kd", Kind.VELOCITY_GAIN)
     gain = inputs.stated.get("kd")
     derived = None
     if isinstance(gain, DerivedGain):
         derived = _damping_ratio(inputs, gain, kp, _inertia(inputs, gain, armature, held, "kd"))
         if derived is None:
             return unknown(inputs.unit(Kind.VELOCITY_GAIN))
+    if inputs.level is Level.ACTUATOR_NET:
+        return inputs.number("kd", Kind.VELOCITY_GAIN, derived=derived)
     return _gain(
         inputs,
         "kd",

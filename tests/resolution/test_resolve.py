@@ -272,6 +272,23 @@ def test_network_and_delta_action() -> None:
     assert network is not None and found.delta_action is not None
     assert (network.file, network.manifest) == ("nets/a.pt", "nets/a.json")
     assert found.delta_action.manifest == "nets/d.json"
+    assert (found.joints[0].kp, found.joints[0].kd) == (None, None)
+
+
+def test_gains_beside_a_network_are_derived_too() -> None:
+    """What the network is compared with: 0.5 x 20 N*m / 0.1 rad = 100; 2 x 0.5 x sqrt(100 x 0.01) = 1."""
+    gains = (
+        "effort_limit: 20 N*m, armature: 0.01 kg*m^2, "
+        "kp: {derive: torque_at_error, fraction: 50 %, error: 0.1 rad}, "
+        "kd: {derive: damping_ratio, ratio: 0.5, inertia: reflected}"
+    )
+    text = spec_of(
+        f"legs: {{joints: [hip], level: actuator_net, network: {{file: a.pt, manifest: a.json}}, {gains}}}",
+        robot=HIP,
+    )
+    hip = fit(text).joints[0]
+    assert hip.kp is not None and hip.kp.value == pytest.approx(100.0)
+    assert hip.kd is not None and hip.kd.value == pytest.approx(1.0)
 
 
 @pytest.mark.parametrize(

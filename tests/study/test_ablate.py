@@ -454,6 +454,8 @@ def test_the_network_is_a_variant(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     record = ablated(capsys, "spec.yaml", "log.csv", "-o", "out", "--task", "Leg", code=1)
     made = {one["name"]: one for one in record["variants"]}
     assert list(made) == ["A_ideal_pd", "B_dc_motor", "network"]
+    (named,) = (one for one in made["network"]["changes"] if one["field"] == "network")
+    assert (named["was"], named["is"]) == ("none", "manifest nets/net.json")
     line = {"level", "stall_torque", "no_load_speed"}
     first, network = (api.resolve(made[name]["spec"]) for name in ("A_ideal_pd", "network"))
     assert differing(first, network) == {"hip": {*line, "network"}, "knee": {*line, "network"}, "arm": set()}
