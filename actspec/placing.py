@@ -2,7 +2,8 @@
 
 Every file is written beside its place first. Then a journal says what is to be moved where, and the files are
 moved. A run that fails takes its moves back. One that is killed leaves the journal, and the next run that writes
-into the folder finishes the moves (`finish`); without a journal it had moved nothing, and its files go.
+into the folder finishes the moves (`finish`); without a journal, or with one file alone, it had moved nothing, and
+its files go.
 """
 
 from __future__ import annotations
@@ -77,7 +78,8 @@ def place(files: Sequence[tuple[str, bytes]]) -> None:
             beside = os.path.join(os.path.dirname(target), f".{run}.{number}.actspec-")
             with _named(path):
                 moves.append(_beside(target, data, beside, left, several=len(files) > 1))
-        for folder, write in records.items():
+        # One file alone is there or not: there is nothing to finish, and what stood there before is what was.
+        for folder, write in records.items() if len(moves) > 1 else ():
             with _named(folder):
                 write([move for move in moves if os.path.dirname(move.place) == folder])
         with ExitStack() as moved:

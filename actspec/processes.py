@@ -117,15 +117,17 @@ class IsolatedCall(Generic[_T]):
         # Elsewhere a fork is not safe; nor is one beside other threads of Python, which may hold a lock.
         forks = sys.platform.startswith("linux") and threading.active_count() == 1
         context: Any = multiprocessing.get_context("fork" if forks else "spawn")
-        self._pipe, theirs = context.Pipe()
-        arguments = (theirs, self._pipe, self._function, self._limit)
-        self._process = context.Process(target=_serve, args=arguments, daemon=True)
+        pipe, theirs = context.Pipe()
+        process = context.Process(
+            target=_serve, args=(theirs, pipe, self._function, self._limit), daemon=True
+        )
         with warnings.catch_warnings():
             # Python 3.12 warns of threads that numpy's linear algebra has started, which is made for forks.
             warnings.simplefilter("ignore", DeprecationWarning)
-            self._process.start()
+            process.start()
         theirs.close()
-        return self._pipe
+        self._process, self._pipe = process, pipe
+        return pipe  # type: ignore[no-any-return]
 
 
 class Pool(Generic[_T]):

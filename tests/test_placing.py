@@ -158,6 +158,18 @@ def test_a_kill_between_the_moves(after: int, tmp_path: Path) -> None:
     assert [(tmp_path / name).read_text() for name in FILES] == ["2", "2", "2"]
 
 
+@pytest.mark.parametrize("there", ["1", None])
+def test_a_kill_before_the_only_move(there: str | None, tmp_path: Path) -> None:
+    """A file alone is taken back: the next run is not told that it is there, nor is an older one put over it."""
+    path = tmp_path / "alone"
+    if there is not None:
+        path.write_text(there)
+    assert killed(lambda: replace_file(str(path), b"2"), "replace", 0) == signal.SIGKILL
+    finish([str(path)])
+    assert names(tmp_path) == ["alone"] * (there is not None)
+    assert there is None or path.read_text() == there
+
+
 def test_what_was_edited_since_stays(tmp_path: Path) -> None:
     """A file that somebody has changed after the kill is not replaced."""
     assert killed(written(tmp_path), "replace", 0) == signal.SIGKILL
@@ -224,3 +236,18 @@ def test_one_path_twice(tmp_path: Path) -> None:
     with pytest.raises(OSError, match="written twice in one run"):
         place([(str(tmp_path / "a"), b"1"), (str(tmp_path / "link"), b"2")])
     assert names(tmp_path) == ["link"]
+
+
+def test_a_fix_that_was_killed_is_cleared_away(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """By the next one, which has nothing to fix any more."""
+    from actspec.cli.main import main
+
+    config = tmp_path / "deploy.yaml"
+    config.write_text("joint_names: [a]\nkp: [1]\nkd: [1]\n")
+    (tmp_path / ".0123456789abcdef.0.actspec-old").write_text("before")
+    (tmp_path / ".0123456789abcdef.actspec-journal").write_text('{"moves": []}')
+    assert main(["audit", str(config), "--fix", "--diff"]) == 0
+    assert len(names(tmp_path)) == 3
+    assert main(["audit", str(config), "--fix"]) == 0
+    assert names(tmp_path) == ["deploy.yaml"]
+    capsys.readouterr()

@@ -9,7 +9,8 @@ from actspec.audit.exclude import Exclude
 from actspec.audit.read import pending_files
 from actspec.audit.settings_file import excluded
 from actspec.cli.options import FAIL_ON, add_versions, describe
-from actspec.readings.read import PendingFiles
+from actspec.placing import finish
+from actspec.readings.read import PendingFiles, expand
 from actspec.report import FORMATS
 
 CONFIDENCES = ("low", "medium", "high")
@@ -111,6 +112,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Audit the files."""
+    if (arguments.fix or arguments.unsafe_fixes) and not arguments.diff:
+        # What a killed run has left would be read as it is, and where nothing is left to fix, stay.
+        finish(file.path for file in expand(arguments.file))
     with _begin(arguments) as pending:
         # Rules and reports are imported while the readers import MuJoCo.
         from actspec.cli.audit_run import report_on

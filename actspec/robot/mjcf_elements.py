@@ -5,11 +5,12 @@ The numbers come from MuJoCo; this only says which of them the author wrote, and
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Collector, RobotError, Span
+from actspec.robot.xml_tree import NUMBER
 
 if TYPE_CHECKING:
     from actspec.robot.xml_tree import Element, XmlDocument
@@ -23,6 +24,9 @@ ACTUATORS = frozenset(
     }
 )  # fmt: skip
 """Tags of actuators. Source: MuJoCo 4.0, mjcf.schema."""
+
+MOST_GEAR = 1e100
+"""Chosen: the squares of gears beyond 1e154 are no floats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +121,8 @@ def read_elements(document: XmlDocument) -> Written:
 
     Args:
         document: Parsed, with its includes in place.
+
+    Raises: RobotError: ROBOT127, a gear of which no float holds the square.
     """
     defaults = _defaults(document)
     joints: list[JointElement] = []
@@ -151,8 +157,22 @@ def read_elements(document: XmlDocument) -> Written:
                 parts += [(child, inherited, copied) for child in reversed(element.children)]
         stack += [(*child, parent) for child in reversed(below)]
     actuators = [child for section in document.sections("actuator") for child in section.children]
+    _check_gears(document, actuators, defaults)
     named = {one.name: one for one in reversed(joints) if one.name and not one.copied}
     return Written(tuple(joints), named, tuple(attached), tuple(actuators), defaults)
+
+
+def _check_gears(
+    document: XmlDocument, actuators: Sequence[Element], defaults: Mapping[str, DefaultClass]
+) -> None:
+    classes = (one.attributes.get("gear") for one in defaults.values())
+    out = Collector()
+    for element in dict.fromkeys((*actuators, *(one for one in classes if one is not None))):
+        first = next(iter((element.get("gear") or "").split()), "")
+        if NUMBER.fullmatch(first) and abs(float(first)) > MOST_GEAR:
+            message = f"a gear of {first[:24]} is none of a robot: gains are multiplied by its square"
+            out.error("ROBOT127", message, span=document.span(element))
+    out.raise_if_failed(RobotError)
 
 
 def _defaults(document: XmlDocument) -> dict[str, DefaultClass]:

@@ -96,8 +96,8 @@ def written(folder: Path) -> dict[str, bytes]:
     return {p.relative_to(folder).as_posix(): p.read_bytes() for p in folder.rglob("*") if p.is_file()}
 
 
-def compile_with(engine: Engine | None, spec: Path, folder: Path) -> dict[str, bytes]:
-    """Run `actspec compile` in a process whose `mujoco` is the engine's; what it wrote.
+def compile_with(engine: Engine | None, spec: Path, folder: Path, *more: str) -> dict[str, bytes]:
+    """Run `actspec compile` in a process whose `mujoco` is the engine's; what it wrote, and under "" what it said.
 
     Args:
         engine: The release; None: the installed one.
@@ -109,7 +109,7 @@ def compile_with(engine: Engine | None, spec: Path, folder: Path) -> dict[str, b
         "import mujoco, sys; from actspec.cli.main import main; print(mujoco.__version__); sys.exit(main())"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, "compile", str(spec), "-o", str(folder)],
+        [sys.executable, "-c", code, "compile", str(spec), "-o", str(folder), *more],
         check=False,
         cwd=spec.parent,
         env={
@@ -125,7 +125,7 @@ def compile_with(engine: Engine | None, spec: Path, folder: Path) -> dict[str, b
     assert done.returncode == 0, done.stderr[-3000:]
     if engine is not None:
         assert done.stdout.splitlines()[0] == engine.version
-    return written(folder)
+    return {**written(folder), "": (done.stdout + done.stderr).encode()}
 
 
 @pytest.fixture(scope="module")
@@ -162,13 +162,37 @@ def test_written_bytes_do_not_depend_on_what_is_installed(
     spec = rich if robot == "rich" else ROOT / "robots" / "a1.yaml"
     # Relative paths in the files are those of a folder at the same depth.
     found = compile_with(engine_of(release), spec, tmp_path / "out")
-    there = expected[str(spec)]
+    found.pop("")
+    there = {name: data for name, data in expected[str(spec)].items() if name}
     assert sorted(found) == sorted(there)
     if robot == "rich":
         assert len(found) == 3 * len(TARGETS)  # the model, its include and the manifest
     for name, data in found.items():
         if not name.endswith("manifest.json"):
             assert _without_folder(data) == _without_folder(there[name]), name
+
+
+@pytest.mark.parametrize(("release", "told"), [("3.11.0", True), ("3.17.0", False)])
+def test_which_release_loads_what_no_version_is_stated_for(
+    release: str, told: bool, engine_of: Callable[[str], Engine], tmp_path: Path
+) -> None:
+    """Without a stated version 3.12 is written for: an older MuJoCo, which does not load it, is told what to state."""
+    spec = tmp_path / "own.yaml"
+    (tmp_path / "m.xml").write_text(
+        '<mujoco><worldbody><body><joint name="a"/><geom size=".1"/></body></worldbody></mujoco>'
+    )
+    spec.write_text(
+        "actspec: 1\nrobot: {name: own, model: m.xml}\ntargets: {mujoco: {}}\n"
+        "actuators: {a: {joints: [a], level: dc_motor, kp: 9, kd: 1, effort_limit: 5, armature: 0.01,\n"
+        "  motor: m}}\nmotors: {m: {side: joint, stall_torque: 9 N*m, no_load_speed: 9 rad/s}}\n"
+    )
+    engine = engine_of(release)
+    files = compile_with(engine, spec, tmp_path / "out")
+    assert (b"MJC032" in files[""]) is told
+    stated = compile_with(engine, spec, tmp_path / "at", "-t", "mujoco==" + release.rpartition(".")[0])
+    assert b"MJC032" not in stated[""]
+    assert (engine.load(tmp_path / "out" / "mujoco" / "m.xml").error is not None) is told
+    assert engine.load(tmp_path / "at" / "mujoco" / "m.xml").error is None
 
 
 def _without_folder(data: bytes) -> bytes:

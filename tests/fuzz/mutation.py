@@ -297,13 +297,18 @@ _UNIT = re.compile(r"(?<=[\d.] )[A-Za-z%][\w*/^%]*")
 _NUMBER = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w.])", re.IGNORECASE)
 
 
-def mutated(text: str, donor: str, kind: str, choice: random.Random) -> bytes:
+def mutated(text: str, donor: str, kind: str, choice: random.Random, *, gently: bool = False) -> bytes:
     """The text with one to four changes.
 
     Args:
         donor: Another text of the format, to take parts from.
         kind: "yaml", "json", "xml", "python", "toml", "csv" or "usda".
+        gently: Only changes after which a text often has a meaning still, so that what comes later is reached.
     """
+    if gently:
+        span = choice.choice(parts(text, kind))
+        new = choice.choice(_GENTLE)(text, span, donor, kind, choice)
+        return (text[: span[0]] + new + text[span[1] :]).encode("utf-8", "surrogatepass")
     edits: list[tuple[Span, str]] = []
     spans = parts(text, kind)
     for _ in range(choice.choice((1, 1, 1, 2, 2, 3, 4))):
@@ -320,7 +325,7 @@ def mutated(text: str, donor: str, kind: str, choice: random.Random) -> bytes:
     return _damaged(data, choice) if choice.random() < 0.1 else data
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=2048)
 def parts(text: str, kind: str) -> tuple[Span, ...]:
     """Where the keys, values, elements and attributes of a sound text are, and every number and unit."""
     found = set(_PARTS[kind](text))
@@ -458,6 +463,7 @@ _EDITS: tuple[_Edit, ...] = (
     _merged,
     _left_out,
 )
+_GENTLE: tuple[_Edit, ...] = (_number, _number, _other, _left_out)
 
 
 def _damaged(data: bytes, choice: random.Random) -> bytes:

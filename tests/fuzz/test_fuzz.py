@@ -6,12 +6,13 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import redirect_stderr, redirect_stdout
+from importlib.util import find_spec
 from io import StringIO
 from pathlib import Path
 
 import pytest
 
-from tests.fuzz import trial
+from tests.fuzz import parsers, trial
 from tests.fuzz.mutation import mutated, parts
 from tests.fuzz.scenes import KINDS, MUJOCO, READ, WHOLE, make
 
@@ -49,6 +50,30 @@ def test_short_run(kind: str, count: int, folders: Folders) -> None:
     for number in range(count):
         done = trial.run(kind, SEED, number, *folders)
         assert not done.failures, f"--seed {SEED} --kind {kind} --number {number}: {done.failures}"
+
+
+def test_parsers_alone(folders: Folders, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Each parser takes a text of its own as it is, and answers or refuses changed ones; a fault of it is a failure."""
+    texts = parsers.seeds(folders[0])
+    folder = tmp_path_factory.mktemp("parsers") / "in"
+    parsers.prepare(folder)
+    with pytest.MonkeyPatch.context() as patch, trial.limited():
+        patch.chdir(folder)
+        for kind, parser in parsers.PARSERS.items():
+            if kind == "parse-usd" and find_spec("pxr") is None:
+                continue
+            assert any(parsers.run(kind, text.encode())[0] == 0 for text in texts[kind]), kind
+            for number in range(30):
+                _, failures = parsers.run(kind, parsers.changed(kind, SEED, number, texts[kind]))
+                assert not failures or parser.guest, (
+                    f"--seed {SEED} --kind {kind} --number {number}: {failures}"
+                )
+        patch.setitem(parsers.PARSERS, "broken", parsers.Parser("yaml", "", lambda data: data.index(b"no")))
+        patch.setitem(
+            parsers.PARSERS, "outside", parsers.Parser("yaml", "", lambda _: Path("x").write_bytes(b""))
+        )
+        assert "ValueError came out" in parsers.run("broken", b"yes")[1][0]
+        assert "open /" in parsers.run("outside", b"yes")[1][0]
 
 
 def test_sound_files_have_parts(folders: Folders) -> None:

@@ -22,6 +22,7 @@ from types import FrameType
 
 from lxml import etree
 
+from actspec.cli import main as command
 from actspec.cli.main import main
 from actspec.robot.usda import read_usda
 from actspec.verify import readback
@@ -150,7 +151,7 @@ def run(kind: str, seed: int, number: int, sound: Path, folder: Path) -> Trial:
     out, err, failures = io.StringIO(), io.StringIO(), []
     code: int | None = None
     try:
-        with redirect_stdout(out), redirect_stderr(err), _limited():
+        with redirect_stdout(out), redirect_stderr(err), limited():
             watching.folder = os.path.realpath(folder)
             code = main(line.split())
     except SystemExit as stop:
@@ -172,10 +173,8 @@ def run(kind: str, seed: int, number: int, sound: Path, folder: Path) -> Trial:
     if (folder / "MUJOCO_LOG.TXT").exists():
         failures.append("MUJOCO_LOG.TXT in the working folder")
         (folder / "MUJOCO_LOG.TXT").unlink()
-    if watching.written:
-        renew(sound, folder)
-    else:
-        shutil.copyfile(sound / path, folder / path)
+    for place in {*watching.written, os.path.join(os.path.realpath(folder), path)}:
+        _put_right(place, sound, folder)
     return Trial(line, path, data, code, out.getvalue(), err.getvalue(), tuple(failures))
 
 
@@ -185,6 +184,30 @@ def readers() -> Iterator[None]:
     with in_process():
         readback.read_usda = read_usda  # `in_process` puts back what it found
         yield
+
+
+def _put_right(place: str, sound: Path, folder: Path) -> None:
+    """Make one place of the working folder what it is in the sound one."""
+    name = os.path.relpath(place, os.path.realpath(folder))
+    before, now = sound / name, folder / name
+    if now.is_dir() and not before.is_dir():
+        shutil.rmtree(now)
+    elif before.is_dir():
+        if not now.is_dir():
+            shutil.copytree(before, now)
+    elif before.exists():
+        now.parent.mkdir(parents=True, exist_ok=True)
+        now.unlink(missing_ok=True)
+        shutil.copyfile(before, now)
+    else:
+        now.unlink(missing_ok=True)
+
+
+def prepare(sound: Path) -> None:
+    """Do once, before processes are made, what every execution would do again."""
+    _called(sound)
+    # What commands take is the same every time; a thousand lines of it are no execution.
+    command.parser = lru_cache(command.parser)
 
 
 def renew(sound: Path, folder: Path) -> None:
@@ -203,7 +226,9 @@ def _text(path: Path) -> str:
 
 
 @contextmanager
-def _limited() -> Iterator[None]:
+def limited() -> Iterator[None]:
+    """Processor time of what runs in it ends with `TooLong`; see `TIME`."""
+
     def stop(number: int, frame: FrameType | None) -> None:
         raise TooLong
 

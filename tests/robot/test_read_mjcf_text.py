@@ -288,3 +288,15 @@ def test_what_is_not_in_the_text_is_said_to_be_left_out() -> None:
     )
     assert view.joints == ()
     assert [d.message for d in view.diagnostics] == ["what replicate makes is left out"]
+
+
+@pytest.mark.parametrize("gear", ["3e300", "-2e154 1", "inf"])
+def test_gear_beyond_every_robot(gear: str) -> None:
+    """Found by the fuzzer: no float holds its square. Refused where it is stated, the class too."""
+    joint = '<worldbody><body><joint name="knee"/><geom size="0.1" mass="1"/></body></worldbody>'
+    own = f'<mujoco>{joint}\n<actuator><motor joint="knee" gear="{gear}"/></actuator></mujoco>'
+    drive = '<actuator><motor joint="knee"/></actuator>'
+    above = f'<mujoco><default>\n<motor gear="{gear}"/></default>{joint}{drive}</mujoco>'
+    for text, place in ((own, "m.xml:2:11"), (above, "m.xml:2:1")):
+        with pytest.raises(RobotError, match=f"^{place}: ROBOT127: a gear of"):
+            read_mjcf_text(document(text), "not asked")

@@ -14,7 +14,7 @@ from actspec.robot.read_mjcf import read_mjcf
 from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_edit import InsertBefore, apply_edits
-from actspec.simulators import text_of
+from actspec.simulators import DEFAULT_VERSIONS, text_of
 from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect, mujoco_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
 from actspec.targets.kit.joint import dialect_of
@@ -45,6 +45,9 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     """
     collector = Collector()
     dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
+    installed = installed_dialect()
+    if "version" not in (options.spans or {}) and options.version == DEFAULT_VERSIONS["mujoco"]:
+        _say_which_loads(dialect, installed, options, collector)
     if robot.format is ModelFormat.NONE:
         return _emit_fragment(actuators, robot, dialect, options, collector)
     given, source, packages = robot.path, os.path.basename(robot.path), robot.packages
@@ -93,7 +96,6 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
             f"reset with actspec.runtime.reset, or compile for MuJoCo {text_of(KEYFRAME_ACT)} or later",
         )
 
-    installed = installed_dialect()
     edited = _edited(robot.files, plan, installed, f"actspec {actuators.robot}", anchors.explicit)
     strayed = outside_plan(original, edited, plan, robot)
     if strayed:
@@ -124,6 +126,19 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     euler = robot.integrator == "Euler" and plan.integrator is None
     explicit = frozenset(drive.joint for drive in plan.drives) if euler else frozenset()
     return Emission(emitted, lost, collector.sorted(), explicit)
+
+
+def _say_which_loads(
+    dialect: MujocoDialect, installed: MujocoDialect, options: TargetOptions, collector: Collector
+) -> None:
+    """A version that nobody stated may be one whose words the MuJoCo that is here does not know."""
+    if installed.version < dialect.version and installed.words != dialect.words:
+        collector.at(f"targets.{options.name}").info(
+            "MJC032",
+            f"no version is stated: it is written for MuJoCo {dialect.text} and later, and {installed.text}, which is "
+            "installed, may not load it",
+            f'state `version: "{installed.text}"`, or compile with --target {options.name}=={installed.text}',
+        )
 
 
 def _emit_fragment(
