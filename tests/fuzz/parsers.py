@@ -63,8 +63,8 @@ def _results(data: bytes) -> None:
 def _manifest(data: bytes) -> None:
     from actspec.output import Output, is_ours
 
-    is_ours(Output("x", "plain_cfg.py", b"", b""))
-    is_ours(Output("x", "manifest.json", data, data))
+    is_ours(Output("x", ".", "plain_cfg.py", b"", b""))
+    is_ours(Output("x", ".", "manifest.json", data, data))
 
 
 def _robot(path: str) -> None:
