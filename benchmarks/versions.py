@@ -89,8 +89,10 @@ def tried(python: str, pins: Sequence[str], wheel: Path, work: Path) -> tuple[st
     ):
         code, said = call(command)
         if code:
-            none = re.search(r"No matching distribution found for (\S+)|(Cannot install .*)", said)
-            return name, "", [said.strip().splitlines()[-1] if none is None else none[0]]
+            needs = re.search(r"Requires-Python (\S+)", said)
+            if needs and "No matching distribution" in said:
+                return "", f"no such pair: Python {needs[1]}", []
+            return name, "", said.strip().splitlines()[-1:]
     _, said = call((str(scripts / "python"), "-c", _VERSIONS))
     failed, why, told = [], [said.strip()], ""
     release = ".".join(said.split()[1].split(".")[:2])
@@ -135,7 +137,7 @@ def main() -> int:
             for pins in columns.values():
                 work = Path(tempfile.mkdtemp(dir=folder))
                 failed, told, why = tried(python, pins, wheel, work)
-                cells.append(failed or f"yes, {told}".removesuffix(", "))
+                cells.append(failed or (told if told.startswith("no") else f"yes, {told}".removesuffix(", ")))
                 bad |= bool(failed)
                 print(f"{release.strip()} {' '.join(pins)}: {'; '.join(why)}", file=sys.stderr, flush=True)
                 shutil.rmtree(work)

@@ -286,7 +286,8 @@ def _wrong(place: Path, sound: Path, folder: Path, changed: str) -> str:
         if place.suffix in (".json", ".lock"):
             json.loads(data, parse_constant=_no_number)
         elif place.suffix in (".xml", ".urdf"):
-            etree.fromstring(data)
+            # An author's declaration stays, and MuJoCo reads UTF-8 whatever is declared.
+            etree.fromstring(data, etree.XMLParser(encoding="utf-8"))
     except (ValueError, SyntaxError) as fault:
         return f"{name} does not parse: {fault!s:.200}"
     return ""
