@@ -90,8 +90,9 @@ def tried(python: str, pins: Sequence[str], wheel: Path, work: Path) -> tuple[st
         code, said = call(command)
         if code:
             needs = re.search(r"Requires-Python (\S+)", said)
-            if needs and "No matching distribution" in said:
-                return "", f"no such pair: Python {needs[1]}", []
+            none = re.search(r"No matching distribution found for (\S+)", said)
+            if none:
+                return "", f"no such pair: {f'Python {needs[1]}' if needs else f'no wheel of {none[1]}'}", []
             return name, "", said.strip().splitlines()[-1:]
     _, said = call((str(scripts / "python"), "-c", _VERSIONS))
     failed, why, told = [], [said.strip()], ""

@@ -159,7 +159,7 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         message = (
             "the baseline is of another version of actspec" if newer else "this is no baseline of actspec"
         )
-        at = json_places(text, [("format",)]).get(("format",), (0, 0))
+        at = json_places(text, [("format",)]).get(("format",), (1, 1))
         raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
     entries: Counter[Entry] = Counter()
     records = data.get("findings")
@@ -175,7 +175,7 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
         ):
             message = "an entry of the baseline is not as actspec writes it"
             places = json_places(text, [("findings",), ("findings", index)])
-            at = places.get(("findings", index), places.get(("findings",), (0, 0)))
+            at = places.get(("findings", index), places.get(("findings",), (1, 1)))
             raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
         # Entries of earlier releases have the hash of a message in place of a figure.
         code, file, joint, unit = texts

@@ -191,7 +191,7 @@ def _spans(path: str, text: str, wanted: Sequence[Path]) -> dict[Path, Span]:
     found = {}
     for way in wanted:
         known = next((way[:length] for length in range(len(way), 0, -1) if way[:length] in places), None)
-        found[way] = Span(path) if known is None else Span(path, *places[known])
+        found[way] = Span(path, *((1, 1) if known is None else places[known]))
     return found
 
 

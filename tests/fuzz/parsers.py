@@ -18,7 +18,7 @@ from typing import Any
 
 import yaml
 
-from actspec.diagnostics import ActspecError, Collector, Span, SpecError
+from actspec.diagnostics import ActspecError, Collector, Severity, SpecError
 from tests.fuzz import trial
 from tests.fuzz.mutation import mutated, parts
 from tests.fuzz.scenes import ROOT
@@ -348,7 +348,10 @@ def _told(refusal: ActspecError) -> list[str]:
     """What is wrong with a refusal."""
     if isinstance(refusal, SpecError) and not refusal.diagnostics:
         return ["refused without a reason"]
-    spans = [item.span for item in refusal.diagnostics]
-    if not all(isinstance(span, Span) and span.path for span in spans):
-        return [f"refused without a file: {refusal!s:.200}"]
-    return []
+    return [
+        f"refused without a line: {item!s:.200}"
+        for item in refusal.diagnostics
+        if item.severity is Severity.ERROR and not (item.span and item.span.path and item.span.line)
+        # Nothing, and UTF-16, have no lines.
+        if "is empty" not in item.message and item.code != "LOG003"
+    ]
