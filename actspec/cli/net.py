@@ -267,6 +267,7 @@ def _add_convert(command: argparse.ArgumentParser) -> None:
     command.add_argument("--manifest", required=True, metavar="NAME.json", help="its conventions")
     command.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="of the three files")
     command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_format(command)
 
 
 def _manifest_of(path: str, network: str) -> Any:
@@ -319,6 +320,7 @@ def _convert(arguments: argparse.Namespace) -> int:
     from actspec.learn.libraries import require
     from actspec.logs import LogError
     from actspec.readings.onnx_network import NetworkFileError
+    from actspec.report.net import convert_record
 
     require("torch", "onnx")
     check_output(arguments.output, force=arguments.force)
@@ -328,7 +330,10 @@ def _convert(arguments: argparse.Namespace) -> int:
         paths = write_network(arguments.output, layers, entries)
     except NetworkFileError as err:
         raise LogError.of("LRN013", f"cannot be written: {err}", Span(arguments.file)) from err
-    print(f"wrote {', '.join(paths.values())}")
+    if arguments.output_format == "json":
+        print_json(convert_record(arguments.file, paths))
+    else:
+        print(f"wrote {', '.join(paths.values())}")
     return EXIT_CLEAN
 
 

@@ -30,6 +30,7 @@ WRITTEN = (
     "net-train",
     "net-evaluate",
     "net-inspect",
+    "net-convert",
     "delta-train",
     "delta-validate",
 )

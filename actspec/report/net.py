@@ -21,6 +21,7 @@ from actspec.units import format_number
 
 DATA, TRAIN, EVALUATE = "actspec-net-data/1", "actspec-net-train/1", "actspec-net-evaluate/1"
 INSPECT = "actspec-net-inspect/1"
+CONVERT = "actspec-net-convert/1"
 
 
 def _unit(data: Dataset) -> str:
@@ -300,3 +301,8 @@ def inspect_record(found: Inspection, path: str) -> dict[str, Any]:
         "guessed": found.guessed,
         "contradictions": list(found.contradictions),
     }
+
+
+def convert_record(path: str, written: Mapping[str, str]) -> dict[str, Any]:
+    """As JSON: the network that was read, as it was named, and the files that were written."""
+    return {"format": CONVERT, "file": path, "files": dict(written)}

@@ -110,7 +110,11 @@ def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ]
     assert main(arguments) == 2
     assert "LRN016" in capsys.readouterr().err and not (tmp_path / "out").exists()
-    assert main([*arguments, "--trust"]) == 0
+    assert main([*arguments, "--trust", "--output-format", "json"]) == 0
+    written = json.loads(capsys.readouterr().out)
+    fits("net-convert", written)
+    ends = {"onnx": "onnx", "torchscript": "pt", "manifest": "json"}
+    assert written["files"] == {name: str(tmp_path / "out" / f"legs.{end}") for name, end in ends.items()}
     manifest = json.loads((tmp_path / "out" / "legs.json").read_text())
     assert (manifest["inputs"], manifest["position_scale"], manifest["torque_scale"]) == (
         "position_velocity",
