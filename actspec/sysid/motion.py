@@ -53,7 +53,7 @@ class Moved:
 
 @dataclass(slots=True)
 class _Joint:
-    """Figures spread over pieces and sets, and the equation of motion."""
+    """Figures of every lane, which is a piece with a set of figures; shape (n_set, n_piece), or of some lanes (n,)."""
 
     kp: Array
     kd: Array
@@ -66,20 +66,16 @@ class _Joint:
     slipping: bool
     bounds: Bounds
 
-    def take(self, where: tuple[NDArray[np.intp], ...]) -> _Joint:
-        def of(value: Array) -> Array:
-            found: Array = value[where[0] if len(value) > 1 else 0, where[1]]
-            return found
-
+    def take(self, lanes: NDArray[np.intp]) -> _Joint:
         return _Joint(
-            kp=of(self.kp),
-            kd=of(self.kd),
-            armature=of(self.armature),
-            coulomb=of(self.coulomb),
-            viscous=of(self.viscous),
-            bias=of(self.bias),
-            static=of(self.static),
-            per_stribeck=of(self.per_stribeck),
+            kp=self.kp.take(lanes),
+            kd=self.kd.take(lanes),
+            armature=self.armature.take(lanes),
+            coulomb=self.coulomb.take(lanes),
+            viscous=self.viscous.take(lanes),
+            bias=self.bias.take(lanes),
+            static=self.static.take(lanes),
+            per_stribeck=self.per_stribeck.take(lanes),
             slipping=self.slipping,
             bounds=self.bounds,
         )
@@ -105,7 +101,10 @@ class _Joint:
 
 @dataclass(slots=True)
 class _Between:
-    """The model between two rows, linear in time, and the command of one part."""
+    """The model between two rows, linear in time, and the command of one part; by lane.
+
+    Inertia, load, slope and path are pairs: at the earlier row, and the change to the later one.
+    """
 
     inertia: tuple[Array, Array]
     load: tuple[Array, Array]
@@ -117,41 +116,76 @@ class _Between:
     rate: Array | None
     length: Array
 
-    def take(self, where: tuple[NDArray[np.intp], ...]) -> _Between:
-        import numpy as np
-
-        def chosen(value: Array) -> Array:
-            shape = np.broadcast_shapes(value.shape, self.target.shape)
-            found: Array = np.broadcast_to(value, shape)[where]
-            return found
-
+    def take(self, lanes: NDArray[np.intp]) -> _Between:
         def both(pair: tuple[Array, Array]) -> tuple[Array, Array]:
-            return chosen(pair[0]), chosen(pair[1])
+            return pair[0].take(lanes), pair[1].take(lanes)
 
         return _Between(
             both(self.inertia),
             both(self.load),
             both(self.slope),
             both(self.path),
-            chosen(self.speed_command),
-            chosen(self.target),
-            chosen(self.command),
-            None if self.rate is None else chosen(self.rate),
-            chosen(self.length),
+            self.speed_command.take(lanes),
+            self.target.take(lanes),
+            self.command.take(lanes),
+            None if self.rate is None else self.rate.take(lanes),
+            self.length.take(lanes),
         )
 
     def at(self, pair: tuple[Array, Array], share: Array) -> Array:
-        return pair[0] + (pair[1] - pair[0]) * share
+        return pair[0] + pair[1] * share
 
-    def command_at(self, after: Array) -> Array:
-        """The filtered command a time after the part's start [s]."""
+    def command_at(self, gone: Array | float) -> Array:
+        """The filtered command so much of the row after the part's step began."""
         import numpy as np
 
         if self.rate is None:
             return self.target
-        left = np.where(self.rate < AT_ONCE, np.exp(-self.rate * after), 0.0)
+        left = np.where(self.rate < AT_ONCE, np.exp(-self.rate * (gone * self.length)), 0.0)
         found: Array = self.target + (self.command - self.target) * left
         return found
+
+
+@dataclass(slots=True)
+class _Moment:
+    """What acts at one moment, as a function of position and speed.
+
+    Attributes:
+        joint: Figures.
+        drive: Torque of the drive at position and speed 0, before it is clipped.
+        push: Of the links there.
+        slope: Of their load over the position.
+        light: One over the inertia.
+    """
+
+    joint: _Joint
+    drive: Array
+    push: Array
+    slope: Array
+    light: Array
+
+    @classmethod
+    def of(cls, joint: _Joint, between: _Between, share: Array, gone: Array | float) -> _Moment:
+        """At a share of the row, so much of it after the part's step began."""
+        command = between.command_at(gone)
+        slope = between.at(between.slope, share)
+        return cls(
+            joint,
+            joint.kp * (command - joint.bias) + joint.kd * between.speed_command,
+            slope * between.at(between.path, share) - between.at(between.load, share),
+            slope,
+            1.0 / (between.at(between.inertia, share) + joint.armature),
+        )
+
+    def net(self, q: Array, qd: Array) -> Array:
+        """All that pulls at the joint but dry friction."""
+        joint = self.joint
+        torque = joint.bounds.clip(self.drive - joint.kp * q - joint.kd * qd, qd)
+        return torque + self.push - self.slope * q - joint.viscous * qd
+
+    def acceleration(self, net: Array, qd: Array, way: Array) -> Array:
+        """With what pulls, and dry friction against a way."""
+        return (net - way * self.joint.dry(qd)) * self.light
 
 
 def move(
@@ -219,17 +253,17 @@ class _Table:
     """All that a motion needs, by row and piece; of figures by set.
 
     Attributes:
-        length: To the next row [s], shape (rows, n_piece).
+        length: To the next row [s], shape (rows, 1, n_piece).
         vd: Speed command, likewise.
         at_row: Load, slope and path at the row, likewise.
-        lines: Inertia, load, slope and path after the row, at the beginning and at the end, likewise.
-        parts: Begin and end as shares of the row, and the command of each part, shape (rows, n_part, n_piece, n_delay).
+        lines: Inertia, load, slope and path after the row, at the beginning and their change, likewise.
+        parts: Begin and end as shares of the row, and the command of each part, shape (rows, n_part, n_delay, n_piece).
         which: Delay of each set.
-        seen: Command that a row's torque tells, shape (rows, n_piece, n_delay), or by pairs of delay and low-pass.
+        seen: Command that a row's torque tells, shape (rows, n_delay, n_piece), or by pairs of delay and low-pass.
         seen_of: Which of these belongs to each set.
         filtered: Whether that is behind a low-pass.
-        rate: Of it, by set [1/s], shape (1 or n_piece, n_set).
-        joint: Figures, arrays of shape (1 or n_piece, n_set).
+        rate: Of it [1/s], shape (n_set, n_piece).
+        joint: Figures, likewise.
         fine: Into how many steps a part is divided.
     """
 
@@ -254,9 +288,8 @@ class _Table:
         one = tables[0]
         n_part = max(table.parts[0].shape[1] for table in tables)
 
-        def tall(value: Array, pieces: int) -> Array:
-            found: Array = np.broadcast_to(value, (pieces, value.shape[1]))
-            return found
+        def joined(values: Sequence[Array]) -> Array:
+            return np.concatenate(values, axis=-1)
 
         def padded(table: _Table, i: int) -> Array:
             # A part that begins where it ends is none.
@@ -266,34 +299,29 @@ class _Table:
             found: Array = np.concatenate([values, more], axis=1)
             return found
 
-        widths = [table.length.shape[1] for table in tables]
-        both = list(zip(tables, widths, strict=True))
         return cls(
-            length=np.concatenate([t.length for t in tables], axis=1),
-            vd=np.concatenate([t.vd for t in tables], axis=1),
+            length=joined([t.length for t in tables]),
+            vd=joined([t.vd for t in tables]),
             at_row=(
-                np.concatenate([t.at_row[0] for t in tables], axis=1),
-                np.concatenate([t.at_row[1] for t in tables], axis=1),
-                np.concatenate([t.at_row[2] for t in tables], axis=1),
+                joined([t.at_row[0] for t in tables]),
+                joined([t.at_row[1] for t in tables]),
+                joined([t.at_row[2] for t in tables]),
             ),
             lines=[
-                (
-                    np.concatenate([t.lines[i][0] for t in tables], axis=1),
-                    np.concatenate([t.lines[i][1] for t in tables], axis=1),
-                )
+                (joined([t.lines[i][0] for t in tables]), joined([t.lines[i][1] for t in tables]))
                 for i in range(len(one.lines))
             ],
             parts=(
-                np.concatenate([padded(t, 0) for t in tables], axis=2),
-                np.concatenate([padded(t, 1) for t in tables], axis=2),
-                np.concatenate([padded(t, 2) for t in tables], axis=2),
+                joined([padded(t, 0) for t in tables]),
+                joined([padded(t, 1) for t in tables]),
+                joined([padded(t, 2) for t in tables]),
             ),
             which=one.which,
-            seen=np.concatenate([t.seen for t in tables], axis=1),
+            seen=joined([t.seen for t in tables]),
             seen_of=one.seen_of,
             filtered=any(t.filtered for t in tables),
-            rate=np.concatenate([tall(t.rate, n) for t, n in both]),
-            joint={name: np.concatenate([tall(t.joint[name], n) for t, n in both]) for name in one.joint},
+            rate=joined([t.rate for t in tables]),
+            joint={name: joined([t.joint[name] for t in tables]) for name in one.joint},
             fine=max(t.fine for t in tables),
         )
 
@@ -317,32 +345,41 @@ def _table(
         seen, seen_of = course.command[told(course.time, reading)][row][:, :, None], 0 * which
     speed = figures.stribeck_velocity
     rate = np.where(figures.lag > 0, 1.0 / np.where(figures.lag > 0, figures.lag, 1.0), AT_ONCE)
-    by_set = {name: getattr(figures, name)[None, :] for name in _SHARED}
-    by_set["per_stribeck"] = (1.0 / np.where(speed > 0, speed, np.inf))[None, :]
+
+    def lanes(values: Array) -> Array:
+        return np.repeat(values[:, None], len(starts), axis=1)
+
+    def pieces_last(values: Array) -> Array:
+        return np.ascontiguousarray(np.moveaxis(values, 1, -1))
+
+    by_set = {name: lanes(getattr(figures, name)) for name in _SHARED}
+    by_set["per_stribeck"] = lanes(1.0 / np.where(speed > 0, speed, np.inf))
     begin, end, target = (
-        np.swapaxes(values[after], 1, 2) for values in (parts.begin, parts.end, course.command[parts.index])
+        pieces_last(values[after]) for values in (parts.begin, parts.end, course.command[parts.index])
     )
+    ends = [course.ends(name) for name in ("inertia", "load", "slope", "path")]
     return _Table(
-        length=np.diff(course.time)[after],
-        vd=course.speed_command[row],
-        at_row=(course.load[row], course.slope[row], course.path[row]),
-        lines=[
-            (first[after], last[after])
-            for first, last in (course.ends(name) for name in ("inertia", "load", "slope", "path"))
-        ],
+        length=np.diff(course.time)[after][:, None],
+        vd=course.speed_command[row][:, None],
+        at_row=(course.load[row][:, None], course.slope[row][:, None], course.path[row][:, None]),
+        lines=[(first[after][:, None], (last - first)[after][:, None]) for first, last in ends],
         parts=(begin, end, target),
         which=which,
-        seen=seen,
+        seen=pieces_last(seen),
         seen_of=seen_of,
         filtered=filtered,
-        rate=rate[None, :],
+        rate=lanes(rate),
         joint=by_set,
         fine=_division(course, figures),
     )
 
 
 def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> Moved:
-    """The motion, row by row."""
+    """The motion, row by row.
+
+    Within, lanes are (n_set, n_piece), and all arrays are whole: what stands by piece or by delay is copied to every
+    set, because an operation on arrays of unlike shapes takes five times as long.
+    """
     import numpy as np
 
     figures, which, seen_of = table.joint, table.which, table.seen_of
@@ -350,40 +387,41 @@ def _rolled(table: _Table, bounds: Bounds, q: Array, qd: Array, finer: int) -> M
     joint = _Joint(**figures, slipping=slipping, bounds=bounds)
     rows, fine = len(table.length), table.fine * finer
     rate = table.rate if table.filtered else None
-    out = Moved(*(np.empty((rows, *q.shape)) for _ in range(4)))
-    now_q, now_qd = np.array(q, dtype=float), np.array(qd, dtype=float)
+    some = np.any(table.parts[1] > table.parts[0], axis=(2, 3))
+    every = 0 * which
+    out = [np.empty((rows, *q.shape[::-1])) for _ in range(4)]
+    now_q, now_qd = np.array(q.T, dtype=float, order="C"), np.array(qd.T, dtype=float, order="C")
+    breakaway = joint.breakaway()
     for k in range(rows):
-        vd, seen = table.vd[k][:, None], table.seen[k][:, seen_of]
-        out.q[k], out.qd[k] = now_q, now_qd
+        vd, seen = table.vd[k].take(every, 0), table.seen[k].take(seen_of, 0)
         torque = joint.drive(seen, vd, now_q, now_qd)
-        load, slope, path = (value[k][:, None] for value in table.at_row)
-        load = load + slope * (now_q - path)
-        still = now_qd == 0.0
-        resting = np.clip(torque - load, -joint.breakaway(), joint.breakaway())
-        out.torque[k] = torque
-        out.friction[k] = joint.viscous * now_qd + np.where(
-            still, resting, np.sign(now_qd) * joint.dry(now_qd)
-        )
+        load, slope, path = (values[k].take(every, 0) for values in table.at_row)
+        resting = torque - load - slope * (now_q - path)
+        resting = np.minimum(np.maximum(resting, -breakaway), breakaway)
+        sliding = np.sign(now_qd) * joint.dry(now_qd)
+        out[0][k], out[1][k], out[2][k] = now_q, now_qd, torque
+        out[3][k] = joint.viscous * now_qd + np.where(now_qd == 0.0, resting, sliding)
         if k == rows - 1:
             break
-        length = table.length[k][:, None]
-        ends = [(begin[k][:, None], end[k][:, None]) for begin, end in table.lines]
+        length = table.length[k].take(every, 0)
+        inertia, load_of, slope_of, path_of = (
+            (begin[k].take(every, 0), rise[k].take(every, 0)) for begin, rise in table.lines
+        )
         command = seen if table.filtered else None
-        for p in range(table.parts[0].shape[1]):
-            begin, end, target = (values[k, p][:, which] for values in table.parts)
-            if not np.any(end > begin):
+        for p, lasts in enumerate(some[k]):
+            if not lasts:
                 continue
+            begin, end, target = (values[k, p].take(which, 0) for values in table.parts)
+            share = (end - begin) / fine
             for i in range(fine):
-                first = begin + (end - begin) * (i / fine)
-                share = (end - begin) / fine
                 between = _Between(
-                    ends[0], ends[1], ends[2], ends[3], vd, target, target if command is None else command,
+                    inertia, load_of, slope_of, path_of, vd, target, target if command is None else command,
                     rate, length,
                 )  # fmt: skip
-                now_q, now_qd = _advance(joint, between, now_q, now_qd, first, share)
+                now_q, now_qd = _advance(joint, between, now_q, now_qd, begin + share * i, share)
                 if command is not None:
-                    command = between.command_at(share * length)
-    return out
+                    command = between.command_at(share)
+    return Moved(*(np.swapaxes(values, 1, 2) for values in out))
 
 
 def _division(course: Course, figures: Figures) -> int:
@@ -427,75 +465,22 @@ def _advance(
     """One step: position and speed after it."""
     import numpy as np
 
-    way = np.sign(qd)
-    net = None
+    way, go = np.sign(qd), share
+    begin = _Moment.of(joint, between, first, 0.0)
+    net = begin.net(q, qd)
     still = qd == 0.0
     if still.any():
-        net = _net(joint, between, q, qd, first, 0.0 * first)
         held = still & (np.abs(net) <= joint.breakaway())
         way = np.where(still, np.sign(net), way)
         go = np.where(held, 0.0, share)
-    else:
-        go = share
-    new_q, new_qd = _step(joint, between, q, qd, way, first, 0.0 * first, go)
-    back = (way * new_qd < 0.0) & (go > 0.0)
+    new_q, new_qd = _runge_kutta(begin, net, between, q, qd, way, first, go)
+    back = ((way * new_qd < 0.0) & (go > 0.0)).ravel()
     if back.any():
-        where = np.nonzero(back)
-        some, part = joint.take(where), between.take(where)
-        was_q, was_qd, was_way, begun, wide = (
-            np.broadcast_to(value, back.shape)[where] for value in (q, qd, way, first, share)
-        )
-        new_q[where], new_qd[where] = _turned(some, part, was_q, was_qd, was_way, begun, wide, new_qd[where])
-    return new_q, new_qd
-
-
-def _step(
-    joint: _Joint, between: _Between, q: Array, qd: Array, way: Array, first: Array, gone: Array, go: Array
-) -> tuple[Array, Array]:
-    """See `_runge_kutta`."""
-    found = _within_bounds(joint, between, q, qd, way, first, go)
-    return found or _runge_kutta(joint, between, q, qd, way, first, gone, go)
-
-
-def _within_bounds(
-    joint: _Joint, between: _Between, q: Array, qd: Array, way: Array, first: Array, go: Array
-) -> tuple[Array, Array] | None:
-    """What `_runge_kutta` gives where no torque is clipped, in half of the time; None where it is another's.
-
-    Within bounds, with a command that stays and dry friction of one size, the acceleration is linear in position and
-    speed, with factors that are needed at the beginning, the middle and the end alone.
-    """
-    if between.rate is not None or joint.slipping:
-        return None
-    command = between.target - joint.bias
-    drive = joint.kp * (command - q) + joint.kd * (between.speed_command - qd)
-    if joint.bounds.binds(drive, qd):
-        return None
-    constant = joint.kp * command + joint.kd * between.speed_command - way * joint.coulomb
-    damping = joint.kd + joint.viscous
-    factors = []
-    for share in (first, first + 0.5 * go, first + go):
-        slope = between.at(between.slope, share)
-        push = constant - between.at(between.load, share) + slope * between.at(between.path, share)
-        factors.append((push, joint.kp + slope, 1.0 / (between.at(between.inertia, share) + joint.armature)))
-
-    def acceleration(stage: int, q: Array, qd: Array) -> Array:
-        push, stiffness, light = factors[stage]
-        return (push - stiffness * q - damping * qd) * light
-
-    time = go * between.length
-    half = 0.5 * time
-    a1 = acceleration(0, q, qd)
-    v2 = qd + half * a1
-    a2 = acceleration(1, q + half * qd, v2)
-    v3 = qd + half * a2
-    a3 = acceleration(1, q + half * v2, v3)
-    v4 = qd + time * a3
-    a4 = acceleration(2, q + time * v3, v4)
-    sixth, change = time / 6.0, a1 + a2 + a3
-    new_q, new_qd = q + time * (qd + sixth * change), qd + sixth * (change + a2 + a3 + a4)
-    if joint.bounds.binds(joint.kp * (command - new_q) + joint.kd * (between.speed_command - new_qd), new_qd):
-        return None
+        lanes = np.flatnonzero(back)
+        values = (values.take(lanes) for values in (q, qd, way, first, share, new_qd))
+        turned = _turned(joint.take(lanes), between.take(lanes), *values)
+        new_q.put(lanes, turned[0])
+        new_qd.put(lanes, turned[1])
     return new_q, new_qd
 
 
@@ -512,55 +497,65 @@ def _turned(
     """A step within which these joints come to a stand: to that moment, and on if something pulls."""
     import numpy as np
 
+    begin = _Moment.of(joint, between, first, 0.0)
+    net = begin.net(q, qd)
     # A straight line in the speed, put right once: it is 0 there to the fourth power of the step.
     until = share * np.where(qd == after, 0.0, qd / np.where(qd == after, 1.0, qd - after))
     for _ in range(2):
-        at, speed = _step(joint, between, q, qd, way, first, 0.0 * first, until)
-        pull = _acceleration(joint, between, at, speed, way, first + until, until)
+        at, speed = _runge_kutta(begin, net, between, q, qd, way, first, until)
+        end = _Moment.of(joint, between, first + until, until)
+        pull = end.acceleration(end.net(at, speed), speed, way)
         until = np.clip(
             until - np.where(pull == 0.0, 0.0, speed / np.where(pull == 0.0, 1.0, pull)) / between.length,
             0.0,
             share,
         )
-    at, _ = _step(joint, between, q, qd, way, first, 0.0 * first, until)
+    at, _ = _runge_kutta(begin, net, between, q, qd, way, first, until)
     rest = 0.0 * at
-    net = _net(joint, between, at, rest, first + until, until)
+    stand = _Moment.of(joint, between, first + until, until)
+    net = stand.net(at, rest)
     goes = np.abs(net) > joint.breakaway()
     left = np.where(goes, share - until, 0.0)
     new_way = np.sign(net)
-    new_q, new_qd = _step(joint, between, at, rest, new_way, first + until, until, left)
+    new_q, new_qd = _runge_kutta(stand, net, between, at, rest, new_way, first + until, left, until)
     again = new_way * new_qd < 0.0
     return np.where(again, at, new_q), np.where(again, 0.0, new_qd)
 
 
-def _net(joint: _Joint, between: _Between, q: Array, qd: Array, share: Array, gone: Array) -> Array:
-    """All that pulls at the joint but dry friction; `share` of the row, `gone` since the part's step began."""
-    drive = joint.drive(between.command_at(gone * between.length), between.speed_command, q, qd)
-    load = between.at(between.load, share) + between.at(between.slope, share) * (
-        q - between.at(between.path, share)
-    )
-    return drive - joint.viscous * qd - load
-
-
-def _acceleration(
-    joint: _Joint, between: _Between, q: Array, qd: Array, way: Array, share: Array, gone: Array
-) -> Array:
-    force = _net(joint, between, q, qd, share, gone) - way * joint.dry(qd)
-    return force / (between.at(between.inertia, share) + joint.armature)
-
-
 def _runge_kutta(
-    joint: _Joint, between: _Between, q: Array, qd: Array, way: Array, first: Array, gone: Array, go: Array
+    begin: _Moment,
+    net: Array,
+    between: _Between,
+    q: Array,
+    qd: Array,
+    way: Array,
+    first: Array,
+    go: Array,
+    gone: Array | float = 0.0,
 ) -> tuple[Array, Array]:
-    """Position and speed after `go` of the row, in one step of the classical method."""
-    time = go * between.length
-    half, middle, end = 0.5 * time, first + 0.5 * go, first + go
-    a1 = _acceleration(joint, between, q, qd, way, first, gone)
+    """Position and speed after `go` of the row, in one step of the classical method.
+
+    Args:
+        begin: What acts at the step's beginning.
+        net: What pulls there.
+        between: The model between two rows.
+        q: At the beginning.
+        qd: Likewise.
+        way: In which dry friction is overcome.
+        first: Share of the row at the beginning.
+        go: Share of the row that the step takes.
+        gone: Share of the row since the part's step began.
+    """
+    time, halfway = go * between.length, 0.5 * go
+    half = 0.5 * time
+    middle = _Moment.of(begin.joint, between, first + halfway, gone + halfway)
+    end = _Moment.of(begin.joint, between, first + go, gone + go)
+    a1 = begin.acceleration(net, qd, way)
     v2 = qd + half * a1
-    a2 = _acceleration(joint, between, q + half * qd, v2, way, middle, gone + 0.5 * go)
+    a2 = middle.acceleration(middle.net(q + half * qd, v2), v2, way)
     v3 = qd + half * a2
-    a3 = _acceleration(joint, between, q + half * v2, v3, way, middle, gone + 0.5 * go)
+    a3 = middle.acceleration(middle.net(q + half * v2, v3), v3, way)
     v4 = qd + time * a3
-    a4 = _acceleration(joint, between, q + time * v3, v4, way, end, gone + go)
-    change = a1 + a2 + a3
-    return q + time * (qd + time / 6.0 * change), qd + time / 6.0 * (change + a2 + a3 + a4)
+    a4 = end.acceleration(end.net(q + time * v3, v4), v4, way)
+    sixth, change = time / 6.0, a1 + a2 + a3
+    return q + time * (qd + sixth * change), qd + sixth * (change + a2 + a3 + a4)
