@@ -41,6 +41,11 @@ EXACT = 1e-4
 says to more than that, and a simulated speed without noise would outweigh everything else."""
 REFUSED = 3
 """Steps in a row that lead up, after which less than one of those is not looked for any more."""
+BENT = 0.2
+"""Share of what a refused step rises by from which on a piece is held where it begins. Chosen: where a joint comes to a
+stand the cost of a state bends, and one such piece of sixty refused every step of all."""
+HELD = 100.0
+"""Damping of its state. Chosen: it stays, and goes with the figures."""
 HOPELESS = 100.0
 """By how much a search must promise to end above another one to be given up. Chosen: a wrong row costs thousands."""
 
@@ -163,6 +168,7 @@ def descend(
     now = dict(values)
     states = fit.states if fit is not None else tuple(first_states(log, now["bias"]) for log in search.logs)
     damping, refused, arrived, still = 0.0, 0, False, False
+    held = [np.zeros(len(log.starts)) for log in search.logs]
     system = linearised(search, now, states)
     noise = system.noise()
     solved = system.solve(noise)
@@ -178,21 +184,22 @@ def descend(
         for name, change in zip(search.free, step, strict=True):
             trial[name] = max(now[name] + float(change), search.low[name])
         taken = np.array([trial[name] - now[name] for name in search.free])
-        new_states = solved.states(states, taken, damping)
+        new_states = solved.states(states, taken, [damping + more for more in held])
         new_system = linearised(search, trial, new_states)
-        before, after = system.cost(noise), new_system.cost(noise)
-        if after <= before * (1 + 1e-9):
+        rises = [new - old for new, old in zip(new_system.costs(noise), system.costs(noise), strict=True)]
+        before, rise = system.cost(noise), float(sum(part.sum() for part in rises))
+        if rise <= before * 1e-9:
             small = float(np.abs(taken / solved.spread()).max()) if len(taken) else 0.0
             now, states, system = trial, new_states, new_system
             fresh = system.noise()
             still = all(abs(fresh[c] / noise[c] - 1) < 1e-2 for c in fresh)
             noise = fresh
             solved = system.solve(noise)
-            damping *= 0.2
+            damping, held = 0.2 * damping, [0.1 * more for more in held]
             if damping < 1e-6:
                 damping = 0.0
             refused = 0
-            if still and (small < DONE or before - after < ENOUGH):
+            if still and (small < DONE or -rise < ENOUGH):
                 arrived = True
                 break
         else:
@@ -201,15 +208,21 @@ def descend(
                 # Where joints come to a stand the cost has bends; less than a standard deviation is left.
                 arrived = True
                 break
-            damping = max(10.0 * damping, 1e-3)
+            most = BENT * sum(float(part[part > 0.0].sum()) for part in rises)
+            bent = [(part > most) & (more < 1.0) for part, more in zip(rises, held, strict=True)]
+            rest = sum(float(part[~some].sum()) for part, some in zip(rises, bent, strict=True))
+            if rest < 0.0:
+                held = [np.where(some, HELD, more) for some, more in zip(bent, held, strict=True)]
+            else:
+                damping = max(10.0 * damping, 1e-3)
             if damping > 1e8:
                 break
-    covariance = solved.sandwich(*system.blocks(noise, solved, _block_rows(search.logs)))
+    covariance = solved.sandwich(*system.blocks(noise, solved, block_rows(search.logs)))
     return Fit(now, search.free, covariance, solved.normal, noise, system.likelihood(noise), states, arrived)
 
 
-def _block_rows(logs: Sequence[Piecewise]) -> int:
-    """Rows of a block."""
+def block_rows(logs: Sequence[Piecewise]) -> int:
+    """Rows of a block of the sandwich."""
     import numpy as np
 
     total = sum(len(log.starts) * log.rows for log in logs)
@@ -311,14 +324,14 @@ class _Solved:
         return grown
 
     def states(
-        self, states: Sequence[tuple[Array, Array]], step: Array, damping: float = 0.0
+        self, states: Sequence[tuple[Array, Array]], step: Array, damping: Sequence[Array]
     ) -> tuple[tuple[Array, Array], ...]:
-        """The states that go with a step of the figures; damped too, as one that is bent may refuse every step."""
+        """The states that go with a step of the figures; damped too, by piece, as one may refuse every step."""
         import numpy as np
 
         found = []
-        for (q, qd), (offset, slope) in zip(states, self.pieces, strict=True):
-            change = offset / (1.0 + damping) - np.einsum("sip,p->si", slope, step)
+        for (q, qd), (offset, slope), less in zip(states, self.pieces, damping, strict=True):
+            change = offset / (1.0 + less)[:, None] - np.einsum("sip,p->si", slope, step)
             found.append((q + change[:, 0], qd + change[:, 1]))
         return tuple(found)
 
@@ -407,14 +420,18 @@ class System:
             )
         return System(logs, 0)
 
-    def cost(self, noise: Mapping[str, float]) -> float:
+    def costs(self, noise: Mapping[str, float]) -> list[Array]:
+        """Squared residuals in those of the noise; of each log by piece, shape (n_piece,)."""
         import numpy as np
 
-        return sum(
-            float(np.nansum(part[0] ** 2)) / noise[channel] ** 2
+        return [
+            np.sum([np.nansum(part[0] ** 2, axis=0) / noise[c] ** 2 for c, part in log.items()], axis=0)
             for log in self.logs
-            for channel, part in log.items()
-        )
+        ]
+
+    def cost(self, noise: Mapping[str, float]) -> float:
+        """The same of all pieces together."""
+        return float(sum(part.sum() for part in self.costs(noise)))
 
     def likelihood(self, noise: Mapping[str, float]) -> float:
         import numpy as np

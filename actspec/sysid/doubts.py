@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
-from actspec.sysid.descent import simulated
+from actspec.sysid.descent import System, simulated
 from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
 from actspec.sysid.work import JointInWork, piecewise
@@ -54,10 +54,10 @@ class Scale:
     offset: float
 
 
-def doubted(joint: JointInWork, found: JointFit, out: Collector) -> JointFit:
-    """A joint's fit with what speaks against it; warnings go to `out`."""
+def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector) -> JointFit:
+    """A joint's fit with what speaks against it, by the residuals where it ended; warnings go to `out`."""
     unit = next(p.unit for p in found.parameters if p.field == "friction.coulomb")
-    judge_drift(joint, unit, out)
+    judge_drift(joint, system, unit, out)
     scale = torque_scale(joint) if joint.torque else None
     if scale is not None:
         # The masses that it is held against are known no better than the sidecar says.

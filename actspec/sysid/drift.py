@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span
-from actspec.sysid.descent import Fit, Piecewise, Search, descend
+from actspec.sysid.descent import Fit, Piecewise, System, block_rows
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 
@@ -53,11 +53,12 @@ class _Friction:
         return float(c[0, 0] + 2.0 * speed * c[0, 1] + speed**2 * c[1, 1])
 
 
-def judge_drift(joint: JointInWork, unit: str, out: Collector) -> None:
+def judge_drift(joint: JointInWork, system: System, unit: str, out: Collector) -> None:
     """Report friction that changes from the first to the last third of a log.
 
     Args:
         joint: After its fit.
+        system: Residuals where the fit ended, and their derivatives.
         unit: Of friction.
         out: Takes what is found.
     """
@@ -79,7 +80,7 @@ def judge_drift(joint: JointInWork, unit: str, out: Collector) -> None:
         if max(pace) > ALIKE * min(pace):
             continue
         speed = sum(pace) / 2.0
-        early, late = (_friction(joint, fit, part, index, chosen) for chosen in (first, last))
+        early, late = (_friction(fit, part, system, index, chosen) for chosen in (first, last))
         change = late.at(speed) - early.at(speed)
         spread = math.sqrt(max(early.variance(speed) + late.variance(speed), 0.0))
         if abs(change) < FAR * abs(early.at(speed)) or abs(change) < SURE * spread:
@@ -94,14 +95,20 @@ def judge_drift(joint: JointInWork, unit: str, out: Collector) -> None:
         out.warning("SYS045", shown, where=joint.actuator.joint, span=Span(recording.log.path), help=help)
 
 
-def _friction(
-    joint: JointInWork, fit: Fit, part: Piecewise, index: int, chosen: NDArray[np.intp]
-) -> _Friction:
-    """Friction in some pieces of a log, all else as fitted."""
-    q, qd = fit.states[index]
-    assert joint.scale is not None
-    reading = fit.values["delay"] if joint.torque else None
-    few = replace(part, starts=part.starts[chosen])
-    search = Search([few], joint.bounds, ("coulomb", "viscous"), joint.scale, joint.low, reading)
-    found = descend(search, fit.values, replace(fit, states=((q[chosen], qd[chosen]),)))
-    return _Friction(found.values["coulomb"], found.values["viscous"], found.covariance)
+def _friction(fit: Fit, part: Piecewise, system: System, index: int, chosen: NDArray[np.intp]) -> _Friction:
+    """Friction in some pieces of a log, all else as fitted, to the first order."""
+    both = [fit.free.index(name) for name in ("coulomb", "viscous")]
+    few = System(
+        [
+            {
+                channel: (r[:, chosen], jac[:, chosen][:, :, both], local[:, chosen])
+                for channel, (r, jac, local) in system.logs[index].items()
+            }
+        ],
+        len(both),
+    )
+    solved = few.solve(fit.noise)
+    coulomb, viscous = solved.step(0.0)
+    rows = block_rows([replace(part, starts=part.starts[chosen])])
+    covariance = solved.sandwich(*few.blocks(fit.noise, solved, rows))
+    return _Friction(fit.values["coulomb"] + coulomb, fit.values["viscous"] + viscous, covariance)

@@ -72,7 +72,7 @@ def settled(
             else:
                 best[i] = _better(best[i], mine)
             if step < steps:
-                (now[i],) = system.solve(noise).states([now[i]], np.zeros(0))
+                (now[i],) = system.solve(noise).states([now[i]], np.zeros(0), [np.zeros(len(now[i][0]))])
     return [(at, moved) for at, moved, _ in best]
 
 
