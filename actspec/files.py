@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import stat
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 
 class NotRegular(Exception):
@@ -56,6 +58,23 @@ def is_imported(name: str) -> bool:
     return os.path.basename(name).partition(":")[0].rstrip(". ").lower().endswith(_IMPORTED)
 
 
+_CHANGED: dict[str, bytes] = {}
+
+
+@contextmanager
+def changed(files: Mapping[str, bytes]) -> Iterator[None]:
+    """Read files as they would be after changes that are not written.
+
+    Args:
+        files: Real path to bytes.
+    """
+    _CHANGED.update(files)
+    try:
+        yield
+    finally:
+        _CHANGED.clear()
+
+
 def read_regular(path: str, most: int) -> bytes:
     """Read a regular file; never waits on a pipe or device.
 
@@ -69,6 +88,11 @@ def read_regular(path: str, most: int) -> bytes:
         OSError: it cannot be opened or read.
         ValueError: the path cannot be one, as with NUL.
     """
+    if _CHANGED and os.path.realpath(path) in _CHANGED:
+        data = _CHANGED[os.path.realpath(path)]
+        if len(data) > most:
+            raise TooLarge(len(data))
+        return data
     flags = os.O_RDONLY
     for name in ("O_NONBLOCK", "O_NOCTTY", "O_CLOEXEC", "O_BINARY"):
         flags |= getattr(os, name, 0)

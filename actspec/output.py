@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import actspec
 from actspec.diagnostics import Collector, Diagnostic, EmitError, Span
 from actspec.files import FAULTS, why
-from actspec.placing import finish, place
+from actspec.owned import put
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
 if TYPE_CHECKING:
@@ -137,16 +137,16 @@ def write(files: Sequence[Output], *, force: bool = False) -> None:
                     help="choose another folder with -o, or replace it with --force",
                 )
     collector.raise_if_failed(EmitError)
-    write_files([(file.path, file.data) for file in files if file.changed])
+    write_files([(file.path, file.data) for file in files if file.changed], force=True)
 
 
-def write_files(files: Sequence[tuple[str, bytes]]) -> None:
-    """Put files in place, all or none; see `actspec.placing.place`.
+def write_files(files: Sequence[tuple[str, bytes]], *, force: bool) -> None:
+    """Put files in place, all or none; see `actspec.owned.put`.
 
-    Raises: EmitError: one cannot be written; nothing was.
+    Raises: EmitError: one cannot be written, or would be lost; nothing was.
     """
     try:
-        place(files)
+        put(files, force=force)
     except FAULTS as err:
         path = getattr(err, "filename", None) or files[0][0]
         raise EmitError.of("OUT002", f"cannot be written: {why(err)}", Span(str(path))) from err
@@ -175,41 +175,12 @@ def diff_lines(old: bytes, new: bytes, before: str, after: str) -> Iterator[str]
         yield line if line.endswith("\n") else line + "\n"
 
 
-def check_free(path: str, sources: Sequence[str], force: bool) -> None:
-    """Refuse a path that cannot be written, or holds something.
+def write_text(path: str, text: str, *, force: bool) -> None:
+    """Write a text in one step, with its folders; characters that UTF-8 lacks are escaped.
 
-    Args:
-        path: The file to be.
-        sources: Files that it is made from, which stay as they are.
-        force: Whether another file may be replaced.
-
-    Raises: EmitError: it cannot be written.
+    Raises: EmitError: it cannot be written, or a file would be lost.
     """
-    if os.path.isdir(path) or not os.path.basename(path):
-        raise EmitError.of(
-            "OUT001", "is a folder", Span(path), help="name the file to write, e.g. robots/my_robot.yaml"
-        )
-    finish([path])
-    if not os.path.lexists(path):
-        return
-    if os.path.exists(path) and any(
-        os.path.exists(source) and os.path.samefile(path, source) for source in sources
-    ):
-        raise EmitError.of("OUT003", "is read by this command", Span(path), help="name another file to write")
-    if not os.path.isfile(path):
-        raise EmitError.of("OUT001", "exists and is not a regular file", Span(path))
-    if not force:
-        raise EmitError.of(
-            "OUT003", "exists already", Span(path), help="name another file, or replace it with --force"
-        )
-
-
-def write_spec(path: str, text: str) -> None:
-    """Write a spec in one step, with its folders.
-
-    Raises: EmitError: it cannot be written.
-    """
-    write_files([(path, text.encode("utf-8"))])
+    write_files([(path, text.encode("utf-8", "backslashreplace"))], force=force)
 
 
 def loss_record(loss: Approximation) -> dict[str, Any]:
@@ -234,7 +205,7 @@ def _check_distinct(files: Sequence[Output], collector: Collector) -> None:
             both = (
                 f"two targets of this run write it: '{other.target}' and '{file.target}'"
                 if other.target != file.target
-                else f"'{file.target}' writes it twice"
+                else f"this run writes it twice, for '{file.target}'"
             )
             collector.error(
                 "OUT004",

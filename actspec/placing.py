@@ -59,11 +59,14 @@ def place(files: Sequence[tuple[str, bytes]]) -> None:
     plain: list[tuple[str, bytes]] = []
     streams: list[tuple[str, bytes]] = []
     for path, data in files:
-        (streams if _is_stream(path) else plain).append((path, data))
+        (streams if is_stream(path) else plain).append((path, data))
     targets = [os.path.realpath(path) for path, _ in plain]
-    for number, (path, _) in enumerate(plain):
-        if targets[number] in targets[:number]:
+    taken: set[str] = set()
+    for (path, _), target in zip(plain, targets, strict=True):
+        # Names that differ by case alone are one on many file systems.
+        if target.casefold() in taken:
             raise OSError(EEXIST, "is written twice in one run", path)
+        taken.add(target.casefold())
     folders = tuple(dict.fromkeys(os.path.dirname(target) for target in targets))
     finish(targets)
     run = os.urandom(8).hex()
@@ -261,7 +264,8 @@ def _folder_of(path: str) -> str:
         return ""
 
 
-def _is_stream(path: str) -> bool:
+def is_stream(path: str) -> bool:
+    """Whether a path is a pipe, a device or a stream of the process: it is appended to, and nothing in it is lost."""
     # Of what lies below /dev only streams: /dev/shm has files like others.
     if os.path.abspath(path).startswith(_STREAMS):
         return True

@@ -109,7 +109,7 @@ class Recorder:
         steps = np.ones(len(self._rows))
         steps[[row for row in self._gaps if 0 < row < len(steps)]] = GAP
         time = (np.cumsum(steps) - 1.0) * self.period
-        write_log(Log(os.fspath(path), "", time, joints, Sidecar()))
+        write_log(Log(os.fspath(path), "", time, joints, Sidecar()), force=True)
 
 
 def _numbers(part: Any) -> Any:

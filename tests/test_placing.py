@@ -231,8 +231,10 @@ def test_streams(tmp_path: Path) -> None:
 
 
 def test_one_path_twice(tmp_path: Path) -> None:
-    """Two files of one path, here through a link, are refused."""
+    """Two files of one path, here through a link, are refused, and so are names that differ by case alone."""
     (tmp_path / "link").symlink_to("a")
+    with pytest.raises(OSError, match="written twice in one run"):
+        place([(str(tmp_path / "a"), b"1"), (str(tmp_path / "A"), b"2")])
     with pytest.raises(OSError, match="written twice in one run"):
         place([(str(tmp_path / "a"), b"1"), (str(tmp_path / "link"), b"2")])
     assert names(tmp_path) == ["link"]

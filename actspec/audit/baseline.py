@@ -16,7 +16,7 @@ from actspec.audit.places import json_fault, json_places
 from actspec.audit.selection import is_diagnostic
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
-from actspec.placing import replace_file
+from actspec.owned import put_file
 
 FORMAT = "actspec-baseline/1"
 
@@ -119,13 +119,18 @@ def _place(entry: Entry) -> tuple[object, ...]:
     return entry.code, entry.file, entry.joint, entry.unit or "", entry.value or 0.0, entry.value is None
 
 
-def write_baseline(findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = ()) -> None:
+def write_baseline(
+    findings: Iterable[Reported], path: str, said: Iterable[Diagnostic] = (), *, force: bool = False
+) -> None:
     """Write the baseline that hides these findings; see `baseline_text`.
 
-    Raises: AuditError: the file cannot be written.
+    Raises:
+        AuditError: the file cannot be written.
+        EmitError: there is another file, and not `force`.
     """
     try:
-        replace_file(path, baseline_text(findings, path, said).encode("utf-8", "surrogatepass"))
+        data = baseline_text(findings, path, said).encode("utf-8", "surrogatepass")
+        put_file(path, data, force=force)
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()
         raise _error("AUD006", f"the baseline cannot be written: {reason}", path) from err

@@ -130,8 +130,12 @@ def apply_fixes(findings: Iterable[Reported], files: Sequence[FileReading], unsa
     return Fixes(tuple(_fixed([fix for _, fix in taken], data)), tuple(dict.fromkeys(refused)))
 
 
-def write_fixes(files: Sequence[FixedFile]) -> None:
-    """Write fixed files, all or none.
+def write_fixes(files: Sequence[FixedFile], report: tuple[str, bytes] | None = None) -> None:
+    """Write fixed files, and the report of them, all or none.
+
+    Args:
+        files: The files.
+        report: Its path and bytes, which nothing is lost by; None: it is printed.
 
     Raises: AuditError: files that have changed since they were read, or cannot be written.
     """
@@ -148,7 +152,7 @@ def write_fixes(files: Sequence[FixedFile]) -> None:
             out.error("AUD006", f"the file cannot be read again: {why(err)}", span=Span(file.path))
     out.raise_if_failed(AuditError)
     try:
-        place([(file.path, file.new) for file in files])
+        place([*((file.path, file.new) for file in files), *([] if report is None else [report])])
     except OSError as err:
         message = f"the file cannot be written: {why(err)}"
         raise AuditError.of("AUD006", message, Span(str(err.filename))) from err

@@ -165,7 +165,7 @@ def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]
     form: Path = ("format",)
     if not isinstance(lock, dict) or not str(lock.get("format", "")).startswith("actspec-lock/"):
         place = place if why_not else _spans(path, text, [form])[form]
-        help = "move it away and write a new one"
+        help = "write a new one with `actspec lock FILE --force`"
         out.error("LCK001", f"is not a dynamics lock{why_not}", span=place, help=help)
     elif lock["format"] != FORMAT:
         told = shortened(str(lock["format"]))

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
+from actspec import files
 from actspec.diagnostics import ActspecError
 from actspec.ir import ActuatorSet
 from actspec.readings import read
@@ -52,17 +54,30 @@ def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None
     return replace(reading, artifacts=(artifact_of(path, actuators),), diagnostics=actuators.diagnostics)
 
 
+def read_file_changed(
+    changed: Mapping[str, bytes], path: str, keep_matrices: bool = False, refusal: str | None = None
+) -> FileReading:
+    """`read_file` as it would be after changes; see `files.changed`."""
+    with files.changed(changed):
+        return read_file(path, keep_matrices, refusal)
+
+
 def pending_files(
     paths: Sequence[str],
     *,
+    changed: Mapping[str, bytes] | None = None,
     keep_matrices: bool | None = None,
     skip_other: bool = False,
     jobs: int | None = None,
     exclude: Callable[[str, bool], bool] | None = None,
 ) -> read.PendingFiles:
-    """Begin to read files; see `readings.read.PendingFiles`. Specs are resolved."""
+    """Begin to read files; see `readings.read.PendingFiles`. Specs are resolved.
+
+    `changed` are files as they would be, by real path.
+    """
+    reader = partial(read_file_changed, changed) if changed else read_file
     return read.PendingFiles(
-        paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=read_file, exclude=exclude
+        paths, keep_matrices=keep_matrices, skip_other=skip_other, jobs=jobs, read=reader, exclude=exclude
     )
 
 

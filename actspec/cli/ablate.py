@@ -12,7 +12,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import actspec
-from actspec.cli.options import add_fail_on, add_format, add_variant, describe, failing, quantity_of
+from actspec.cli.options import (
+    add_fail_on,
+    add_force,
+    add_format,
+    add_variant,
+    describe,
+    failing,
+    quantity_of,
+)
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
@@ -62,9 +70,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--task", metavar="TASK", help="mjlab's task to train on; default: its own for a Go1 and a G1"
     )
-    command.add_argument(
-        "--force", action="store_true", help="replace files that actspec did not write, or that were edited"
-    )
+    add_force(command)
     add_fail_on(command)
     add_format(command, "markdown")
 

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import os
+from collections.abc import Mapping
 
 from actspec.audit.exclude import Exclude
 from actspec.audit.read import pending_files
 from actspec.audit.settings_file import excluded
-from actspec.cli.options import FAIL_ON, add_versions, describe
+from actspec.cli.options import FAIL_ON, add_force, add_versions, describe
 from actspec.placing import finish
 from actspec.readings.read import PendingFiles, expand
 from actspec.report import FORMATS
@@ -67,6 +68,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     output = command.add_argument_group("output")
     output.add_argument("--output-format", choices=FORMATS, default=FORMATS[0], help=f"default: {FORMATS[0]}")
     output.add_argument("-o", "--output", metavar="FILE", help="write the report to FILE")
+    add_force(output)
     shown = output.add_mutually_exclusive_group()
     shown.add_argument(
         "--min-severity",
@@ -119,11 +121,11 @@ def run(arguments: argparse.Namespace) -> int:
         # Rules and reports are imported while the readers import MuJoCo.
         from actspec.cli.audit_run import report_on
 
-        return report_on(arguments, pending, lambda: _begin(arguments))
+        return report_on(arguments, pending, lambda changed: _begin(arguments, changed))
 
 
-def _begin(arguments: argparse.Namespace) -> PendingFiles:
-    """Begin to read the files, each once, the spec too."""
+def _begin(arguments: argparse.Namespace, changed: Mapping[str, bytes] | None = None) -> PendingFiles:
+    """Begin to read the files, each once, the spec too; some as they would be after `changed`."""
     paths = tuple(dict.fromkeys([*arguments.file, *([arguments.spec] if arguments.spec else [])]))
     # Without threads of numpy's linear algebra this process can be forked; it needs none.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -136,7 +138,9 @@ def _begin(arguments: argparse.Namespace) -> PendingFiles:
         force or arguments.force_exclude,
         arguments.spec,
     )
-    return pending_files(paths, skip_other=arguments.skip_other, jobs=arguments.jobs, exclude=exclude)
+    return pending_files(
+        paths, skip_other=arguments.skip_other, jobs=arguments.jobs, exclude=exclude, changed=changed
+    )
 
 
 def _codes(text: str) -> list[str]:

@@ -5,8 +5,9 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 from actspec.audit.engine import audit
 from actspec.audit.finding import Confidence
@@ -27,7 +28,8 @@ from actspec.diagnostics import (
     one_line,
 )
 from actspec.files import FAULTS, why
-from actspec.placing import replace_file
+from actspec.owned import check_kept, head_of, put_file
+from actspec.placing import is_stream
 from actspec.readings.artifact import FileKind
 from actspec.readings.read import PendingFiles
 from actspec.report import ReportOptions, least_shown, render, renderer
@@ -35,19 +37,26 @@ from actspec.report.tables import many
 from actspec.report.terminal import Progress, print_diagnostics, style_of
 from actspec.report.text import remarks
 
+if TYPE_CHECKING:
+    from actspec.audit.fix import FixedFile
+
 TEXT = ("full", "concise")
 """Formats for people in front of a terminal."""
+UNMARKED = (*TEXT, "github")
+"""Formats that do not tell who wrote them: a file of them begins with a line that does."""
 WITH_LEDGER = (*TEXT, "json", "markdown", "html")
 """Formats that can show the ledger."""
 
 
-def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Callable[[], PendingFiles]) -> int:
+def report_on(
+    arguments: argparse.Namespace, pending: PendingFiles, again: Callable[[Mapping[str, bytes]], PendingFiles]
+) -> int:
     """Audit files and print the report.
 
     Args:
         arguments: Of the command.
         pending: Its files, which are being read.
-        again: Begins to read them once more, after they were changed.
+        again: Begins to read them once more, as they would be with other bytes by real path.
 
     Returns: The exit code.
     """
@@ -60,10 +69,12 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     _check_spec(report, arguments.spec)
     if arguments.diff:
         return _show_fixes(report, arguments.unsafe_fixes)
+    fixed: tuple[FixedFile, ...] = ()
     if arguments.fix or arguments.unsafe_fixes:
-        report = _fix(report, arguments, settings, again)
+        report, fixed = _fixed(report, arguments, settings, again)
+        arguments.report = report
     if arguments.write_baseline is not None:
-        return _write_baseline(report, arguments.write_baseline)
+        return _write_baseline(report, arguments.write_baseline, arguments.force)
     options = ReportOptions(
         colour=arguments.output is None and style_of(sys.stdout).colour,
         ledger=arguments.ledger,
@@ -75,12 +86,14 @@ def report_on(arguments: argparse.Namespace, pending: PendingFiles, again: Calla
     text = render(report, output_format, options)
     if arguments.output is not None:
         _refuse_audited(report, "--output", arguments.output)
-        _write(arguments.output, text)
+        if output_format in UNMARKED and not is_stream(arguments.output):
+            text = f"{head_of('audit')}\n{text}"
+    _write(fixed, arguments.output, text, arguments.force)
     if output_format not in ("json", "sarif"):
         print_diagnostics(remarks(report, options.least))
     if arguments.output is None:
         sys.stdout.write(text)
-    if report.misnamed or not (report.complete or settings.fail_on is None):
+    if _failed(report, settings):
         return EXIT_FAILED
     # Whoever uploads SARIF has its findings judged there.
     return EXIT_FINDINGS if output_format != "sarif" and report.at_or_above(settings.fail_on) else EXIT_CLEAN
@@ -91,41 +104,58 @@ def _audited(arguments: argparse.Namespace, settings: Settings, pending: Pending
         return audit(pending, settings, spec=arguments.spec, progress=progress.step)
 
 
-def _fix(
-    report: Report, arguments: argparse.Namespace, settings: Settings, again: Callable[[], PendingFiles]
-) -> Report:
-    """Fix until nothing more can be, and say what was done.
+def _fixed(
+    report: Report,
+    arguments: argparse.Namespace,
+    settings: Settings,
+    again: Callable[[Mapping[str, bytes]], PendingFiles],
+) -> tuple[Report, tuple[FixedFile, ...]]:
+    """Fix until nothing more can be; nothing is written.
 
-    Returns: The report afterwards.
+    Returns: The report afterwards and the files; none where that report is not whole, and then the one before.
     """
-    from actspec.audit.fix import MOST_PASSES, apply_fixes, write_fixes
+    from actspec.audit.fix import MOST_PASSES, FixedFile, apply_fixes
 
+    if _failed(report, settings):
+        print(f"nothing is fixed: {_UNREAD}", file=sys.stderr)
+        return report, ()
+    first = report
+    made: dict[str, FixedFile] = {}
     before: set[tuple[str, bytes]] = set()
-    original: dict[str, bytes] = {}
     for _ in range(MOST_PASSES):
         fixes = apply_fixes(report.findings, report.case.files, arguments.unsafe_fixes)
         print_diagnostics(fixes.refused)
         if not fixes.files:
-            if not before:
+            if not made:
                 print(_nothing_to_fix(report, arguments.unsafe_fixes), file=sys.stderr)
             break
         back = next((file for file in fixes.files if (file.path, file.new) in before), None)
         if back is not None:
             message = "its fixes undo each other: none is applied, and the file is as it was"
             print_diagnostics([Diagnostic("AUD011", Severity.WARNING, message, "", Span(back.path))])
-            write_fixes([replace(back, new=original[back.path])])
-            with again() as pending:
-                report = _audited(arguments, settings, pending)
-            break
-        for file in fixes.files:
-            original.setdefault(file.path, file.old)
-        before.update((file.path, file.old) for file in fixes.files)
-        write_fixes(fixes.files)
-        for file in fixes.files:
-            print(one_line(f"{file.path}: {'; '.join(file.titles)}"), file=sys.stderr)
-        with again() as pending:
+            made.pop(back.path, None)
+        else:
+            before.update((file.path, file.old) for file in fixes.files)
+            for file in fixes.files:
+                old = made.get(file.path, replace(file, titles=()))
+                titles = tuple(dict.fromkeys((*old.titles, *file.titles)))
+                made[file.path] = FixedFile(file.path, old.old, file.new, titles)
+        with again({os.path.realpath(file.path): file.new for file in made.values()}) as pending:
             report = _audited(arguments, settings, pending)
-    return report
+        if back is not None:
+            break
+    if _failed(report, settings):
+        print(f"nothing is fixed: afterwards {_UNREAD}", file=sys.stderr)
+        return first, ()
+    return report, tuple(made.values())
+
+
+_UNREAD = "a name stands for no file, or a rule broke off"
+
+
+def _failed(report: Report, settings: Settings) -> bool:
+    """Whether a run with this report ends with exit code 2."""
+    return bool(report.misnamed) or not (report.complete or settings.fail_on is None)
 
 
 def _show_fixes(report: Report, unsafe: bool) -> int:
@@ -212,17 +242,20 @@ def _check_spec(report: Report, spec: str | None) -> None:
         raise AuditError.of("AUD010", message, Span(spec), where="--spec")
 
 
-def _write_baseline(report: Report, path: str) -> int:
+def _write_baseline(report: Report, path: str, force: bool) -> int:
     from actspec.audit.baseline import entry_about, write_baseline
 
     print_diagnostics(remarks(report, Severity.WARNING))
     _refuse_audited(report, "--write-baseline", path)
+    if not report.complete:
+        print(f"{one_line(path)}: not written: {_UNREAD}", file=sys.stderr)
+        return EXIT_FAILED
     said = report.diagnostics()
-    write_baseline(report.findings, path, said)
+    write_baseline(report.findings, path, said, force=force)
     about = sum(entry_about(item, "") is not None for item in said)
     more = f" and {many(about, 'warning')} about files" if about else ""
     print(f"{path}: {many(len(report.findings), 'finding')}{more} written", file=sys.stderr)
-    return EXIT_CLEAN if report.complete else EXIT_FAILED
+    return EXIT_CLEAN
 
 
 def _refuse_audited(report: Report, option: str, path: str) -> None:
@@ -236,8 +269,23 @@ def _refuse_audited(report: Report, option: str, path: str) -> None:
         raise AuditError.of("AUD010", message, Span(path), where=option)
 
 
-def _write(path: str, text: str) -> None:
-    try:
-        replace_file(path, text.encode("utf-8", "backslashreplace"))
-    except FAULTS as err:
-        raise AuditError.of("AUD006", f"the report cannot be written: {why(err)}", Span(path)) from err
+def _write(fixed: Sequence[FixedFile], path: str | None, text: str, force: bool) -> None:
+    """Write fixed files and the report, all or none, and say what was fixed.
+
+    Raises: ActspecError: a file cannot be written, or would be lost.
+    """
+    data = text.encode("utf-8", "backslashreplace")
+    if fixed:
+        from actspec.audit.fix import write_fixes
+
+        report = None if path is None else (path, data)
+        if report is not None:
+            check_kept([report], force=force)
+        write_fixes(fixed, report)
+        for file in fixed:
+            print(one_line(f"{file.path}: {'; '.join(file.titles)}"), file=sys.stderr)
+    elif path is not None:
+        try:
+            put_file(path, data, force=force)
+        except FAULTS as err:
+            raise AuditError.of("AUD006", f"the report cannot be written: {why(err)}", Span(path)) from err

@@ -6,7 +6,15 @@ import argparse
 import os
 from typing import TYPE_CHECKING
 
-from actspec.cli.options import add_fail_on, add_format, add_specs, add_variant, describe, quantity_of
+from actspec.cli.options import (
+    add_fail_on,
+    add_force,
+    add_format,
+    add_specs,
+    add_variant,
+    describe,
+    quantity_of,
+)
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
@@ -55,7 +63,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="FILE",
         help="write pictures, as .svg, .png or .pdf; may be repeated",
     )
-    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_force(command)
     add_fail_on(command)
     add_format(command, "markdown")
 
@@ -64,7 +72,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Compare, print, draw."""
     from actspec import api
     from actspec.cli.options import failing, joints_named
-    from actspec.output import check_free, write_files
+    from actspec.output import write_files
+    from actspec.owned import check_free
     from actspec.report import compare as report
     from actspec.report.figures import drawn
     from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -111,7 +120,7 @@ def run(arguments: argparse.Namespace) -> int:
     findings: list[Diagnostic] = [item for one in found for item in one.findings]
     charts = [chart for one in found for chart in report.charts(one)]
     pictures = [(path, drawn(charts, path)) for path in arguments.plot] if charts else []
-    write_files(pictures)
+    write_files(pictures, force=arguments.force)
     if arguments.output_format == "json":
         print_json(report.record(found, findings))
     else:
@@ -128,7 +137,9 @@ def _check_plots(paths: list[str], out: Collector) -> None:
 
     from actspec.report.figures import SUFFIXES
 
-    for path in paths:
+    for number, path in enumerate(paths):
+        if path.casefold() in map(str.casefold, paths[:number]):
+            out.error("CMP011", f"'{path}' is named twice", where="--plot", help="one picture a file")
         suffix = os.path.splitext(path)[1].lower()
         if suffix not in SUFFIXES:
             out.error(

@@ -9,7 +9,15 @@ from collections.abc import Iterator
 from typing import Any
 
 from actspec import api, output
-from actspec.cli.options import add_format, add_packages, add_specs, add_targets, add_variant, describe
+from actspec.cli.options import (
+    add_force,
+    add_format,
+    add_packages,
+    add_specs,
+    add_targets,
+    add_variant,
+    describe,
+)
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.placing import finish
 from actspec.report.compile import summary
@@ -46,7 +54,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--canonical", action="store_true", help="write MuJoCo's own form, not the author's text"
     )
-    command.add_argument("--force", action="store_true", help="replace files that actspec did not write")
+    add_force(command)
     add_format(command)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from actspec.cli.options import Lines, add_format, describe
+from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector
 from actspec.ir import JointKind
@@ -66,7 +66,7 @@ def _add_train(command: argparse.ArgumentParser) -> None:
         "--epochs", type=int, metavar="N", help="passes over the rows; default: by their number"
     )
     command.add_argument("--max-time", metavar="TIME", help='of the training, e.g. "60 s"')
-    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_force(command)
     add_format(command)
 
 
@@ -117,7 +117,7 @@ def _train(arguments: argparse.Namespace) -> int:
     errors = trained.judged
     check_gain(trained.judged, out)
     entries = manifest_entries(actuators, robot, samples, logs, options.per, errors, parts)
-    paths = write_delta(arguments.output, trained.layers, entries)
+    paths = write_delta(arguments.output, trained.layers, entries, force=arguments.force)
     if arguments.output_format == "json":
         print_json(train_record(trained, options, parts, entries["period"], paths, out.sorted()))
     else:

@@ -11,9 +11,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.cli.options import add_packages, add_versions, configured_versions, describe
+from actspec.cli.options import add_force, add_packages, add_versions, configured_versions, describe
 from actspec.diagnostics import EXIT_CLEAN, Collector, Diagnostic, Severity, Span, listed, one_line
-from actspec.output import check_free, write_spec
+from actspec.output import write_text
+from actspec.owned import check_free
 from actspec.units import format_quantity
 
 if TYPE_CHECKING:
@@ -53,7 +54,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         help="what joint damping is where a drive has no kd: its kd, or friction (default: a comment asks)",
     )
     add_packages(command)
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
     add_versions(command)
 
 
@@ -98,18 +99,18 @@ def import_files(
     from actspec.report.terminal import print_diagnostics
 
     if output is not None:
-        check_free(output, files, force)
+        check_free(output, files, force, again=True)
     found = drafted(
         files, output or "spec.yaml", robot, versions, joints=joints, damping=damping, packages=packages
     )
     spec, combined, targets = found.spec, found.combined, found.targets
     if output is not None:
-        check_free(output, found.sources, force)
+        check_free(output, found.sources, force, again=True)
     print_diagnostics(_warnings(combined.disagreements))
     if output is None:
         sys.stdout.write(spec.text)
     else:
-        write_spec(output, spec.text)
+        write_text(output, spec.text, force=force)
     for line in _told(spec, combined, targets, output, files):
         print(line, file=sys.stderr if output is None else sys.stdout)
     return EXIT_CLEAN

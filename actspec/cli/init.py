@@ -5,9 +5,10 @@ from __future__ import annotations
 import argparse
 
 from actspec.cli.import_ import commands, import_files
-from actspec.cli.options import describe
+from actspec.cli.options import add_force, describe
 from actspec.diagnostics import EXIT_CLEAN
-from actspec.output import check_free, write_spec
+from actspec.output import write_text
+from actspec.owned import check_free
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -21,7 +22,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("path", nargs="?", default="actspec.yaml", metavar="SPEC", help="file to write")
     command.add_argument("--from", dest="source", metavar="FILE", help="as `import FILE -o SPEC`")
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -33,8 +34,8 @@ def run(arguments: argparse.Namespace) -> int:
         return import_files([str(arguments.source)], path, None, Versions(), bool(arguments.force))
     from actspec.draft import starting_spec
 
-    check_free(path, (), bool(arguments.force))
-    write_spec(path, starting_spec())
+    check_free(path, (), bool(arguments.force), again=True)
+    write_text(path, starting_spec(), force=arguments.force)
     print(f"wrote {path}: an example with every part of the language explained")
     print("next: name your robot's file in `robot.model`, put its numbers in, then")
     for line in commands(path, "validate", "compile"):

@@ -19,7 +19,7 @@ from actspec.audit.lock import (
     text_of,
     versions_of,
 )
-from actspec.cli.options import add_format, add_versions, configured_versions, describe, overridden
+from actspec.cli.options import add_force, add_format, add_versions, configured_versions, describe, overridden
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
@@ -29,7 +29,7 @@ from actspec.diagnostics import (
     one_line,
 )
 from actspec.files import FAULTS, why
-from actspec.placing import replace_file
+from actspec.owned import put_file
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines, record
 from actspec.report.tables import many
@@ -54,6 +54,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--check", action="store_true", help="write nothing; show what changed, exit 1 if anything did"
     )
+    add_force(command)
     add_versions(command)
     add_format(command)
 
@@ -61,7 +62,12 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Write the lock, or check files against it."""
     path: str = arguments.output
-    old = load_lock(path, needed=arguments.check or not arguments.file, figures=arguments.check)
+    anew = arguments.force and arguments.file and not arguments.check
+    old = (
+        None
+        if anew
+        else load_lock(path, needed=arguments.check or not arguments.file, figures=arguments.check)
+    )
     versions = configured_versions(arguments.target)
     if arguments.check:
         assert old is not None
@@ -72,7 +78,7 @@ def run(arguments: argparse.Namespace) -> int:
     lock = locked(_case(names, versions), names)
     data = text_of(lock)
     try:
-        replace_file(path, data)
+        put_file(path, data, force=arguments.force)
     except FAULTS as err:
         raise AuditError.of("LCK001", f"cannot be written: {why(err)}", Span(path)) from err
     if arguments.output_format == "json":

@@ -6,7 +6,7 @@ import argparse
 import os
 from typing import Any
 
-from actspec.cli.options import Lines, add_format, describe
+from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span
 from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -95,7 +95,7 @@ def _add_train(command: argparse.ArgumentParser) -> None:
         "--epochs", type=int, metavar="N", help="passes over the rows; default: by their number"
     )
     command.add_argument("--max-time", metavar="TIME", help='of each network, e.g. "60 s"')
-    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_force(command)
     add_format(command)
 
 
@@ -112,7 +112,7 @@ def _add_evaluate(command: argparse.ArgumentParser) -> None:
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
     command.add_argument("--html", metavar="PAGE", help="write it as a page too")
-    command.add_argument("--force", action="store_true", help="replace a page that is there")
+    add_force(command)
     add_format(command)
 
 
@@ -216,7 +216,7 @@ def _train(arguments: argparse.Namespace) -> int:
     with Progress("training") as progress:
         trained = train(data, parts, trained_by, progress.step)
     entries, judged = manifest_entries(data, parts, trained, logs, model)
-    paths = write_network(arguments.output, trained.layers, entries)
+    paths = write_network(arguments.output, trained.layers, entries, force=arguments.force)
     if arguments.output_format == "json":
         print_json(train_record(data, parts, trained, judged, paths, out.sorted()))
     else:
@@ -266,7 +266,7 @@ def _add_convert(command: argparse.ArgumentParser) -> None:
     _add_file(command)
     command.add_argument("--manifest", required=True, metavar="NAME.json", help="its conventions")
     command.add_argument("-o", "--output", required=True, metavar="DIR/NAME", help="of the three files")
-    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_force(command)
     add_format(command)
 
 
@@ -327,7 +327,7 @@ def _convert(arguments: argparse.Namespace) -> int:
     manifest = _manifest_of(arguments.manifest, arguments.file)
     layers, entries = converted(read_network_file(arguments.file, trust=arguments.trust), manifest)
     try:
-        paths = write_network(arguments.output, layers, entries)
+        paths = write_network(arguments.output, layers, entries, force=arguments.force)
     except NetworkFileError as err:
         raise LogError.of("LRN013", f"cannot be written: {err}", Span(arguments.file)) from err
     if arguments.output_format == "json":
@@ -346,7 +346,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
 
     require("scipy", "onnx")
     if arguments.html is not None:
-        from actspec.output import check_free
+        from actspec.owned import check_free
 
         check_free(arguments.html, [arguments.spec, *arguments.log, *arguments.policy], arguments.force)
     logs, actuators, robot = read_all(arguments)
@@ -374,11 +374,11 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     with Progress("rolling out") as progress:
         found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
     if arguments.html is not None:
-        from actspec.output import write_files
+        from actspec.output import write_text
         from actspec.report.net_page import evaluate_page
 
         page = evaluate_page(found, data, law, arguments.network)
-        write_files([(arguments.html, page.encode("utf-8", "backslashreplace"))])
+        write_text(arguments.html, page, force=arguments.force)
     if arguments.output_format == "json":
         print_json(evaluate_record(found, out.sorted()))
     else:

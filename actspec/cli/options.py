@@ -118,6 +118,11 @@ FAIL_ON = ("error", "warning", "info", "never")
 """From which severity on a command exits with 1."""
 
 
+def add_force(command: argparse.ArgumentParser | argparse._ArgumentGroup) -> None:
+    """Add that files of others may be replaced."""
+    command.add_argument("--force", action="store_true", help="replace files that actspec did not write")
+
+
 def add_fail_on(command: argparse.ArgumentParser) -> None:
     """Add from which severity on findings make the exit code 1."""
     command.add_argument(

@@ -6,7 +6,7 @@ import argparse
 import os
 from typing import TYPE_CHECKING, Any
 
-from actspec.cli.options import add_fail_on, add_variant, describe, failing
+from actspec.cli.options import add_fail_on, add_force, add_variant, describe, failing
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
@@ -67,7 +67,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--figures", metavar="DIR", help="write each picture as SVG, and what it draws as CSV"
     )
-    command.add_argument("--force", action="store_true", help="replace files that are there")
+    add_force(command)
     add_fail_on(command)
     command.add_argument(
         "--output-format",
@@ -82,7 +82,8 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec import api
     from actspec.audit.rules import case_of, check_actuators
     from actspec.cli.diagnose import answers_of, logs_of
-    from actspec.output import check_free, write_files
+    from actspec.output import write_files
+    from actspec.owned import check_free
     from actspec.report.figures import files_of
     from actspec.report.overview import Overview, figures
     from actspec.report.terminal import Progress, print_diagnostics
@@ -131,7 +132,7 @@ def run(arguments: argparse.Namespace) -> int:
             path = os.path.join(arguments.figures, name)
             check_free(path, sources, arguments.force)
             written.append((path, data))
-    write_files(written)
+    write_files(written, force=arguments.force)
     print_diagnostics(shown.diagnosis.notes)
     print(f"wrote {one_line(arguments.output)}")
     if arguments.figures is not None:

@@ -13,7 +13,7 @@ from actspec.audit.rule import Rule
 from actspec.audit.rules import all_rules
 from actspec.audit.selection import DIAGNOSTICS, selected, strength
 from actspec.audit.settings import check_selectors
-from actspec.cli.options import add_format, describe
+from actspec.cli.options import add_force, add_format, describe
 from actspec.diagnostics import EXIT_CLEAN, AuditError, Collector, one_line
 from actspec.output import write_files
 from actspec.report.terminal import print_json
@@ -36,6 +36,7 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         "--symptom", metavar="WORD", help="what a symptom usually is, and which rule or command tells"
     )
     command.add_argument("--docs", metavar="DIR", help="write the pages of all rules to DIR")
+    add_force(command)
     add_format(command)
 
 
@@ -47,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
     arguments.rule = [_code(selector) for selector in arguments.rule]
     checks = () if arguments.all else _checks(arguments.rule)
     if arguments.docs is not None:
-        _write(arguments.docs, rules)
+        _write(arguments.docs, rules, arguments.force)
         return EXIT_CLEAN
     if not arguments.all:
         rules = _chosen(arguments.rule, rules, checks)
@@ -145,7 +146,8 @@ def _chosen(
     return selected(rules, selectors, ())
 
 
-def _write(folder: str, rules: tuple[type[Rule], ...]) -> None:
+def _write(folder: str, rules: tuple[type[Rule], ...], force: bool) -> None:
     """One file a rule, and the index."""
     texts = {f"{rule.code.lower()}.md": page(rule) for rule in rules} | {INDEX: index(rules)}
-    write_files([(os.path.join(folder, name), text.encode("utf-8")) for name, text in texts.items()])
+    files = [(os.path.join(folder, name), text.encode("utf-8")) for name, text in texts.items()]
+    write_files(files, force=force)

@@ -9,7 +9,7 @@ from typing import Any
 
 from actspec import api
 from actspec.cli import sysid_import, sysid_report
-from actspec.cli.options import Lines, add_format, describe, joints_named, natural, quantity_of
+from actspec.cli.options import Lines, add_force, add_format, describe, joints_named, natural, quantity_of
 from actspec.cli.recordings import add_logs, read_logs, warned
 from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed
 from actspec.report.terminal import Progress, print_diagnostics, print_json
@@ -65,7 +65,7 @@ def _add_design(command: argparse.ArgumentParser) -> None:
     )
     command.add_argument("spec", metavar="SPEC", help="actuator spec (YAML)")
     command.add_argument("-o", "--output", required=True, metavar="LOG", help="log of commands, .csv or .npz")
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
     command.add_argument(
         "--experiment",
         required=True,
@@ -104,7 +104,7 @@ def _add_simulate(command: argparse.ArgumentParser) -> None:
         "--command", required=True, metavar="LOG", dest="commands", help="log with the commands"
     )
     command.add_argument("-o", "--output", required=True, metavar="LOG", help="the new log, .csv or .npz")
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
     command.add_argument("--seed", type=natural, required=True, metavar="N", help="of all noise")
     command.add_argument(
         "--encoder-bits", type=natural, default=0, metavar="N", help="over one turn, e.g. 14"
@@ -138,7 +138,7 @@ def _add_fit(command: argparse.ArgumentParser) -> None:
         help="log that the fit does not see: its position error is the held-out one; may be given again",
     )
     command.add_argument("--hold", default="", metavar="F,...", help="fields to hold at the spec's")
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
     add_format(command)
 
 
@@ -168,10 +168,10 @@ def _need_scipy() -> None:
 
 def _design(arguments: argparse.Namespace) -> int:
     from actspec.logs import LogError, check_log_path, write_log
-    from actspec.output import check_free
+    from actspec.owned import check_free
     from actspec.sysid.design import design
 
-    check_free(arguments.output, [arguments.spec], arguments.force)
+    check_free(arguments.output, [arguments.spec], arguments.force, again=True)
     check_log_path(arguments.output)
     out = Collector()
     duration = quantity_of(arguments.duration, Kind.TIME, "--duration", "SYS042", out)
@@ -192,7 +192,7 @@ def _design(arguments: argparse.Namespace) -> int:
         linear=arguments.linear,
         seed=arguments.seed,
     )
-    write_log(made.log)
+    write_log(made.log, force=arguments.force)
     shown = [
         f"{joint} +-{size:.3g} {'m' if made.log.joints[joint].linear else 'rad'} ({made.limited_by[joint]})"
         for joint, size in made.amplitudes.items()
@@ -205,10 +205,10 @@ def _design(arguments: argparse.Namespace) -> int:
 
 def _simulate(arguments: argparse.Namespace) -> int:
     from actspec.logs import LogError, check_log_path, load_log, write_log
-    from actspec.output import check_free
+    from actspec.owned import check_free
     from actspec.sysid.virtual import Flaws, follow
 
-    check_free(arguments.output, [arguments.spec, arguments.commands], arguments.force)
+    check_free(arguments.output, [arguments.spec, arguments.commands], arguments.force, again=True)
     check_log_path(arguments.output)
     out = Collector()
     values: dict[str, Any] = {
@@ -240,14 +240,15 @@ def _simulate(arguments: argparse.Namespace) -> int:
             arguments.seed,
             progress.step,
         )
-    write_log(log)
+    write_log(log, force=arguments.force)
     print(f"wrote {arguments.output}: {len(log.time)} rows of {len(found)} joints")
     return EXIT_CLEAN
 
 
 def _fit(arguments: argparse.Namespace) -> int:
     from actspec.logs import check_results_path
-    from actspec.output import check_free, write_spec
+    from actspec.output import write_text
+    from actspec.owned import check_free
     from actspec.report.sysid import sysid_lines, sysid_record
     from actspec.sysid.methods import fit_by
     from actspec.sysid.results import results_text
@@ -264,7 +265,7 @@ def _fit(arguments: argparse.Namespace) -> int:
     options = FitOptions(frozenset(_names(arguments.free)), frozenset(_names(arguments.hold)))
     found = fit_by(arguments.method, api.resolve(spec, robot), robot, logs, options, validation)
     if output is not None:
-        write_spec(output, results_text(found, logs, spec.document))
+        write_text(output, results_text(found, logs, spec.document), force=arguments.force)
     if arguments.output_format == "json":
         print_json(sysid_record(found, output))
     else:

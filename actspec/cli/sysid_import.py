@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from actspec.cli.options import describe, quantity_needed
+from actspec.cli.options import add_force, describe, quantity_needed
 from actspec.cli.recordings import warned
 from actspec.diagnostics import Collector
 from actspec.logs import LogError
@@ -50,13 +50,14 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--linear", action="store_true", help="mujoco-sysid: the joints are slides, in m and N"
     )
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Read, and write the results file."""
     from actspec.logs import check_results_path
-    from actspec.output import check_free, write_spec
+    from actspec.output import write_text
+    from actspec.owned import check_free
     from actspec.report.foreign import imported_lines
     from actspec.spec.document import document_from_text
     from actspec.spec.results import validate_results
@@ -79,7 +80,7 @@ def run(arguments: argparse.Namespace) -> int:
     found = read_foreign(arguments.tool, arguments.file, options, collector)
     text = foreign_text(found, arguments.robot)
     validate_results(document_from_text(text, arguments.output))
-    write_spec(arguments.output, text)
+    write_text(arguments.output, text, force=arguments.force)
     print_diagnostics(collector.sorted())
     print("\n".join(imported_lines(found)))
     print(f"wrote {arguments.output}")

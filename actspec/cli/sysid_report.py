@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from actspec import api
-from actspec.cli.options import describe
+from actspec.cli.options import add_force, describe
 from actspec.diagnostics import (
     EXIT_CLEAN,
     EXIT_FINDINGS,
@@ -50,12 +50,13 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         metavar="LOG",
         help="a log of the fit, where it lies now; may be repeated",
     )
-    command.add_argument("--force", action="store_true", help="replace a file that is there")
+    add_force(command)
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the page."""
-    from actspec.output import check_free, write_files
+    from actspec.output import write_text
+    from actspec.owned import check_free
     from actspec.report.sysid_page import Identified, render
     from actspec.spec.document import load_document
     from actspec.spec.results import validate_results
@@ -86,7 +87,7 @@ def run(arguments: argparse.Namespace) -> int:
     shown = Identified(
         document.path, results, document.text_sha256, spec, actuators, replays, tuple(logs), out.sorted()
     )
-    write_files([(arguments.output, render(shown).encode("utf-8", "backslashreplace"))])
+    write_text(arguments.output, render(shown), force=arguments.force)
     print_diagnostics(shown.findings)
     print(f"wrote {one_line(arguments.output)}")
     missing = any(item.severity is not Severity.INFO for item in shown.findings)

@@ -18,7 +18,8 @@ from actspec.diagnostics import Collector, Span
 from actspec.laws.network import Dense, Layers
 from actspec.learn.torchscript import loaded, program_of
 from actspec.logs import LogError
-from actspec.placing import finish, place
+from actspec.owned import is_own, put, say_lost
+from actspec.placing import finish
 from actspec.readings.onnx_network import ACTIVATIONS, NetworkFileError, read_onnx
 
 if TYPE_CHECKING:
@@ -68,17 +69,21 @@ def check_output(path: str, *, force: bool) -> None:
         out.error("LRN001", "not a folder", where="-o", span=Span(folder))
     finish(paths.values())
     for there in (there for there in paths.values() if os.path.lexists(there) and not force):
-        out.error("OUT001", "the file is there already", span=Span(there), help="--force replaces it")
+        if not is_own(there):
+            say_lost(there, out)
     out.raise_if_failed(LogError)
 
 
-def write_network(path: str, layers: Layers, manifest: Mapping[str, Any]) -> dict[str, str]:
+def write_network(
+    path: str, layers: Layers, manifest: Mapping[str, Any], *, force: bool = False
+) -> dict[str, str]:
     """Write a network's files.
 
     Args:
         path: `DIR/NAME`; folders that are not there are made.
         layers: The network; its weights are written as float32.
         manifest: Keys of `actspec-network/1`; format, kind, sizes and files are filled in.
+        force: Whether other files that are there are replaced.
 
     Returns: The paths, as `network_paths_of`.
 
@@ -95,7 +100,7 @@ def write_network(path: str, layers: Layers, manifest: Mapping[str, Any]) -> dic
     if layers.recurrent:
         entries |= {"hidden_size": layers.hidden, "num_layers": len(layers.recurrent)}
     entries["files"] = file_entries(paths, data)
-    write_files(path, data, manifest_text(entries))
+    write_files(path, data, manifest_text(entries), force=force)
     return paths
 
 
@@ -107,17 +112,17 @@ def file_entries(paths: Mapping[str, str], data: Mapping[str, bytes]) -> dict[st
     }
 
 
-def write_files(path: str, data: Mapping[str, bytes], manifest: str) -> None:
+def write_files(path: str, data: Mapping[str, bytes], manifest: str, *, force: bool) -> None:
     """Write a network's files, all or none.
 
     Raises:
+        EmitError: another file is there, and not `force`; nothing was written.
         LogError: one cannot be written; nothing was.
     """
     paths = network_paths_of(path)
     try:
-        place(
-            [*((paths[form], found) for form, found in data.items()), (paths["manifest"], manifest.encode())]
-        )
+        files = [(paths[form], found) for form, found in data.items()]
+        put([*files, (paths["manifest"], manifest.encode())], force=force)
     except OSError as err:
         message = f"cannot be written: {err.strerror or err}"
         raise LogError.of("LRN001", message, Span(err.filename or path)) from err

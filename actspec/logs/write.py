@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from actspec.diagnostics import Span
 from actspec.files import FAULTS, why
 from actspec.logs.log import BASE, SIGNALS, JointLog, Log, LogError
-from actspec.placing import replace_file
+from actspec.owned import put
 
 if TYPE_CHECKING:
     import numpy as np
@@ -35,10 +35,15 @@ def check_log_path(path: str) -> None:
         raise LogError.of("LOG001", message, Span(path))
 
 
-def write_log(log: Log) -> None:
+def write_log(log: Log, *, force: bool = False) -> None:
     """Write the rows of a log to its path, in one step, with its folders; the sidecar is not written.
 
+    Args:
+        log: The log.
+        force: Whether another file that is there is replaced; the same rows need it not.
+
     Raises:
+        EmitError: another file is there.
         LogError: it cannot be written; what was there is untouched.
     """
     import numpy as np
@@ -65,8 +70,7 @@ def write_log(log: Log) -> None:
         np.savetxt(text, np.column_stack(columns), fmt=f"%.{DIGITS}g", delimiter=",")
         data = text.getvalue().encode()
     try:
-        os.makedirs(os.path.dirname(log.path) or ".", exist_ok=True)
-        replace_file(log.path, data)
+        put([(log.path, data)], force=force)
     except FAULTS as err:
         raise LogError.of("LOG001", f"the log cannot be written: {why(err)}", Span(log.path)) from err
 

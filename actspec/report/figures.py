@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 import math
 import os
@@ -53,7 +54,8 @@ def drawn(charts: Sequence[Chart], path: str) -> bytes:
     return _svg(charts).encode("utf-8") if kind == ".svg" else _matplotlib(charts, kind[1:])
 
 
-def _svg(charts: Sequence[Chart | Stacks]) -> str:
+def _svg(charts: Sequence[Chart | Stacks], beside: str = "") -> str:
+    """The charts as SVG; `beside` is the CSV of what they draw, by whose hash actspec knows it again."""
     pictures = [picture_of(chart) for chart in charts]
     sizes = [_size(picture) for picture in pictures]
     rows = [max(high for _, high in sizes[k : k + 2]) + 22.0 for k in range(0, len(sizes), 2)]
@@ -72,9 +74,10 @@ def _svg(charts: Sequence[Chart | Stacks]) -> str:
             picture = pictures[k].replace('class="plot"', sized, 1)
             body.append(f'<g transform="translate({x} {top + 20:.0f})">{picture}</g>')
         top += high + _GAP
+    told = f"; CSV: {hashlib.sha256(beside.encode('utf-8')).hexdigest()}" if beside else ""
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height:.0f}" width="{width}" '
-        f'height="{height:.0f}">\n<style>{_PALETTE}{plot_style()}</style>\n'
+        f'height="{height:.0f}">\n<!-- Written by `actspec`{told} -->\n<style>{_PALETTE}{plot_style()}</style>\n'
         '<rect class="paper" width="100%" height="100%"/>\n' + "\n".join(body) + "\n</svg>\n"
     )
 
@@ -111,7 +114,7 @@ def _matplotlib(charts: Sequence[Chart], kind: str) -> bytes:
         axes.tick_params(labelsize=8)
     out = io.BytesIO()
     # The same input gives the same bytes.
-    stamp = {"CreationDate": None} if kind == "pdf" else {"Software": None}
+    stamp = {"CreationDate": None, "Creator": "actspec"} if kind == "pdf" else {"Software": "actspec"}
     canvas.print_figure(out, format=kind, dpi=150, metadata=stamp)
     return out.getvalue()
 
@@ -165,8 +168,9 @@ def files_of(charts: Iterable[tuple[str, str, Chart | Stacks]]) -> Iterator[tupl
         while name.lower() in taken:
             name = f"{stem}-{len(taken)}"
         taken.add(name.lower())
-        yield f"{name}.svg", _svg([chart]).encode("utf-8")
-        yield f"{name}.csv", _csv(chart).encode("utf-8")
+        rows = _csv(chart)
+        yield f"{name}.svg", _svg([chart], rows).encode("utf-8")
+        yield f"{name}.csv", rows.encode("utf-8")
 
 
 def _csv(chart: Chart | Stacks) -> str:

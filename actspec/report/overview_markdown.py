@@ -23,7 +23,14 @@ def markdown(shown: Overview) -> str:
 
     Where all of it is too long, steps are left out first: `compare` has them.
     """
-    first = [f"## {escaped(shown.title)}", "", escaped(verdict(shown.diagnosis)), ""]
+    first = [
+        "<!-- Written by `actspec report`. -->",
+        "",
+        f"## {escaped(shown.title)}",
+        "",
+        escaped(verdict(shown.diagnosis)),
+        "",
+    ]
     first += ["### Actuators", "", *_actuators(shown), ""]
     first += ["### Findings", "", *(_findings(shown) or ["- none"]), "", "### Steps", ""]
     last = ["", "### Ablation", "", *_ablation(shown), ""]

@@ -20,6 +20,7 @@ def whole(title: str, body: Iterable[str], styles: Iterable[str] = ()) -> str:
     style = data_path("templates", "report/report.css").read_text(encoding="utf-8")
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+        '<meta name="generator" content="actspec">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
         # A second lock: should a name ever slip through unescaped, it can load and run nothing.
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src 'unsafe-inline'\">\n"

@@ -6,12 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from actspec.logs import Log
+from actspec.owned import head_of
 from actspec.spec.document import Document
 from actspec.spec.results import FORMAT
 from actspec.spec.variants import named
 from actspec.sysid.identified import Identification, Indicator, JointFit, Parameter, State
 
-HEAD = "# Written by `actspec sysid fit`. A spec takes it by `identified: THIS FILE` in a group.\n"
+HEAD = f"{head_of('sysid fit')} A spec takes it by `identified: THIS FILE` in a group.\n"
 DIGITS = 6
 """Significant digits. Chosen: an interval is never known to a thousandth of itself."""
 

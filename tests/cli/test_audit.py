@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 
 from actspec.cli.main import main
+from actspec.owned import is_own
 from actspec.report.terminal import Progress
 from tests.schemas import fits
 
@@ -145,10 +146,36 @@ def test_fixes_that_undo_each_other_end(capsys: pytest.CaptureFixture[str]) -> N
         Path(name).write_text(f'<mujoco><option timestep="{step}"/><include file="part.xml"/></mujoco>')
     run("audit", "fast.xml", "slow.xml", "--select", "DLY102", "--unsafe-fixes")
     assert capsys.readouterr().err.splitlines() == [
-        'part.xml: Set nsample="4"',
         "part.xml: AUD011 [warning]: its fixes undo each other: none is applied, and the file is as it was",
     ]
     assert Path("part.xml").read_text() == text
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        (["gone.xml"], "nothing is fixed: a name stands for no file, or a rule broke off"),
+        (["-o", "mine.txt"], "mine.txt: OUT003: exists already, and would be lost"),
+        (["-o", "leg.xml"], "AUD010 --output: this is one of the audited files"),
+    ],
+)
+def test_exit_code_2_has_fixed_nothing(
+    more: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Neither a file is changed, nor does it say so; the report is that of the files as they are."""
+    text = LEG.replace('<motor joint="hip"/>', '<motor joint="hip" delay="0.02" nsample="2"/>')
+    text = text.replace("<worldbody>", '<option timestep="0.005"/><worldbody>', 1)
+    Path("leg.xml").write_text(text)
+    Path("mine.txt").write_text("mine")
+    fix = ["--select", "DLY102", "--unsafe-fixes", "--output-format", "concise"]
+    assert run("audit", "leg.xml", *more, *fix) == 2
+    told = capsys.readouterr()
+    assert said in told.err and "Set nsample" not in told.err
+    assert (Path("leg.xml").read_text(), Path("mine.txt").read_text()) == (text, "mine")
+    assert ("DLY102" in told.out) == (more == ["gone.xml"])
+    assert run("audit", "leg.xml", *fix, "-o", "mine.txt", "--force") == 0
+    assert 'leg.xml: Set nsample="4"' in capsys.readouterr().err
+    assert 'nsample="4"' in Path("leg.xml").read_text() and "no findings" in Path("mine.txt").read_text()
 
 
 def test_the_same_of_many_joints_is_said_once(capsys: pytest.CaptureFixture[str]) -> None:
@@ -262,12 +289,14 @@ def test_an_unread_file_does_not_hide_the_others(capsys: pytest.CaptureFixture[s
     "output_format", ["full", "concise", "json", "sarif", "github", "junit", "markdown", "html"]
 )
 def test_output_file(output_format: str, folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """-o writes what would have been printed, and prints nothing."""
+    """-o writes what would have been printed, below a line by which actspec knows it again, and prints nothing."""
     assert run("audit", "leg.xml", "--output-format", output_format) == 0
     printed = capsys.readouterr().out
     assert run("audit", "leg.xml", "--output-format", output_format, "-o", "report") == 0
     assert capsys.readouterr() == ("", "")
-    assert (folder / "report").read_text(encoding="utf-8") == printed
+    head = "# Written by `actspec audit`.\n" if output_format in ("full", "concise", "github") else ""
+    assert (folder / "report").read_text(encoding="utf-8") == head + printed
+    assert is_own("report")
     assert "LIM101" in printed
 
 

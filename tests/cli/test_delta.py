@@ -163,7 +163,7 @@ def test_a_free_base(inside: Path, capsys: Any) -> None:
     assert log.base is not None
     for base, said in ((None, "does not tell how it moved"), (log.base, "no base.linear_velocity")):
         moved = None if base is None else replace(base, linear_velocity=None)
-        write_log(replace(log, path="held.npz", base=moved))
+        write_log(replace(log, path="held.npz", base=moved), force=True)
         assert main(["delta", "train", "spec.yaml", "held.npz", "-o", "held"]) == 2
         assert said in capsys.readouterr().err
 
@@ -243,12 +243,13 @@ def test_a_networks_history_is_in_no_policys_log(inside: Path, capsys: Any) -> N
         (["--seed", "-1"], "--seed must be at least 0"),
         (["--epochs", "0"], "--epochs must be at least 1"),
         (["--max-time", "1 us"], "the time is over before the first epoch"),
-        (["-o", "nets/delta"], "the file is there already"),
+        (["-o", "mine"], "mine.onnx: OUT003: exists already, and would be lost"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, list) else "",
 )
 def test_options_that_are_refused(inside: Path, capsys: Any, options: list[str], said: str) -> None:
     """Exit code 2, nothing written."""
+    Path("mine.onnx").write_text("mine")
     arguments = ["delta", "train", "spec.yaml", "walk.npz", "-o", "new", *options]
     assert main(arguments) == 2
     assert said in capsys.readouterr().err

@@ -87,7 +87,7 @@ def test_never_overwrites(folder: Path, capsys: pytest.CaptureFixture[str]) -> N
     (folder / "spec.yaml").write_text("mine\n", encoding="utf-8")
     assert main(["import", "robot.xml", "-o", "spec.yaml"]) == 2
     assert capsys.readouterr().err == (
-        "spec.yaml: OUT003: exists already\n"
+        "spec.yaml: OUT003: exists already, and would be lost\n"
         "  help: name another file, or replace it with --force\n"
         "1 error; nothing was written\n"
     )

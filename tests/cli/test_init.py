@@ -64,7 +64,7 @@ def test_never_overwrites(folder: Path, source: str | None, capsys: pytest.Captu
     arguments = ["init", "spec.yaml", *(["--from", source] if source else [])]
     assert main(arguments) == 2
     assert capsys.readouterr().err == (
-        "spec.yaml: OUT003: exists already\n"
+        "spec.yaml: OUT003: exists already, and would be lost\n"
         "  help: name another file, or replace it with --force\n"
         "1 error; nothing was written\n"
     )

@@ -12,6 +12,7 @@ import pytest
 from actspec.cli.main import main
 from actspec.laws.network import NetworkLaw
 from actspec.learn.evaluate import errors_of, graded
+from actspec.owned import kind_of
 from actspec.readings.onnx_network import read_onnx
 from tests.learn.pendulums import KD, KP, SPEC, folder, log
 from tests.schemas import fits
@@ -119,6 +120,8 @@ def test_evaluate(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys
     page = Path("legs.html").read_text("utf-8")
     # Motion once, torque and errors of each joint.
     assert page.count("<svg class") == 5 and "<script" not in page and "arm: good" in page
+    assert kind_of(Path("legs.html").read_bytes()) == "page"
+    Path("legs.html").write_text("mine")
     assert main([*arguments, "--html", "legs.html"]) == 2
     assert "OUT003: exists already" in capsys.readouterr().err
     assert main([*arguments, "--html", "spec.yaml", "--force"]) == 2
@@ -203,7 +206,7 @@ def test_a_trained_network_compiles(trained: tuple[Path, dict[str, Any]], monkey
 @pytest.mark.parametrize(
     ("arguments", "code"),
     [
-        (["train", "spec.yaml", "2.npz", "-o", "nets/legs"], "OUT001"),
+        (["train", "spec.yaml", "2.npz", "-o", "mine"], "OUT003"),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--hidden", "0"], "LRN015"),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--taps", "0"], "LRN015"),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--max-time", "5 m"], "LRN015"),
@@ -223,6 +226,7 @@ def test_what_is_refused(
     path, _ = trained
     monkeypatch.chdir(path)
     Path("pickle.npz").write_bytes(b"\x80\x04\x95\x00")
+    Path("mine.pt").write_bytes(b"mine")
     text = Path("nets/legs.json").read_text("utf-8")
     Path("other.json").write_text(text.replace('"legs.onnx"', '"other.onnx"'), "utf-8")
     Path("other.onnx").write_bytes(b"other")

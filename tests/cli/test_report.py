@@ -14,6 +14,7 @@ from lxml import html
 
 import actspec
 from actspec.cli.main import main
+from actspec.owned import is_own, kind_of
 from tests.audit.report.test_browser import CHROMIUM, looked
 from tests.schemas import fits
 
@@ -106,17 +107,23 @@ def test_what_the_page_holds(folder: Path) -> None:
 
 
 def test_same_input_same_bytes(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A second run writes the same page; without --force it does not write."""
+    """A second run writes the same page; over a file of somebody else without --force it does not write."""
     monkeypatch.chdir(folder)
     before = (folder / "report.html").read_bytes()
-    assert main(["report", "leg.yaml", "log.csv", "-o", "report.html"]) == 2
+    assert kind_of(before) == "page"
+    again = folder / "again.html"
+    again.write_text("mine")
+    assert main(["report", "leg.yaml", "log.csv", "-o", "again.html"]) == 2
+    assert again.read_text() == "mine"
+    again.write_bytes(before + b"of an older run")
     assert main(["report", "leg.yaml", "log.csv", "-o", "again.html", "--fail-on", "never"]) == 0
-    assert (folder / "again.html").read_bytes() == before
+    assert again.read_bytes() == before
 
 
 def test_figures_are_files_too(folder: Path) -> None:
     """Each picture as SVG, and its points as CSV: 200 of the knee's are beyond, at 8 rad/s and 9 N*m."""
     names = sorted(path.name for path in (folder / "figures").iterdir())
+    assert all(is_own(str(folder / "figures" / name)) for name in names)
     assert all(re.fullmatch(r"[A-Za-z0-9_.-]+", name) for name in names)
     assert {name.partition("-")[0] for name in names} == {"envelope", "step", "damping", "tracking"}
     with open(folder / "figures" / "envelope-knee.csv", newline="") as file:

@@ -11,6 +11,7 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.logs import load_log
+from actspec.owned import kind_of
 from actspec.resources import data_path
 from tests.schemas import fits
 from tests.sysid.test_fit import MODEL, SPEC
@@ -80,7 +81,9 @@ def test_fit_compiles(
     assert shown["origin"] == "identified"
     assert shown["value"] == pytest.approx(found["kp"]["value"], rel=1e-5)
     assert shown["std"] == pytest.approx(found["kp"]["std"], rel=1e-5)
-    # A file that is there stays.
+    # Results are written again, another file stays.
+    assert kind_of(Path("r.yaml").read_bytes()) == "sysid fit"
+    Path("r.yaml").write_text("mine")
     assert main(["sysid", "fit", "spec.yaml", "log.csv", "-o", "r.yaml"]) == 2
     assert "--force" in capsys.readouterr().err
 

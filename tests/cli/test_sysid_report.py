@@ -331,7 +331,7 @@ def test_results_do_not_choose_what_is_read(
 
 
 def test_files_that_are_there_stay(bench: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A page is replaced by --force alone, what is read never; a file in place of a folder is reported."""
+    """Another file is replaced by --force alone, what is read never; a file in place of a folder is reported."""
     (bench / "r.html").write_text("mine")
     assert report() == 2
     assert "--force" in capsys.readouterr().err

@@ -138,7 +138,7 @@ def test_a_network_that_onnx_cannot_hold_writes_nothing(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("path", "code"), [("nets/", "LRN001"), ("a\\b", "LRN001"), ("file/legs", "LRN001"), ("there", "OUT001")]
+    ("path", "code"), [("nets/", "LRN001"), ("a\\b", "LRN001"), ("file/legs", "LRN001"), ("there", "OUT003")]
 )
 def test_names_that_are_refused(path: str, code: str, tmp_path: Path, monkeypatch: Any) -> None:
     """No name, a folder that is a file, a file that is there; and `--force` takes the last."""

@@ -15,7 +15,18 @@ ROOT = Path(__file__).resolve().parents[2]
 PACKAGE = ROOT / "actspec"
 
 LAYERS = (
-    {"units", "diagnostics", "guest", "resources", "files", "libraries", "patterns", "placing", "processes"},
+    {
+        "units",
+        "diagnostics",
+        "guest",
+        "resources",
+        "files",
+        "libraries",
+        "owned",
+        "patterns",
+        "placing",
+        "processes",
+    },
     {"joints"},
     {"fields"},
     {"ir", "simulators"},

@@ -14,6 +14,7 @@ from lxml import etree
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import Collector
+from actspec.owned import is_own
 from actspec.resources import data_path
 from actspec.study.compare import Comparison, compare
 from actspec.study.variants import Assumed
@@ -186,9 +187,13 @@ def test_output_and_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ca
     text = " ".join(picture.itertext())
     assert picture.tag == "{http://www.w3.org/2000/svg}svg"
     assert "j0: step worth half of the effort limit" in text
+    (tmp_path / "wheels.svg").write_text("<svg/>")
     assert main(arguments) == 2
     assert "wheels.svg: OUT003: exists already" in capsys.readouterr().err
+    assert main([*arguments, "--plot", "Wheels.svg"]) == 2
+    assert "'Wheels.svg' is named twice" in capsys.readouterr().err
     assert main([*arguments, "--force"]) == 0
+    assert is_own("wheels.svg")
     shown = capsys.readouterr().out
     assert "changes of PD and limit: " in shown
     assert "the delay (not in the spec)" in shown

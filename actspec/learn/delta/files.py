@@ -75,13 +75,16 @@ def model_hash(actuators: ActuatorSet, robot: RobotView) -> str:
     return digest.hexdigest()
 
 
-def write_delta(path: str, layers: DeltaLayers, manifest: Mapping[str, Any]) -> dict[str, str]:
+def write_delta(
+    path: str, layers: DeltaLayers, manifest: Mapping[str, Any], *, force: bool = False
+) -> dict[str, str]:
     """Write a delta action's files.
 
     Args:
         path: `DIR/NAME`.
         layers: The network.
         manifest: Keys of `actspec-delta/1`; format, inputs, outputs, limit and files are filled in.
+        force: Whether other files that are there are replaced.
 
     Returns: The paths, as `network_paths_of`.
 
@@ -102,7 +105,7 @@ def write_delta(path: str, layers: DeltaLayers, manifest: Mapping[str, Any]) -> 
     }
     DeltaManifest.model_validate(entries)
     kept = {name: entries[name] for name in DeltaManifest.model_fields if entries.get(name) is not None}
-    write_files(path, data, json.dumps(kept, indent=2, ensure_ascii=False) + "\n")
+    write_files(path, data, json.dumps(kept, indent=2, ensure_ascii=False) + "\n", force=force)
     return paths
 
 

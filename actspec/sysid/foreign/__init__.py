@@ -14,6 +14,7 @@ from actspec.diagnostics import Collector, Span, listed
 from actspec.files import FAULTS, TooLarge, read_regular, why
 from actspec.logs import LogError
 from actspec.logs.tables import PICKLES
+from actspec.owned import head_of
 from actspec.spec.results import FORMAT
 from actspec.sysid.foreign.figures import Found, Given, Options
 
@@ -25,7 +26,7 @@ TOOLS: Mapping[str, str] = {
 }
 """Tool to the module whose `read` understands its files, and whose `EXPORT` makes text of a pickle."""
 
-HEAD = "# Written by `actspec sysid import`. A spec takes it by `identified: THIS FILE` in a group.\n"
+HEAD = f"{head_of('sysid import')} A spec takes it by `identified: THIS FILE` in a group.\n"
 MAX_BYTES = 4 * 2**20
 """Largest file [bytes]. Chosen: a thousand times what the tools write."""
 
