@@ -8,11 +8,15 @@ import os
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from actspec import owned
 from actspec.diagnostics import EmitError
 from actspec.owned import check_free, head_of, is_own, kind_of, put
+from actspec.report.axes import Axis
+from actspec.report.figures import drawn
+from actspec.report.plot import Chart, Line
 
 LOCK = b'{\n  "files": {},\n  "format": "actspec-lock/1"\n}\n'
 RESULTS = f"{head_of('sysid fit')} A spec takes it.\nformat: actspec-results/1\n".encode()
@@ -81,6 +85,17 @@ def test_files_that_others_tell(name: str, teller: str, marked: str, tmp_path: P
     # It was changed since.
     with pytest.raises(EmitError):
         put([(str(path), b"PK other")], force=False)
+
+
+@pytest.mark.parametrize("kind", ["svg", "png", "pdf"])
+def test_pictures_tell(kind: str) -> None:
+    """By a comment, or by the program in their metadata; the one of another program does not."""
+    if kind != "svg":
+        pytest.importorskip("matplotlib")
+    line = Line(np.array([0.0, 1.0]), np.array([0.0, 2.0]))
+    data = drawn([Chart("hip", Axis("time", "s"), Axis("torque", "N*m"), [line])], f"a.{kind}")
+    assert kind_of(data) == kind
+    assert kind_of(data.replace(b"actspec", b"another")) is None
 
 
 def test_streams_are_no_files(tmp_path: Path) -> None:

@@ -192,6 +192,8 @@ def _settings(arguments: argparse.Namespace) -> Settings:
             out.error("AUD010", f"needs --output-format {' or '.join(formats)}", where=option)
     if arguments.write_baseline is not None and (arguments.fix or arguments.unsafe_fixes or arguments.diff):
         out.error("AUD010", "fix first, then write what is left", where="--write-baseline")
+    if arguments.write_baseline is not None and arguments.output is not None:
+        out.error("AUD010", "and --output exclude each other", where="--write-baseline")
     if arguments.no_baseline and arguments.baseline is not None:
         out.error("AUD010", "and --baseline exclude each other", where="--no-baseline")
     select = tuple(code for group in arguments.select or () for code in group)

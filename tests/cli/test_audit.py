@@ -102,6 +102,7 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
         (["--statistics", "--output-format", "json"], 2),
         (["--ledger", "--output-format", "sarif"], 2),
         (["--write-baseline", "b.json", "--diff"], 2),
+        (["--write-baseline", "b.json", "-o", "r.txt"], 2),
         (["--output", "gone/report.txt"], 2),
         (["--spec", "leg.xml"], 2),
     ],
