@@ -105,13 +105,13 @@ def compile(
             emission = emitter(options.kind)(actuators, robot, options)
         except EmitError as err:
             for item in err.diagnostics:
-                collector.add(_placed(item, loaded))
+                collector.add(_placed(item, loaded, options))
             continue
         emissions.append(emission)
         title = "MuJoCo with the Euler integrator" if options.kind == "mujoco" else options.name
         explicit[title] = explicit.get(title, frozenset()) | emission.explicit
         for item in emission.diagnostics:
-            collector.add(item)
+            collector.add(_placed(item, loaded, options))
     for item in check_actuators(actuators, explicit):
         collector.add(item)
     if any(actuator.network is not None for actuator in actuators.joints):
@@ -124,11 +124,19 @@ def compile(
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 
 
-def _placed(item: Diagnostic, spec: Spec) -> Diagnostic:
-    """An error of a target about the spec's robot, where the spec names it."""
-    if item.span is not None or item.where != "robot.model":
+def _placed(item: Diagnostic, spec: Spec, options: TargetOptions) -> Diagnostic:
+    """What a target says without a place, where the spec has what it is about: its robot, else the target.
+
+    A version of the command line has none.
+    """
+    if item.span is not None or item.where == options.where("version"):
         return item
-    return replace(item, span=spec.span("robot", "model"))
+    way, data = item.where.split("."), spec.document.data
+    if way[0] == "robot":
+        return replace(item, span=spec.span(*way))
+    if options.name in data.get("targets", {}):
+        return replace(item, span=spec.document.spans.key(("targets", options.name)))
+    return item
 
 
 def verify(

@@ -7,6 +7,8 @@ A stage collects all of its diagnostics before it stops (`Collector`).
 from __future__ import annotations
 
 import difflib
+import re
+import shlex
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
@@ -232,7 +234,25 @@ def one_line(text: str) -> str:
     """Make text from a stranger's file safe to print: one line, no control characters."""
     if text.isprintable():
         return text
+    text = bytes_escaped(text)
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode("ascii") for c in text)
+
+
+def shell_word(text: str) -> str:
+    """A name as a shell takes it, on one line and printable, to paste."""
+    quoted = shlex.quote(text)
+    if quoted.isprintable():
+        return quoted
+    inside = text.replace("\\", "\\\\").replace("'", "\\'")
+    return f"$'{one_line(inside)}'"
+
+
+def bytes_escaped(text: str) -> str:
+    """Text in which bytes of a file's name that are not UTF-8, to Python half surrogate pairs, stand as `\\xff`."""
+    return _BYTE.sub(lambda found: f"\\x{ord(found[0]) - 0xDC00:02x}", text)
+
+
+_BYTE = re.compile("[\udc80-\udcff]")
 
 
 def shortened(text: str, most: int = 60) -> str:

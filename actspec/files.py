@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
+import json
 import os
+import re
 import stat
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from typing import Any
+
+from actspec.diagnostics import bytes_escaped
 
 
 class NotRegular(Exception):
@@ -73,6 +78,36 @@ def changed(files: Mapping[str, bytes]) -> Iterator[None]:
         yield
     finally:
         _CHANGED.clear()
+
+
+def name_in_file(path: str) -> str:
+    """A path as files of actspec have it, in plain Unicode: a byte that is not UTF-8 is `\\xff`.
+
+    A backslash that would read as such a byte is `\\x5c`, so that no two paths have one name. Windows has no such
+    bytes, and backslashes between folders.
+    """
+    return path if os.sep != "/" else bytes_escaped(_LIKE_BYTE.sub(r"\\x5c", path))
+
+
+def path_of_name(name: str) -> str:
+    """The path that `name_in_file` has given this name."""
+    return name if os.sep != "/" else _NAMED_BYTE.sub(_byte, name)
+
+
+def _byte(found: re.Match[str]) -> str:
+    return "\\" if found[1] == "5c" else chr(0xDC00 + int(found[1], 16))
+
+
+_NAMED_BYTE = re.compile(r"\\x(5c|[89a-f][0-9a-f])")
+_LIKE_BYTE = re.compile(r"\\(?=x(?:5c|[89a-f][0-9a-f]))")
+
+
+def json_of(data: Any, *, indent: int | None = 2, sort_keys: bool = False) -> str:
+    """JSON to be kept in a file: Unicode, but nothing that cannot be printed; NaN and infinity are refused."""
+    text = json.dumps(data, indent=indent, sort_keys=sort_keys, ensure_ascii=False, allow_nan=False)
+    if text.isprintable():
+        return text
+    return "".join(c if c == "\n" or c.isprintable() else json.dumps(c)[1:-1] for c in text)
 
 
 def read_regular(path: str, most: int) -> bytes:

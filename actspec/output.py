@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import actspec
-from actspec.diagnostics import Collector, Diagnostic, EmitError, Span
-from actspec.files import FAULTS, why
+from actspec.diagnostics import Collector, Diagnostic, EmitError, Span, one_line
+from actspec.files import FAULTS, json_of, name_in_file, why
 from actspec.owned import put
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
 
@@ -171,7 +171,7 @@ def diff_lines(old: bytes, new: bytes, before: str, after: str) -> Iterator[str]
         after: What the new file is called.
     """
     first, second = (data.decode("utf-8", "replace").splitlines(keepends=True) for data in (old, new))
-    for line in difflib.unified_diff(first, second, before, after):
+    for line in difflib.unified_diff(first, second, one_line(before), one_line(after)):
         yield line if line.endswith("\n") else line + "\n"
 
 
@@ -220,7 +220,7 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
     record = {
         "format": MANIFEST_FORMAT,
         "tool": f"actspec {actspec.__version__}",
-        "spec": os.path.basename(compilation.spec.document.path),
+        "spec": name_in_file(os.path.basename(compilation.spec.document.path)),
         "spec_sha256": compilation.actuators.spec_sha256,
         **({"variant": compilation.actuators.variant} if compilation.actuators.variant else {}),
         "target": {"name": options.name, "kind": options.kind, "version": options.version},
@@ -229,7 +229,7 @@ def _manifest(compilation: Compilation, options: TargetOptions, emission: Emissi
             loss_record(loss) for loss in (*compilation.actuators.approximations, *emission.approximations)
         ],
     }
-    return (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode("utf-8")
+    return f"{json_of(record)}\n".encode()
 
 
 def is_ours(file: Output) -> bool:

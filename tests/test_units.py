@@ -310,6 +310,9 @@ ANGLE = "angle is a dimension of its own: write `{}` if that is meant"
         ("1e999 N*m", Kind.TORQUE, "1e999 is out of range for a torque", None),
         ("1e-999 s", Kind.TIME, "1e-999 is out of range for a time", None),  # not the 0 that is always fine
         ("1e308 kN", Kind.TORQUE, "1e308 kN is out of range for a torque", None),
+        ("1e48 kN*m", Kind.TORQUE, "1e48 kN*m is out of range for a torque", None),
+        ("-1e200", Kind.RATIO, "-1e200 is out of range for a ratio", None),
+        (1e-60, Kind.RATIO, "1e-60 is out of range for a ratio", None),
         ("5e-324 ms", Kind.TIME, "5e-324 ms is out of range for a time", None),
         ("5 N\x1b[31m", Kind.TORQUE, "5 N\\x1b[31m is not a torque: unexpected `\\x1b`", TORQUES),
     ],

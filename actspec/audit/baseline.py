@@ -15,7 +15,7 @@ from actspec.audit.outcome import Means, Reported, Suppressed
 from actspec.audit.places import json_fault, json_places
 from actspec.audit.selection import is_diagnostic
 from actspec.diagnostics import AuditError, Diagnostic, Severity, Span
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, json_of, name_in_file, read_regular
 from actspec.owned import put_file
 
 FORMAT = "actspec-baseline/1"
@@ -69,7 +69,7 @@ def entry_of(finding: Finding, folder: str) -> Entry:
     value = finding.value if finding.value is not None and math.isfinite(finding.value) else None
     return Entry(
         finding.code,
-        relative_path(finding.span.path, folder),
+        name_in_file(relative_path(finding.span.path, folder)),
         finding.joint,
         None if value is None else float(f"{value:.4g}"),
         None if value is None else finding.unit or None,
@@ -81,7 +81,7 @@ def entry_about(item: Diagnostic, folder: str) -> Entry | None:
     settable = is_diagnostic(item.code) and item.code not in _OF_RUNS
     if item.severity is not Severity.WARNING or item.span is None or not settable:
         return None
-    return Entry(item.code, relative_path(item.span.path, folder), item.where)
+    return Entry(item.code, name_in_file(relative_path(item.span.path, folder)), item.where)
 
 
 def relative_path(path: str, folder: str) -> str:
@@ -105,7 +105,7 @@ def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagno
     counts = Counter(entry_of(reported.finding, folder) for reported in findings)
     counts.update(filter(None, (entry_about(item, folder) for item in said)))
     records = [_record(entry, counts[entry]) for entry in sorted(counts, key=_place)]
-    lines = ",\n".join("    " + json.dumps(record, ensure_ascii=False) for record in records)
+    lines = ",\n".join("    " + json_of(record, indent=None) for record in records)
     body = f"[\n{lines}\n  ]" if records else "[]"
     return f'{{\n  "format": "{FORMAT}",\n  "findings": {body}\n}}\n'
 
@@ -129,7 +129,7 @@ def write_baseline(
         EmitError: there is another file, and not `force`.
     """
     try:
-        data = baseline_text(findings, path, said).encode("utf-8", "surrogatepass")
+        data = baseline_text(findings, path, said).encode()
         put_file(path, data, force=force)
     except (OSError, ValueError) as err:
         reason = (getattr(err, "strerror", None) or str(err)).lower()

@@ -34,6 +34,7 @@ from actspec.audit.rules import all_rules
 from actspec.audit.selection import ALL, DIAGNOSTICS, is_selected, strength
 from actspec.audit.settings import Settings
 from actspec.diagnostics import Diagnostic, Severity, Span, listed
+from actspec.files import name_in_file
 from actspec.readings.artifact import FileReading
 from actspec.readings.read import FAULT, PendingFiles, without_fragments
 
@@ -309,7 +310,7 @@ def _stale(
 ) -> Iterator[Diagnostic]:
     """Entries of the baseline that are no longer found, of files and rules that were looked at."""
     files = {
-        relative_path(file.path, folder)
+        name_in_file(relative_path(file.path, folder))
         for reading in case.files
         if reading.readable
         for file in reading.files

@@ -20,7 +20,7 @@ from actspec.audit.places import json_fault, json_places
 from actspec.audit.settings import read_versions
 from actspec.diagnostics import AuditError, Collector, Path, Span, one_line, shortened
 from actspec.fields import FIELDS
-from actspec.files import FAULTS, read_regular, why
+from actspec.files import FAULTS, json_of, name_in_file, path_of_name, read_regular, why
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure
 from actspec.readings.dynamics import SETTING_NOUNS, JointDynamics, RobotDynamics, dynamics_of
@@ -62,9 +62,7 @@ def locked(case: Case, names: Mapping[str, str]) -> dict[str, Any]:
 
 def text_of(lock: Mapping[str, Any]) -> bytes:
     """A lock as the bytes of its file: sorted, one figure a line."""
-    text = json.dumps(lock, indent=2, sort_keys=True, ensure_ascii=False, allow_nan=False)
-    # A file's name that is not UTF-8 has lone surrogates, whose escape is one of JSON too.
-    return f"{text}\n".encode("utf-8", "backslashreplace")
+    return f"{json_of(lock, sort_keys=True)}\n".encode()
 
 
 def changes(
@@ -128,7 +126,7 @@ def names_in_lock(files: Sequence[str], lock: str) -> dict[str, str]:
     found: dict[str, str] = {}
     for file in files:
         try:
-            name = os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/")
+            name = name_in_file(os.path.relpath(os.path.abspath(file), folder).replace(os.sep, "/"))
         except ValueError as err:
             raise AuditError.of("LCK001", f"has no path relative to {one_line(folder)}", Span(file)) from err
         if name not in found.values():
@@ -139,7 +137,7 @@ def names_in_lock(files: Sequence[str], lock: str) -> dict[str, str]:
 def recorded_files(lock: Mapping[str, Any], path: str) -> dict[str, str]:
     """Files of a lock and what it calls them."""
     folder = os.path.dirname(path)
-    return {os.path.join(folder, *name.split("/")): name for name in lock["files"]}
+    return {os.path.join(folder, *path_of_name(name).split("/")): name for name in lock["files"]}
 
 
 def read_lock(path: str, data: bytes, *, figures: bool = True) -> dict[str, Any]:

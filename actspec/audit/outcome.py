@@ -142,7 +142,8 @@ class Report:
 def _from_text(file: FileReading) -> Iterator[Diagnostic]:
     """Why a file was judged from its text alone; for a URDF without a mass, and a part of a model, that is no loss."""
     part = any(artifact.is_part for artifact in file.artifacts)
-    for refusal in dict.fromkeys(artifact.text_only for artifact in file.artifacts):
+    refusals = ((artifact.text_only, artifact.refused_at) for artifact in file.artifacts)
+    for refusal, place in dict.fromkeys(refusals):
         if refusal is None:
             continue
         if file.kind is FileKind.URDF and not any(b"<inertial" in part.data for part in file.files):
@@ -150,7 +151,7 @@ def _from_text(file: FileReading) -> Iterator[Diagnostic]:
         else:
             message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
             severity = Severity.INFO if part else Severity.WARNING
-        yield Diagnostic("AUD013", severity, message, "", Span(file.path))
+        yield Diagnostic("AUD013", severity, message, "", place or Span(file.path))
 
 
 def _unpaired(case: Case) -> Iterator[Diagnostic]:

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import argparse
-import json
 import os
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -30,6 +28,7 @@ from actspec.diagnostics import (
     Span,
     SpecError,
     one_line,
+    shell_word,
 )
 from actspec.files import FAULTS, read_regular
 from actspec.spec.yaml_text import MAX_BYTES
@@ -80,7 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     from actspec import api, output
     from actspec.logs import load_log
     from actspec.report import ablation as report
-    from actspec.report.terminal import Progress, print_diagnostics, print_json
+    from actspec.report.terminal import Progress, json_text, print_diagnostics, print_json, print_lines
     from actspec.spec.variants import named
     from actspec.study.ablation import NAMES, variant_specs
     from actspec.study.replay import replay
@@ -129,8 +128,7 @@ def run(arguments: argparse.Namespace) -> int:
         out.sorted(),
     )
     record = report.record(found)
-    text = json.dumps(record, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-    top = [*script, EmittedFile(RECORD, text.encode("utf-8", "backslashreplace"))]
+    top = [*script, EmittedFile(RECORD, json_text(record).encode())]
     whole = [
         *(file for group in files.values() for file in group),
         *output.outputs(_beside(next(iter(made.values())), top, arguments.output, alone=True)),
@@ -141,7 +139,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         shown = report.lines if arguments.output_format == "text" else report.markdown
         print_diagnostics(found.findings)
-        print("\n".join(shown(found)))
+        print_lines(shown(found))
         if arguments.output_format == "text":
             changed = sum(file.changed for file in whole)
             print(f"\nwrote {changed} of {len(whole)} files in {one_line(arguments.output)}")
@@ -288,7 +286,7 @@ def _variants(
     from actspec.report.ablation import Variant
     from actspec.study.ablation import FIRST, changes
 
-    script = shlex.quote(os.path.join(arguments.output, TRAIN))
+    script = shell_word(os.path.join(arguments.output, TRAIN))
     for name, compilation in made.items():
         before = made[FIRST].actuators if FIRST in made and name != FIRST else actuators
         after = _with_networks_of(compilation.actuators, actuators)

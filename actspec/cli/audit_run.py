@@ -256,7 +256,7 @@ def _write_baseline(report: Report, path: str, force: bool) -> int:
     write_baseline(report.findings, path, said, force=force)
     about = sum(entry_about(item, "") is not None for item in said)
     more = f" and {many(about, 'warning')} about files" if about else ""
-    print(f"{path}: {many(len(report.findings), 'finding')}{more} written", file=sys.stderr)
+    print(f"{one_line(path)}: {many(len(report.findings), 'finding')}{more} written", file=sys.stderr)
     return EXIT_CLEAN
 
 

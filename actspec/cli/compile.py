@@ -18,11 +18,11 @@ from actspec.cli.options import (
     add_variant,
     describe,
 )
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, one_line
 from actspec.placing import finish
 from actspec.report.compile import summary
 from actspec.report.doubts import doubts, refusal
-from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
+from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.targets.base import Approximation
 
@@ -91,11 +91,10 @@ def run(arguments: argparse.Namespace) -> int:
             elif arguments.check:
                 for file in group:
                     if file.changed:
-                        print(f"{file.path}: {'missing' if file.old is None else 'stale'}")
+                        print(f"{one_line(file.path)}: {'missing' if file.old is None else 'stale'}")
             else:
-                print("\n".join(summary(compilation, group, written=not refused and not doubtful)))
-        for line in (*_refusals(refused), *refusal(doubtful)):
-            print(line, file=sys.stderr)
+                print_lines(summary(compilation, group, written=not refused and not doubtful))
+        print_lines((*_refusals(refused), *refusal(doubtful)), sys.stderr)
     if refused or doubtful or (dry and stale):
         return EXIT_FINDINGS
     return EXIT_CLEAN

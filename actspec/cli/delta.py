@@ -6,10 +6,10 @@ import argparse
 
 from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, shortened
 from actspec.ir import JointKind
 from actspec.logs import LogError
-from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.units import Kind, UnitError, parse_quantity
 
 MOST = 1.0
@@ -122,8 +122,8 @@ def _train(arguments: argparse.Namespace) -> int:
         print_json(train_record(trained, options, parts, entries["period"], paths, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print("\n".join(train_lines(trained, options, parts, len(samples.joints))))
-        print("wrote " + ", ".join(paths.values()))
+        print_lines(train_lines(trained, options, parts, len(samples.joints)))
+        print_lines(["wrote " + ", ".join(paths.values())])
     return warned(out)
 
 
@@ -148,7 +148,7 @@ def _validate(arguments: argparse.Namespace) -> int:
         print_json(validate_record(found, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print("\n".join(validate_lines(found)))
+        print_lines(validate_lines(found))
     return EXIT_FINDINGS if found.grade == "poor" else EXIT_CLEAN
 
 
@@ -156,7 +156,7 @@ def _check_numbers(arguments: argparse.Namespace) -> None:
     for name, least in (("epochs", 1), ("seed", 0)):
         value = getattr(arguments, name)
         if value is not None and not least <= value <= 2**31:
-            message = f"--{name} must be at least {least}, got {value}"
+            message = f"--{name} must be at least {least} and at most {2**31}, got {shortened(str(value))}"
             raise LogError.of("LRN050", message, where=f"--{name}")
 
 

@@ -50,7 +50,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Read, judge, print."""
     from actspec import api
     from actspec.report.diagnosis import lines, record
-    from actspec.report.terminal import print_diagnostics, print_json
+    from actspec.report.terminal import print_diagnostics, print_json, print_lines
     from actspec.spec.variants import named
     from actspec.study.diagnose import diagnose
 
@@ -64,7 +64,7 @@ def run(arguments: argparse.Namespace) -> int:
         print_json(record(found))
     else:
         print_diagnostics((*found.notes, *found.findings))
-        print("\n".join(lines(found)))
+        print_lines(lines(found))
     return EXIT_FINDINGS if failing(found.findings, arguments.fail_on) else EXIT_CLEAN
 
 

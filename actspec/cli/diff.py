@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 import tempfile
 
 from actspec.audit.difference import compare_files
@@ -11,7 +10,7 @@ from actspec.audit.revision import lay_out, names_revision
 from actspec.cli.options import add_format, add_versions, configured_versions, describe
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS
 from actspec.report.difference import record, report_lines
-from actspec.report.terminal import print_json
+from actspec.report.terminal import print_json, print_lines
 from actspec.spec.variants import named, split
 
 FORMAT = "actspec-diff/1"
@@ -56,5 +55,5 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json({"format": FORMAT, "robots": [record(item, old, new) for item in found]})
     else:
-        sys.stdout.writelines(f"{line}\n" for line in report_lines(found, old, new))
+        print_lines(report_lines(found, old, new))
     return EXIT_CLEAN if all(item.same for item in found) else EXIT_FINDINGS

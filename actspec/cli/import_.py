@@ -5,14 +5,23 @@ from __future__ import annotations
 import argparse
 import os
 import posixpath
-import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.cli.options import add_force, add_packages, add_versions, configured_versions, describe
-from actspec.diagnostics import EXIT_CLEAN, Collector, Diagnostic, Severity, Span, listed, one_line
+from actspec.diagnostics import (
+    EXIT_CLEAN,
+    Collector,
+    Diagnostic,
+    Severity,
+    Span,
+    listed,
+    one_line,
+    shell_word,
+)
+from actspec.files import name_in_file
 from actspec.output import write_text
 from actspec.owned import check_free
 from actspec.units import format_quantity
@@ -96,7 +105,7 @@ def import_files(
         damping: As in `draft`.
         packages: ROS packages and their folders, which the spec is to name.
     """
-    from actspec.report.terminal import print_diagnostics
+    from actspec.report.terminal import print_diagnostics, print_lines
 
     if output is not None:
         check_free(output, files, force, again=True)
@@ -111,8 +120,7 @@ def import_files(
         sys.stdout.write(spec.text)
     else:
         write_text(output, spec.text, force=force)
-    for line in _told(spec, combined, targets, output, files):
-        print(line, file=sys.stderr if output is None else sys.stdout)
+    print_lines(_told(spec, combined, targets, output, files), sys.stderr if output is None else sys.stdout)
     return EXIT_CLEAN
 
 
@@ -185,7 +193,7 @@ def _reference(file: str, folder: str) -> str:
     except ValueError:
         # Another drive of Windows: no relative path leads there.
         return os.path.abspath(file)
-    return f"./{found}" if found == "none" else found
+    return f"./{found}" if found == "none" else name_in_file(found)
 
 
 def _placed(combined: Combined, folder: str) -> Combined:
@@ -302,4 +310,4 @@ def _told(
 
 def commands(path: str, *names: str) -> list[str]:
     """Commands to go on with, ready to paste."""
-    return [f"  actspec {name} {shlex.quote(path)}" for name in names]
+    return [f"  actspec {name} {shell_word(path)}" for name in names]

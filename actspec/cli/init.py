@@ -6,9 +6,10 @@ import argparse
 
 from actspec.cli.import_ import commands, import_files
 from actspec.cli.options import add_force, describe
-from actspec.diagnostics import EXIT_CLEAN
+from actspec.diagnostics import EXIT_CLEAN, one_line
 from actspec.output import write_text
 from actspec.owned import check_free
+from actspec.report.terminal import print_lines
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -36,9 +37,8 @@ def run(arguments: argparse.Namespace) -> int:
 
     check_free(path, (), bool(arguments.force), again=True)
     write_text(path, starting_spec(), force=arguments.force)
-    print(f"wrote {path}: an example with every part of the language explained")
+    print(f"wrote {one_line(path)}: an example with every part of the language explained")
     print("next: name your robot's file in `robot.model`, put its numbers in, then")
-    for line in commands(path, "validate", "compile"):
-        print(line)
+    print_lines(commands(path, "validate", "compile"))
     print("or begin with what files say: actspec import robot.xml [robot_cfg.py ...] -o NEW.yaml")
     return EXIT_CLEAN

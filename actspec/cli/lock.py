@@ -33,7 +33,7 @@ from actspec.owned import put_file
 from actspec.readings.versions import Versions
 from actspec.report.difference import lines, record
 from actspec.report.tables import many
-from actspec.report.terminal import print_json
+from actspec.report.terminal import print_json, print_lines
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -110,7 +110,7 @@ def _check(arguments: argparse.Namespace, path: str, old: Mapping[str, Any], ver
     else:
         for name, item in changed:
             print(f"{one_line(name)} ({one_line(item.new.name)}) since {one_line(path)}:")
-            sys.stdout.writelines(f"{line}\n" for line in lines(item))
+            print_lines(lines(item))
         if changed:
             print("policies trained before need re-evaluation; `actspec lock` records the new dynamics")
         else:

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
+from itertools import takewhile
 from keyword import iskeyword
 from typing import Any
 
@@ -124,7 +125,12 @@ def _parsed(argv: Sequence[str]) -> argparse.Namespace:
         # Not 0: a script whose command is an empty variable must not look as if it had passed.
         parser("").print_help(sys.stderr)
         raise SystemExit(EXIT_FAILED)
-    return parser(next((text for text in argv if text in COMMANDS), "")).parse_args(argv)
+    grammar = parser(next((text for text in argv if text in COMMANDS), ""))
+    for text in takewhile("--".__ne__, argv):
+        # argparse before Python 3.13 takes `--output=--` for an option with a list of no values.
+        if text.startswith("-") and (text.endswith("=--") or text[2:] == "--"):
+            grammar.error(f"argument {text[:-2].rstrip('=')}: expected one argument")
+    return grammar.parse_args(argv)
 
 
 def _module(command: str) -> Any:

@@ -8,8 +8,8 @@ from typing import Any
 
 from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
-from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span
-from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span, shortened
+from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 
 MOST_HIDDEN = 4096
 """Largest hidden layer. Chosen: an actuator network runs for thousands of joints in each physics step."""
@@ -164,7 +164,7 @@ def _data(arguments: argparse.Namespace) -> int:
         print_json(data_record(data, found, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print("\n".join(data_lines(data, found)))
+        print_lines(data_lines(data, found))
     return warned(out)
 
 
@@ -190,7 +190,8 @@ def _train(arguments: argparse.Namespace) -> int:
     for name, least in (("seeds", 1), ("epochs", 1), ("seed", 0)):
         value = getattr(arguments, name)
         if value is not None and not least <= value <= 2**31:
-            raise LogError.of("LRN015", f"--{name} must be at least {least}, got {value}", where=f"--{name}")
+            message = f"--{name} must be at least {least} and at most {2**31}, got {shortened(str(value))}"
+            raise LogError.of("LRN015", message, where=f"--{name}")
     if lstm and len(set(trained_by.hidden)) > 1:
         message = f"the layers of an LSTM are of one size, got {arguments.hidden}"
         raise LogError.of("LRN025", message, where="--hidden", help="write --hidden 32,32")
@@ -221,8 +222,8 @@ def _train(arguments: argparse.Namespace) -> int:
         print_json(train_record(data, parts, trained, judged, paths, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print("\n".join(train_lines(data, parts, trained, judged)))
-        print("wrote " + ", ".join(paths.values()))
+        print_lines(train_lines(data, parts, trained, judged))
+        print_lines(["wrote " + ", ".join(paths.values())])
     return warned(out)
 
 
@@ -309,7 +310,7 @@ def _inspect(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(inspect_record(found, arguments.file))
     else:
-        print("\n".join(inspect_lines(found, arguments.file)))
+        print_lines(inspect_lines(found, arguments.file))
     return EXIT_FINDINGS if found.contradictions else EXIT_CLEAN
 
 
@@ -333,7 +334,7 @@ def _convert(arguments: argparse.Namespace) -> int:
     if arguments.output_format == "json":
         print_json(convert_record(arguments.file, paths))
     else:
-        print(f"wrote {', '.join(paths.values())}")
+        print_lines([f"wrote {', '.join(paths.values())}"])
     return EXIT_CLEAN
 
 
@@ -383,7 +384,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         print_json(evaluate_record(found, out.sorted()))
     else:
         print_diagnostics(out.sorted())
-        print("\n".join(evaluate_lines(found)))
+        print_lines(evaluate_lines(found))
     return EXIT_FINDINGS if found.grade == "poor" else EXIT_CLEAN
 
 

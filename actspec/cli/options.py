@@ -148,6 +148,7 @@ def quantity_of(
     out: Collector,
     *,
     zero: bool = False,
+    least: float = 0.0,
     most: float = math.inf,
 ) -> float | None:
     """A number of an option, in SI; None: it is none, which `out` is given.
@@ -159,6 +160,7 @@ def quantity_of(
         code: Of the diagnostic.
         out: Takes it.
         zero: Whether 0 is one.
+        least: Smallest [SI].
         most: Largest [SI].
     """
     from actspec.units import Kind, UnitError, format_number, parse_quantity
@@ -171,9 +173,10 @@ def quantity_of(
     if value < 0.0 or value == math.inf or (value == 0.0 and not zero):
         out.error(code, f"must be {'at least' if zero else 'above'} 0, got {text}", where=option)
         return None
-    if value > most:
+    if not least <= value <= most:
+        bound, word = (most, "most") if value > most else (least, "least")
         unit = "" if kind is Kind.RATIO else f" {kind.rotary_unit}"
-        out.error(code, f"must be at most {format_number(most)}{unit}, got {text}", where=option)
+        out.error(code, f"must be at {word} {format_number(bound)}{unit}, got {text}", where=option)
         return None
     return value
 

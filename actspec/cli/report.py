@@ -142,14 +142,13 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _text(shown: Overview, form: str) -> str:
     """The page, as it was asked for."""
-    import json
-
     from actspec.report.overview import page
     from actspec.report.overview_markdown import markdown
     from actspec.report.overview_record import record
+    from actspec.report.terminal import json_text
 
     if form == "json":
-        return json.dumps(record(shown), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        return json_text(record(shown))
     return page(shown) if form == "html" else markdown(shown)
 
 

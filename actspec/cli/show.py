@@ -6,10 +6,10 @@ import argparse
 
 from actspec import api
 from actspec.cli.options import add_format, add_variant, describe, joints_named
-from actspec.diagnostics import EXIT_CLEAN
+from actspec.diagnostics import EXIT_CLEAN, shell_word
 from actspec.report.show import details, joint_record, overview
 from actspec.report.tables import many
-from actspec.report.terminal import print_diagnostics, print_json
+from actspec.report.terminal import print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named
 
 
@@ -39,8 +39,10 @@ def run(arguments: argparse.Namespace) -> int:
     print_diagnostics(actuators.diagnostics)
     if arguments.joint is None:
         count = many(len(joints), "joint")
-        print(f"{actuators.title}: {count}; `actspec show {path} JOINT` shows every value")
-        print("\n".join(overview(joints)))
-    else:
-        print("\n\n".join("\n".join(details(joint, actuators.approximations)) for joint in joints))
+        print_lines(
+            [f"{actuators.title}: {count}; `actspec show {shell_word(path)} JOINT` shows every value"]
+        )
+        print_lines(overview(joints))
+    for number, joint in enumerate(joints if arguments.joint is not None else ()):
+        print_lines(["", *details(joint, actuators.approximations)][not number :])
     return EXIT_CLEAN

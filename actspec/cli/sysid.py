@@ -12,7 +12,7 @@ from actspec.cli import sysid_import, sysid_report
 from actspec.cli.options import Lines, add_force, add_format, describe, joints_named, natural, quantity_of
 from actspec.cli.recordings import add_logs, read_logs, warned
 from actspec.diagnostics import EXIT_CLEAN, Collector, ResolveError, Span, listed
-from actspec.report.terminal import Progress, print_diagnostics, print_json
+from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
 from actspec.sysid.identified import METHODS
 from actspec.units import Kind
 
@@ -197,9 +197,8 @@ def _design(arguments: argparse.Namespace) -> int:
         f"{joint} +-{size:.3g} {'m' if made.log.joints[joint].linear else 'rad'} ({made.limited_by[joint]})"
         for joint, size in made.amplitudes.items()
     ]
-    print(
-        f"wrote {arguments.output}: {len(made.log.time)} rows, {made.log.time[-1]:.4g} s; limited by: {listed(shown)}"
-    )
+    rows = f"{len(made.log.time)} rows, {made.log.time[-1]:.4g} s"
+    print_lines([f"wrote {arguments.output}: {rows}; limited by: {listed(shown)}"])
     return EXIT_CLEAN
 
 
@@ -241,7 +240,7 @@ def _simulate(arguments: argparse.Namespace) -> int:
             progress.step,
         )
     write_log(log, force=arguments.force)
-    print(f"wrote {arguments.output}: {len(log.time)} rows of {len(found)} joints")
+    print_lines([f"wrote {arguments.output}: {len(log.time)} rows of {len(found)} joints"])
     return EXIT_CLEAN
 
 
@@ -270,9 +269,9 @@ def _fit(arguments: argparse.Namespace) -> int:
         print_json(sysid_record(found, output))
     else:
         print_diagnostics(found.findings)
-        print("\n".join(sysid_lines(found)))
+        print_lines(sysid_lines(found))
         if output is not None:
-            print(f"wrote {output}")
+            print_lines([f"wrote {output}"])
     return warned(found.findings)
 
 

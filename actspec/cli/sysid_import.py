@@ -8,7 +8,7 @@ from actspec.cli.options import add_force, describe, quantity_needed
 from actspec.cli.recordings import warned
 from actspec.diagnostics import Collector
 from actspec.logs import LogError
-from actspec.report.terminal import print_diagnostics
+from actspec.report.terminal import print_diagnostics, print_lines
 from actspec.units import Kind
 
 
@@ -82,8 +82,7 @@ def run(arguments: argparse.Namespace) -> int:
     validate_results(document_from_text(text, arguments.output))
     write_text(arguments.output, text, force=arguments.force)
     print_diagnostics(collector.sorted())
-    print("\n".join(imported_lines(found)))
-    print(f"wrote {arguments.output}")
+    print_lines([*imported_lines(found), f"wrote {arguments.output}"])
     return warned(collector)
 
 

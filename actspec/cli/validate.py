@@ -22,7 +22,7 @@ from actspec.diagnostics import (
 )
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.report.doubts import doubts, refusal
-from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json
+from actspec.report.terminal import diagnostic_record, print_diagnostics, print_json, print_lines
 from actspec.spec.variants import named, split
 from actspec.spec.yaml_text import MAX_BYTES, is_spec
 
@@ -97,12 +97,11 @@ def run(arguments: argparse.Namespace) -> int:
             continue
         print_diagnostics(diagnostics)
         if summary:
-            print(summary)
+            print_lines([summary])
     if arguments.output_format == "json":
         print_json({"format": "actspec-validate/1", "files": records})
     else:
-        for line in refusal(doubtful):
-            print(line, file=sys.stderr)
+        print_lines(refusal(doubtful), sys.stderr)
     if failed:
         return EXIT_FAILED
     return EXIT_FINDINGS if doubtful else EXIT_CLEAN

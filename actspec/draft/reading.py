@@ -138,7 +138,7 @@ def _check(reading: FileReading, out: Collector) -> None:
             out.error(
                 "DRF006",
                 f"MuJoCo refuses the file, and so would a compile: {artifact.text_only}",
-                span=place,
+                span=artifact.refused_at or place,
                 help=including(reading.path) or "correct it first; `actspec audit` reads it as it is",
             )
 

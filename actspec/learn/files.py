@@ -15,6 +15,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, Span
+from actspec.files import json_of
 from actspec.laws.network import Dense, Layers
 from actspec.learn.torchscript import loaded, program_of
 from actspec.logs import LogError
@@ -139,7 +140,7 @@ def manifest_text(entries: Mapping[str, Any]) -> str:
     NetworkManifest.model_validate(entries)
     order = list(NetworkManifest.model_fields)
     kept = {name: entries[name] for name in order if entries.get(name) is not None}
-    return json.dumps(kept, indent=2, ensure_ascii=False) + "\n"
+    return json_of(kept) + "\n"
 
 
 def single(layers: Layers) -> Layers:

@@ -26,6 +26,7 @@ from actspec.ir import (
     tidy,
     unknown,
 )
+from actspec.lift.config_joint import real_limit
 from actspec.lift.lifted import LeftAlone, Lifted
 from actspec.lift.unsupported import held_joints, unsupported
 from actspec.readings.compare import EXACT
@@ -259,9 +260,9 @@ def is_symmetric(ends: tuple[float, float]) -> bool:
 
 
 def _number(limit: Quantity) -> Quantity:
-    """A limit; 0 is nobody's number."""
+    """A limit; 0 is nobody's number, and some are no limit."""
     if limit.value != 0.0:
-        return limit
+        return real_limit(limit)
     return unknown(limit.unit, f"the file says 0 {limit.unit}, which is a placeholder", limit.span)
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, shortened
+from actspec.files import place_of
 from actspec.logs.log import LogError
 
 if TYPE_CHECKING:
@@ -69,18 +70,20 @@ def _decoded(path: str, data: bytes) -> str:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as err:
-        line = data.count(b"\n", 0, err.start) + 1
         raise LogError.of(
-            "LOG003", "the log is not UTF-8 text", Span(path, line), help="save it as UTF-8"
+            "LOG003",
+            "the log is not UTF-8 text",
+            Span(path, *place_of(data, err.start)),
+            help="save it as UTF-8",
         ) from err
     if "\0" in text:
-        line = text.count("\n", 0, text.index("\0")) + 1
-        raise LogError.of("LOG003", "the log is not text", Span(path, line))
+        raise LogError.of("LOG003", "the log is not text", Span(path, *place_of(data, data.index(b"\0"))))
     return text.replace("\r\n", "\n").replace("\r", "\n")
 
 
 def _delimiter(head: str) -> str:
-    return next((mark for mark in ("\t", ";", ",") if mark in head), ",")
+    outside = re.sub(r'"[^"]*"', "", head)
+    return next((mark for mark in ("\t", ";", ",") if mark in outside), ",")
 
 
 def _parted(text: str) -> tuple[int, str, str]:

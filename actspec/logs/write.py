@@ -6,7 +6,7 @@ import io
 import os
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Span
+from actspec.diagnostics import Span, one_line
 from actspec.files import FAULTS, why
 from actspec.logs.log import BASE, SIGNALS, JointLog, Log, LogError
 from actspec.owned import put
@@ -65,14 +65,24 @@ def write_log(log: Log, *, force: bool = False) -> None:
         np.savez(packed, **dict(zip(names, columns, strict=True)))  # type: ignore[arg-type]  # for allow_pickle
         data = packed.getvalue()
     else:
+        odd = next((name for name in names if not name.isprintable()), None)
+        if odd is not None:
+            message = f"a line of text cannot hold the name of a column, '{one_line(odd)}'"
+            raise LogError.of("LOG001", message, Span(log.path), help="write a .npz")
         text = io.StringIO()
-        text.write(",".join(names) + "\n")
+        text.write(",".join(map(_heading, names)) + "\n")
         np.savetxt(text, np.column_stack(columns), fmt=f"%.{DIGITS}g", delimiter=",")
         data = text.getvalue().encode()
     try:
         put([(log.path, data)], force=force)
     except FAULTS as err:
         raise LogError.of("LOG001", f"the log cannot be written: {why(err)}", Span(log.path)) from err
+
+
+def _heading(name: str) -> str:
+    """The head of a column, in quotes where it would be taken for two."""
+    doubled = name.replace('"', '""')
+    return f'"{doubled}"' if any(mark in name for mark in ',;"') else name
 
 
 def _unit(joint: JointLog, signal: str) -> str:

@@ -231,6 +231,11 @@ class Artifact:
     text_only: str | None = None
 
     @property
+    def refused_at(self) -> Span | None:
+        """Where MuJoCo met the reason of `text_only`; None: it does not say."""
+        return None if self.robot is None else self.robot.refused_at
+
+    @property
     def is_part(self) -> bool:
         """Whether it is an MJCF for others to include or mount: a `<mujocoinclude>`, or without `<compiler>`.
 

@@ -154,6 +154,7 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
         from actspec.robot.read_urdf import read_urdf
 
         return read_urdf(document.files, document, refusal=refusal, poses=POSES, shapes=False)
+    refused_at = None
     if refusal is None:
         from actspec.robot.read_mjcf import read_mjcf
 
@@ -165,34 +166,23 @@ def _view(document: XmlDocument, kind: FileKind, refusal: str | None) -> RobotVi
             # Of a file beside it, too: an attached model is refused as an include is.
             if err.diagnostics[0].code in (TOO_LARGE, *NOT_FOLLOWED):
                 raise
-            refusal = reason_of(err.diagnostics, document.files[0].path)
+            refusal, refused_at = _first(err.diagnostics)
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
-    return read_mjcf_text(document, refusal)
-
-
-def reason_of(diagnostics: Sequence[Diagnostic], path: str) -> str:
-    """The first error in one sentence, with its place.
-
-    Args:
-        diagnostics: Of a stage that failed.
-        path: The file that the sentence is about; its name is not repeated.
-    """
-    first = next(item for item in diagnostics if item.severity is Severity.ERROR)
-    span = first.span
-    where = f"{first.where}: " if first.where else ""
-    if span is None or not span.line:
-        return where + first.message
-    place = f"line {span.line}" if span.path == path else f"{span.path} line {span.line}"
-    return f"{place}: {where}{first.message}"
+    return replace(read_mjcf_text(document, refusal), refused_at=refused_at)
 
 
 def unreadable(path: str, kind: FileKind | None, diagnostics: Sequence[Diagnostic]) -> FileReading:
     """A file that a stage refused: its first error is the reason."""
+    reason, refused = _first(diagnostics)
+    return FileReading(path, kind, reason, diagnostics=tuple(diagnostics), refused=refused)
+
+
+def _first(diagnostics: Sequence[Diagnostic]) -> tuple[str, Span | None]:
+    """The first error in one sentence, and its place where that is less than a file."""
     first = next(item for item in diagnostics if item.severity is Severity.ERROR)
     reason = f"{first.where}: {first.message}" if first.where else first.message
-    refused = first.span if first.span is not None and first.span.line else None
-    return FileReading(path, kind, reason, diagnostics=tuple(diagnostics), refused=refused)
+    return reason, first.span if first.span is not None and first.span.line else None
 
 
 def _main_file(path: str) -> tuple[ModelFile, ...]:

@@ -179,9 +179,7 @@ def _csv(chart: Chart | Stacks) -> str:
         out = io.StringIO()
         table = csv.writer(out, lineterminator="\n")
         table.writerow(["joint", *(f"{part} [{chart.axis.unit}]" for part in chart.parts)])
-        table.writerows(
-            [one_line(name), *(f"{value:.7g}" for value in values)] for name, values in chart.rows
-        )
+        table.writerows([_name(name), *(f"{value:.7g}" for value in values)] for name, values in chart.rows)
         return out.getvalue()
     axes = [f"{axis.label} [{axis.unit}]" if axis.unit else axis.label for axis in (chart.x, chart.y)]
     out = io.StringIO()
@@ -190,5 +188,10 @@ def _csv(chart: Chart | Stacks) -> str:
     for mark in chart.marks:
         if isinstance(mark, Line | Points):
             for x, y in zip(mark.x.tolist(), mark.y.tolist(), strict=True):
-                table.writerow([one_line(mark.label) or "bound", f"{x:.7g}", f"{y:.7g}"])
+                table.writerow([_name(mark.label) or "bound", f"{x:.7g}", f"{y:.7g}"])
     return out.getvalue()
+
+
+def _name(text: str) -> str:
+    """A stranger's name as a cell that no spreadsheet takes for a formula."""
+    return f"'{one_line(text)}" if text.startswith(("=", "+", "-", "@")) else one_line(text)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from xml.etree import ElementTree as tree
 
 from actspec.audit.outcome import Report
-from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span
+from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, one_line
 from actspec.report import ReportOptions
 from actspec.report.findings import FindingGroup, grouped
 
@@ -25,13 +25,13 @@ def render(report: Report, options: ReportOptions) -> str:
     for path in dict.fromkeys(paths):
         own = [group for group in groups if group.first.finding.span.path == path]
         faults = [item for item in problems if item.span is not None and item.span.path == path]
-        suite = tree.SubElement(root, "testsuite", name=_clean(path))
+        suite = tree.SubElement(root, "testsuite", name=one_line(path))
         for group in own:
             _finding(suite, group, options.fail_on)
         for item in faults:
             _fault(suite, item)
         if not own and not faults:
-            tree.SubElement(suite, "testcase", classname=_clean(path), name="no findings")
+            tree.SubElement(suite, "testcase", classname=one_line(path), name="no findings")
     named = set(paths)
     rest = [item for item in problems if item.span is None or item.span.path not in named]
     # Who did not ask for a rule need not read of it in every run.
@@ -42,7 +42,7 @@ def render(report: Report, options: ReportOptions) -> str:
             _fault(suite, item)
         for skipped in lacking:
             case = tree.SubElement(suite, "testcase", classname="rules", name=skipped.code)
-            tree.SubElement(case, "skipped", message=_clean(skipped.reason))
+            tree.SubElement(case, "skipped", message=one_line(skipped.reason))
     for suite in root:
         _count(suite)
     _count(root)
@@ -57,24 +57,24 @@ def _finding(suite: tree.Element, group: FindingGroup, fail_on: Severity | None)
         f"{finding.code} {item.name}: {group.headline(most=1).partition(': ')[0] if group.joints else 'file'}"
     )
     case = _case(suite, finding.span, name)
-    body = f"{finding.span}: {text}" + (f"\nhelp: {finding.help}" if finding.help else "")
+    body = f"{finding.span}: {one_line(text)}" + (f"\nhelp: {one_line(finding.help)}" if finding.help else "")
     if fail_on is not None and SEVERITIES.index(item.severity) >= SEVERITIES.index(fail_on):
-        failure = tree.SubElement(case, "failure", type=finding.code, message=_clean(text))
-        failure.text = _clean(body)
+        failure = tree.SubElement(case, "failure", type=finding.code, message=one_line(text))
+        failure.text = body
     else:
-        tree.SubElement(case, "system-out").text = _clean(f"{item.severity.value}: {body}")
+        tree.SubElement(case, "system-out").text = f"{item.severity.value}: {body}"
 
 
 def _fault(suite: tree.Element, item: Diagnostic) -> None:
     case = _case(suite, item.span, f"{item.code} {item.where}".strip())
-    error = tree.SubElement(case, "error", type=item.code, message=_clean(item.message))
-    error.text = _clean(str(item))
+    error = tree.SubElement(case, "error", type=item.code, message=one_line(item.message))
+    error.text = str(item)
 
 
 def _case(suite: tree.Element, span: Span | None, name: str) -> tree.Element:
-    case = tree.SubElement(suite, "testcase", classname=suite.get("name", ""), name=_clean(name))
+    case = tree.SubElement(suite, "testcase", classname=suite.get("name", ""), name=one_line(name))
     if span is not None:
-        case.set("file", _clean(span.path))
+        case.set("file", one_line(span.path))
         if span.line:
             case.set("line", str(span.line))
     return case
@@ -88,11 +88,3 @@ def _count(element: tree.Element) -> None:
         ("skipped", "skipped"),
     ):
         element.set(key, str(sum(1 for _ in element.iter(tag))))
-
-
-def _clean(text: str) -> str:
-    """Text without the characters that XML has no way to write."""
-    return "".join(
-        c if c in "\t\n" or " " <= c <= "\ud7ff" or "\ue000" <= c <= "\ufffd" or c > "\uffff" else "\ufffd"
-        for c in text
-    )

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import actspec
 from actspec.audit.case import Case
-from actspec.diagnostics import Diagnostic, Severity, listed
+from actspec.diagnostics import Diagnostic, Severity, listed, shell_word
 from actspec.ir import ActuatorSet, JointActuator, Origin
 from actspec.report.axes import plot_style
 from actspec.report.diagnosis import days_of, gain_of, verdict
@@ -64,12 +63,16 @@ class Overview:
     @property
     def named(self) -> str:
         """The spec in a command line."""
-        return shlex.quote(self.spec)
+        return shell_word(self.spec)
 
     @property
     def importing(self) -> str | None:
         """The command that makes the spec; None: it is there."""
-        return f"actspec import {shlex.join(self.imported)} -o {self.named}" if self.imported else None
+        return (
+            f"actspec import {' '.join(map(shell_word, self.imported))} -o {self.named}"
+            if self.imported
+            else None
+        )
 
     @property
     def everything(self) -> tuple[Diagnostic, ...]:

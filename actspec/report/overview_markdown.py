@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from actspec.diagnostics import listed, one_line
+from actspec.diagnostics import listed
 from actspec.ir import JointActuator, Origin
 from actspec.report import compare as comparing
 from actspec.report.diagnosis import verdict
 from actspec.report.overview import Overview, ablation_tables, cost, stated
-from actspec.report.tables import escaped, markdown_table
+from actspec.report.tables import code, escaped, markdown_table
 from actspec.units import format_number
 
 LONGEST = 60_000
@@ -37,9 +37,7 @@ def markdown(shown: Overview) -> str:
     last += ["### Identification", "", *_identification(shown), ""]
     last += ["### Conclusion", "", *_conclusion(shown)]
     steps = list(comparing.markdown(shown.comparison))
-    more = (
-        f"{{}} more lines do not fit here: `actspec compare {one_line(shown.named)} --output-format markdown`"
-    )
+    more = f"more lines do not fit here: {code(f'actspec compare {shown.named} --output-format markdown')}"
     room = LONGEST - _size((*first, *last)) - 2 * len(more)
     steps = _fitting(steps, room, more)
     return "\n".join(_fitting([*first, *steps, *last], LONGEST - 100, "more lines do not fit here.")) + "\n"
@@ -85,7 +83,7 @@ def _conclusion(shown: Overview) -> Iterator[str]:
 
 def _blank(what: str, command: str) -> str:
     """What is to be filled in, and by which command."""
-    return f"- to be filled, {what}: `{one_line(command)}`"
+    return f"- to be filled, {what}: {code(command)}"
 
 
 def _actuators(shown: Overview) -> Iterator[str]:

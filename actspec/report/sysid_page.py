@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import math
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import actspec
-from actspec.diagnostics import Diagnostic, listed
+from actspec.diagnostics import Diagnostic, listed, shell_word
 from actspec.fields import BY_SPEC
 from actspec.ir import ActuatorSet, JointActuator, Origin, Quantity
 from actspec.logs import Log
@@ -301,7 +300,7 @@ def design(spec: str, experiment: str, joints: Sequence[str]) -> str:
     words = ["actspec", "sysid", "design", spec, "-o", f"{experiment}.csv", "--experiment", experiment]
     for joint in joints:
         words += ["--joint", joint]
-    return shlex.join(words)
+    return " ".join(map(shell_word, words))
 
 
 def _spec_path(shown: Identified) -> str:
@@ -455,7 +454,7 @@ def _commands(shown: Identified) -> Iterator[str]:
     report = ["actspec", "sysid", "report", shown.path, "-o", "report.html"]
     yield "<h2>Again</h2>"
     if shown.results.method not in METHODS:
-        yield f"<pre>{plain(shlex.join(report))}</pre>"
+        yield f"<pre>{plain(' '.join(map(shell_word, report)))}</pre>"
         return
     logs = [entry.path for entry in shown.results.data]
     default = {"friction.static", "friction.stribeck_velocity", "bandwidth"}
@@ -469,5 +468,5 @@ def _commands(shown: Identified) -> Iterator[str]:
         fit += ["--method", shown.results.method]
     if extra:
         fit += ["--free", ",".join(extra)]
-    yield f"<pre>{plain(shlex.join(fit))}\n{plain(shlex.join(report))}</pre>"
+    yield f"<pre>{plain(' '.join(map(shell_word, fit)))}\n{plain(' '.join(map(shell_word, report)))}</pre>"
     yield '<p class="faint">Other options of the fit do not stand in the results file.</p>'

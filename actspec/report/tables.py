@@ -8,6 +8,8 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Severity, one_line
 
+COLOURED = re.compile(r"(\x1b\[(?:0|1|2|31|33|36)m)")
+"""What a painted text has around it."""
 COLOURS = {Severity.ERROR: "31", Severity.WARNING: "33", Severity.INFO: "36"}
 _BOLD, _FAINT = "1", "2"
 
@@ -83,6 +85,13 @@ def escaped(text: str) -> str:
     # Services link names, issues and addresses in the finished text, where only a gap of no width stops them.
     text = re.sub(r"([@#])(?=\w)", r"\1&#8203;", text)
     return text.replace("://", ":&#8203;//").replace("www.", "www&#8203;.")
+
+
+def code(text: str) -> str:
+    """A command as Markdown shows it, whatever backticks its names have."""
+    text = one_line(text)
+    fence = "`" * (1 + max(map(len, re.findall("`+", text)), default=0))
+    return f"{fence}{text}{fence}" if len(fence) == 1 else f"{fence} {text} {fence}"
 
 
 def _is_number(text: str) -> bool:

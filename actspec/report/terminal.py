@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 import sys
 import threading
 import time
@@ -12,8 +13,8 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TextIO
 
-from actspec.diagnostics import Diagnostic, Severity
-from actspec.report.tables import Style, many
+from actspec.diagnostics import Diagnostic, Severity, one_line
+from actspec.report.tables import COLOURED, Style, many
 
 OUTPUT = {"ablate": "ablation", "audit": "report", "rule": "rules"}
 """Commands whose machine output has another name."""
@@ -31,6 +32,15 @@ _WIDTH = 30
 def style_of(stream: TextIO) -> Style:
     """Colours on a terminal without NO_COLOR, else none."""
     return Style(stream.isatty() and not os.environ.get("NO_COLOR"))
+
+
+def print_lines(lines: Iterable[str], stream: TextIO | None = None) -> None:
+    """Print lines, by default to stdout; a line break inside of one, which a stranger's name may have, ends none."""
+    for line in lines:
+        if not line.isprintable():
+            parts = COLOURED.split(line)
+            line = "".join(part if COLOURED.fullmatch(part) else one_line(part) for part in parts)
+        print(line, file=stream)
 
 
 def print_diagnostics(diagnostics: Iterable[Diagnostic], stream: TextIO | None = None) -> None:
@@ -82,7 +92,17 @@ def json_text(data: Any) -> str:
     """Machine output in printable ASCII, whatever names hold; NaN and infinity are refused, they are no JSON."""
     # DEL is ASCII, and no character to print.
     text = json.dumps(data, indent=2, ensure_ascii=True, allow_nan=False)
-    return text.replace("\x7f", "\\u007f") + "\n"
+    return _HALVES.sub(_whole, text).replace("\x7f", "\\u007f") + "\n"
+
+
+_HALVES = re.compile(r"(\\\\|\\ud[89ab]..\\ud[c-f]..)|\\ud(?:c([89a-f].)|[89a-f]..)")
+"""In JSON: what is to stay, or half a surrogate pair, which many programs refuse."""
+
+
+def _whole(found: re.Match[str]) -> str:
+    if found[1]:
+        return found[1]
+    return rf"\\x{found[2]}" if found[2] else rf"\{found[0]}"
 
 
 def print_json(data: Any) -> None:

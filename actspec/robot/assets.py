@@ -124,7 +124,11 @@ def unknown_inertia(model: mujoco.MjModel, meshes: MeshDependence | None) -> fro
 def mesh_path(spec: mujoco.MjSpec, mesh: Any) -> str:
     """Where MuJoCo looks for a mesh file of a spec that `open_spec` opened."""
     name = base_name(mesh.file) if spec.strippath else mesh.file
-    return os.path.join(spec.modelfiledir, mesh.compiler.meshdir, name)
+    try:
+        folder = spec.modelfiledir
+    except UnicodeDecodeError as err:
+        folder = os.fsdecode(err.object)
+    return os.path.join(folder, mesh.compiler.meshdir, name)
 
 
 def usable_file(path: str) -> bool:

@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, ResolveError, RobotError, Severity, listed, nearest
+from actspec.files import path_of_name
 from actspec.joints import JointKind
 from actspec.robot.view import JointView, ModelFormat, RobotView
 
@@ -44,7 +45,7 @@ def find_model(reference: str, base: str) -> str:
         return _find_installed(reference)
     if not reference or "\0" in reference:
         raise _error("ROBOT103", f"{reference!r} is not a path")
-    path = os.path.normpath(os.path.join(base, reference))
+    path = os.path.normpath(os.path.join(base, path_of_name(reference)))
     if os.path.isfile(path):
         return path
     folder, name = os.path.split(path)
@@ -95,7 +96,8 @@ def _packages(spec: Spec) -> dict[str, str]:
     """ROS packages and their folders."""
     folder = os.path.dirname(spec.document.path)
     return {
-        name: os.path.normpath(os.path.join(folder, at)) for name, at in spec.model.robot.packages.items()
+        name: os.path.normpath(os.path.join(folder, path_of_name(at)))
+        for name, at in spec.model.robot.packages.items()
     }
 
 

@@ -22,9 +22,12 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import RobotError, Span, one_line
+from actspec.files import read_regular
 from actspec.guest import at_work
 from actspec.robot.assets import (
+    MOST_MESH_BYTES,
     MeshDependence,
+    base_name,
     give_placeholder_masses,
     mesh_dependence,
     mesh_path,
@@ -99,7 +102,7 @@ def open_spec(
             which no number of an actuator depends on, are stand-ins in any case.
         document: The same files parsed, if the caller has it.
 
-    Raises: RobotError: the text cannot be parsed, or MuJoCo refuses it or its folder's name.
+    Raises: RobotError: the text cannot be parsed, or MuJoCo refuses it.
     """
     import mujoco
 
@@ -113,21 +116,13 @@ def open_spec(
     document = document if document is not None else parse_document(files)
     text = splice(document)
     folder = os.path.dirname(os.path.abspath(files[0].path))
-    try:
-        folder.encode("utf-8")
-    except UnicodeEncodeError:
-        raise RobotError.of(
-            "ROBOT126",
-            "the name of the model's folder is not UTF-8, and MuJoCo takes no such path",
-            Span(files[0].path),
-            help="rename the folder, or copy the model to another one",
-        ) from None
     opened = {}
     for name, found in opened_by(document) if format is ModelFormat.MJCF else ():
         opened[name] = found if isinstance(found, bytes) else splice(found).data
     with quiet(), _engine(text.span), at_work(files[0].path):
         spec = mujoco.MjSpec.from_string(text.data.decode("utf-8"), include=opened)
-    spec.modelfiledir = folder
+        # Bytes, because its name need not be UTF-8; see `mesh_path`.
+        spec.modelfiledir = os.fsencode(folder)
     spec.assets = {**opened, **_stand_ins(spec, real_assets)}
     return spec
 
@@ -137,7 +132,10 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
     for mesh in spec.meshes:
         if not mesh.file:
             continue
-        if real_assets and usable_file(mesh_path(spec, mesh)):
+        path = mesh_path(spec, mesh)
+        if real_assets and usable_file(path):
+            if not _takes(path):
+                _add_real(found, mesh.file, path)
             continue
         if os.path.splitext(mesh.file)[1].lower() not in _MESH_DECODERS and not mesh.content_type:
             # A mesh without a name is called after its file.
@@ -157,6 +155,25 @@ def _stand_ins(spec: mujoco.MjSpec, real_assets: bool) -> dict[str, bytes]:
         if skin.file:
             found[key_of(skin.file)] = stand_in("skin", skin.file)
     return found
+
+
+def _takes(path: str) -> bool:
+    """Whether MuJoCo finds a file by its path: it takes no name that is not UTF-8, and a backslash for a slash."""
+    return os.name != "posix" or (
+        "\\" not in path and not any("\ud800" <= letter <= "\udfff" for letter in path)
+    )
+
+
+def _add_real(found: dict[str, bytes], name: str, path: str) -> None:
+    """Hand over a mesh file that MuJoCo does not find by its path."""
+    data = read_regular(path, MOST_MESH_BYTES)
+    if found.setdefault(key_of(name), data) != data:
+        raise RobotError.of(
+            "ROBOT126",
+            f"MuJoCo finds no file in a folder of this name, and of two meshes called '{base_name(name)}' only one",
+            Span(path),
+            help="rename the folder, or copy the model to another one",
+        )
 
 
 def compile_spec(

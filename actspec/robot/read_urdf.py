@@ -66,7 +66,7 @@ def read_urdf(
     joints = _joints(document, out)
     _check_depth(document, out)
     out.raise_if_failed(RobotError)
-    model = masses = None
+    model = masses = refused_at = None
     reason = refusal or ""
     if refusal is None:
         try:
@@ -76,6 +76,7 @@ def read_urdf(
         except RobotError as err:
             # Other tools may take it.
             refusal = reason = err.diagnostics[0].message
+            refused_at = err.diagnostics[0].span
     if model is not None:
         order = _order(model)
         known = {name: index for index, name in enumerate(order)}
@@ -97,6 +98,7 @@ def read_urdf(
         files=tuple(files),
         diagnostics=tuple(out),
         refusal=refusal,
+        refused_at=refused_at,
     )
 
 

@@ -16,6 +16,7 @@ from importlib.util import find_spec
 from typing import Any
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span, one_line, shortened
+from actspec.files import place_of
 from actspec.processes import IsolatedCall, LostError
 
 MAX_BYTES = 1024 * 1024
@@ -152,14 +153,13 @@ def layer_of(data: bytes, path: str) -> UsdaLayer:
             ", and this one is binary" if binary else ""
         )
         raise _refusal(
-            SYNTAX, message, Span(path, 1), "usdcat -o FILE.usda writes it as text" if binary else None
+            SYNTAX, message, Span(path, 1, 1), "usdcat -o FILE.usda writes it as text" if binary else None
         )
     try:
         text = data.decode("utf-8")
     except UnicodeDecodeError as err:
-        line = data[: err.start].count(b"\n") + 1
         message = f"the file is not UTF-8: byte 0x{data[err.start]:02x}"
-        raise _refusal(SYNTAX, message, Span(path, line)) from err
+        raise _refusal(SYNTAX, message, Span(path, *place_of(data, err.start))) from err
     # Anonymous: it has no folder from which another file could be named.
     layer = Sdf.Layer.CreateAnonymous(".usda")
     try:

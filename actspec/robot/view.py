@@ -249,6 +249,7 @@ class RobotView:
         actuation: Whether the file leaves actuators on at all (MuJoCo's flag).
         off_groups: Actuator groups that the file switches off.
         refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
+        refused_at: Where it met that; None: it does not say.
         packages: ROS package to its folder, as the spec has them.
     """
 
@@ -269,6 +270,7 @@ class RobotView:
     actuation: bool = True
     off_groups: frozenset[int] = frozenset()
     refusal: str | None = None
+    refused_at: Span | None = None
     packages: Mapping[str, str] = field(default_factory=dict)
 
     def joint(self, name: str) -> JointView | None:

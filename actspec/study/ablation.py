@@ -15,6 +15,7 @@ from enum import Enum
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
+from actspec.files import name_in_file, path_of_name
 from actspec.ir import Delay, Quantity, Randomization
 from actspec.robot.xml_edit import exact_number
 from actspec.study.variants import Assumed, Missing, variants_of
@@ -203,7 +204,7 @@ def moved(spec: Plain, base: str, folder: str) -> Plain:
     def there(path: str) -> str:
         if "://" in path or os.path.isabs(path):
             return path
-        return relative_path(os.path.join(base, path), folder)
+        return name_in_file(relative_path(os.path.join(base, path_of_name(path)), folder))
 
     robot = spec["robot"]
     if robot["model"] != "none":

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+from actspec.diagnostics import shell_word
 from actspec.ir import JointActuator, Level, Origin
 from actspec.study.level import Answers, LevelChoice
 from actspec.study.measures import JointMeasures, has_line, knows_bandwidth
@@ -103,7 +103,7 @@ def advise(
         level: What was recommended.
         answers: Of the user.
     """
-    spec, logs = shlex.quote(spec), [shlex.quote(log) for log in logs]
+    spec, logs = shell_word(spec), [shell_word(log) for log in logs]
     found = list(_from_logs(spec, measures, actuators, codes))
     taken = {advice.action for advice in found}
     found += [advice for advice in _from_spec(spec, measures, actuators) if advice.action not in taken]

@@ -82,7 +82,7 @@ def commands(law: TorqueLaw, swept: tuple[float, float], step: float, duration: 
     """
     import numpy as np
 
-    n = BEFORE + max(round(duration / step), 1)
+    n = BEFORE + max(round(duration / step), 2)
     at, limit = np.full(n, rest_position(law)), torque_scale(law)
     swing = np.zeros(n)
     moving = max(round((1.0 - RETURN) * (n - BEFORE)), 2)

@@ -94,16 +94,17 @@ def design(
     wrong = [a.joint for a in actuators if a.command is not Command.POSITION or not a.kp or not a.kp.value]
     if wrong:
         raise LogError.of("SYS022", f"no position drive with a known kp: {listed(wrong)}")
+    asked = duration * rate * (1 if together else len(actuators))
+    if asked * (1 + 4 * len(actuators)) > MAX_CELLS:
+        message = f"{duration:g} s at {rate:g} Hz are more than the {MAX_CELLS} numbers that a log may have"
+        raise LogError.of(
+            "SYS040", message, where="--duration", help="move fewer joints, or for a shorter time"
+        )
     slot = round(duration * rate)
     if slot < 50:
         message = f"{duration:g} s at {rate:g} Hz are {slot} rows, at least 50 are needed"
         raise LogError.of("SYS040", message, where="--duration")
     count = slot if together else slot * len(actuators)
-    if count * (1 + 4 * len(actuators)) > MAX_CELLS:
-        message = f"{count} rows of {len(actuators)} joints are more than the {MAX_CELLS} numbers that a log may have"
-        raise LogError.of(
-            "SYS040", message, where="--duration", help="move fewer joints, or for a shorter time"
-        )
     if linear and kind != "chirp":
         message = f"only a chirp's frequency grows linearly, and this is --experiment {kind}"
         raise LogError.of("SYS042", message, where="--linear", help="leave it out, or design a chirp")

@@ -8,8 +8,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, TypeVar
 
-from actspec.diagnostics import Collector, Diagnostic, Place, Span
+from actspec.diagnostics import Collector, Diagnostic, Place, Span, one_line
 from actspec.ir import Approximation
+from actspec.robot.xml_edit import escape_attribute
 
 __all__ = ["Approximation", "Emission", "EmittedFile", "TargetOptions", "relative_path"]
 
@@ -76,6 +77,32 @@ class TargetOptions:
 def relative_path(path: str, folder: str) -> str:
     """A path as one from a folder, with forward slashes, so that the file is the same on every system."""
     return os.path.relpath(os.path.abspath(path), os.path.abspath(folder)).replace(os.sep, "/")
+
+
+class PathError(ValueError):
+    """A file beside the model cannot be named in what is written; the text says why."""
+
+    HELP = "rename the folder, or write below the model's own folder with -o"
+
+
+def named_path(source: str, path: str, folder: str) -> str:
+    """A path of a robot's file as one from the output folder.
+
+    Args:
+        source: Folder of the file.
+        path: From there, as the file names it.
+        folder: Of the output.
+
+    Raises: PathError: it leads through a folder whose name XML cannot hold, or MuJoCo takes for several.
+    """
+    found = relative_path(os.path.join(source, path), folder)
+    if "\\" in relative_path(os.path.join(source, path.replace("\\", "/")), folder):
+        raise PathError(f"'{one_line(found)}' is no path to MuJoCo, which takes a backslash for a slash")
+    try:
+        escape_attribute(found)
+    except ValueError:
+        raise PathError(f"XML cannot hold the path '{one_line(found)}'") from None
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,10 @@ from actspec.units.reader import DIMS_OF, BadUnit, Unit, in_ascii, read_unit
 MAX_LENGTH = 200
 """Longest text that is read as a quantity or unit; the files are strangers'. Chosen."""
 
+LEAST, MOST = 1e-50, 1e50
+"""Between which magnitudes of a quantity that is not 0 [SI]. Chosen: no machine has others, and what is computed of a
+few of them stays a float."""
+
 _NUMBER = re.compile(r"\s*([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)\s*(.*?)\s*\Z", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r",[0-9]")
 _NONZERO = re.compile(r"[^eE]*[1-9]")
@@ -117,12 +121,18 @@ def _finite(given: object, kind: Kind) -> float:
     return number
 
 
+def _possible(number: float) -> bool:
+    return number == 0.0 or LEAST <= abs(number) <= MOST
+
+
 def _bare(number: float, shown: str, kind: Kind) -> Parsed:
     if not kind.bare and number != 0:
         units = _EXAMPLES.get(kind, (kind.rotary_unit,))
         examples = [f"`{shortened(shown)} {unit}`" for unit in units]
         text = " or ".join([", ".join(examples[:-1]), examples[-1]] if len(examples) > 1 else examples)
         raise UnitError(f"{shortened(shown)} has no unit, and {an(kind.noun)} needs one", f"write {text}")
+    if not _possible(number):
+        raise UnitError(f"{shortened(shown)} is out of range for {an(kind.noun)}")
     return Parsed(number + 0.0, kind.rotary_unit, None)
 
 
@@ -151,7 +161,7 @@ def _with_unit(number: float, shown: str, text: str, shown_unit: str, kind: Kind
     if unit.dims not in (rotary, linear):
         raise mismatch(number, shown, shown_unit, unit, kind)
     value = unit.in_si(number)
-    if not math.isfinite(value) or (value == 0 and number != 0):
+    if not _possible(value) or (value == 0 and number != 0):
         raise UnitError(f"{shortened(shown)} {shortened(shown_unit)} is out of range for {an(kind.noun)}")
     if rotary == linear:
         return Parsed(value + 0.0, kind.rotary_unit, None)

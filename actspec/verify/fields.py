@@ -100,10 +100,10 @@ def field_rows(
         built: The file that is verified.
     """
     if built.reason is not None:
-        yield broken(target, f"the file cannot be read: {built.reason}")
+        yield broken(target, f"the file cannot be read: {built.reason}", place=built.refused_at)
         return
     if built.refusal is not None and fresh.refusal is None:
-        yield broken(target, f"MuJoCo refuses the file: {built.refusal}")
+        yield broken(target, f"MuJoCo refuses the file: {built.refusal}", place=built.refused_at)
         return
     yield from layout_rows(target, actuators, fresh, built)
     compared = [
@@ -147,9 +147,9 @@ def engine_rows(
     yield from _rows(target, actuators, asked, None, fresh, compared, engine)
 
 
-def broken(target: TargetFiles, message: str, engine: str | None = None) -> Row:
+def broken(target: TargetFiles, message: str, engine: str | None = None, place: Span | None = None) -> Row:
     """The row of a file that cannot be read, or that an engine refuses."""
-    return target.fault("file", "VFY111", message, engine=engine)
+    return target.fault("file", "VFY111", message, engine=engine, place=place)
 
 
 def _compare(

@@ -59,6 +59,7 @@ class FileFigures:
         path: The file.
         reason: Why it cannot be read; None: it was.
         refusal: Why MuJoCo does not take it, whose numbers are then the text's; None: it does, or was not asked.
+        refused_at: Where that was met; None: it is not known.
         figures: Of each joint that has any.
         order: Joints in the file's order: of its actuators where it has some.
         controls: Joint to what drives it.
@@ -71,6 +72,7 @@ class FileFigures:
     path: str
     reason: str | None = None
     refusal: str | None = None
+    refused_at: Span | None = None
     figures: Figures = field(default_factory=dict)
     order: tuple[str, ...] = ()
     controls: Mapping[str, str] = field(default_factory=dict)
@@ -151,7 +153,7 @@ def _reading(
     reading: FileReading, options: TargetOptions, actuators: ActuatorSet, robot: RobotView
 ) -> FileFigures:
     if reading.reason is not None:
-        return FileFigures(reading.path, reading.told)
+        return FileFigures(reading.path, reading.reason, refused_at=reading.refused)
     kind = {ModelFormat.MJCF: FileKind.MJCF, ModelFormat.URDF: FileKind.URDF}.get(robot.format)
     spec = Artifact("", FileKind.SPEC, actuators.robot, spec=actuators)
     partners = [spec] if kind is None else [Artifact(robot.path, kind, robot.name, robot=robot), spec]
@@ -172,6 +174,7 @@ def _reading(
         found = FileFigures(
             path=reading.path,
             refusal=artifact.text_only,
+            refused_at=artifact.refused_at,
             figures=figures,
             order=_order(artifact, tuple(figures)),
             controls={name: joint.control for name, joint in dynamics.joints.items()},
@@ -313,7 +316,8 @@ def read_overlay(path: str, options: TargetOptions, actuators: ActuatorSet, robo
     except ActspecError as err:
         if err.diagnostics[0].code == MISSING:
             raise
-        return FileFigures(path, str(err.diagnostics[0]).removeprefix(f"{path}:"))
+        first = err.diagnostics[0]
+        return FileFigures(path, first.message, refused_at=first.span)
     except FAULTS as err:
         return FileFigures(path, str(err))
     prims = {name: path_text(parts) for name, parts in layout.joints.items()}

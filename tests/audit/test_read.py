@@ -92,9 +92,10 @@ def test_what_mujoco_refuses_is_read_from_its_text() -> None:
     (artifact,) = found.artifacts
     assert found.reason is None
     assert artifact.text_only is not None
-    assert artifact.text_only.startswith("line 2: MuJoCo refuses the model: ")
+    assert artifact.text_only.startswith("MuJoCo refuses the model: ")
     assert "colour" in artifact.text_only
     assert artifact.robot is not None
+    assert str(artifact.robot.refused_at) == "m.xml:2"
     assert artifact.robot.actuators[0].gear == 2.0
 
 

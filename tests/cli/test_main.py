@@ -57,3 +57,13 @@ def test_choices_are_those_of_the_audit() -> None:
     """The words of the options are those of the audit's own types."""
     assert {item.value for item in Confidence} == set(audit.CONFIDENCES)
     assert {*(item.value for item in Severity), "never"} == set(audit.FAIL_ON)
+
+
+@pytest.mark.parametrize("option", ["--output=--", "-o--", "-o=--"])
+def test_two_dashes_are_no_value(option: str, capsys: pytest.CaptureFixture[str]) -> None:
+    """argparse makes an empty list of it, which no option is read as."""
+    with pytest.raises(SystemExit) as stop:
+        main(["lock", "a.xml", option])
+    assert stop.value.code == 2
+    name = option[:2] if option[1] != "-" else "--output"
+    assert capsys.readouterr().err.endswith(f"error: argument {name}: expected one argument\n")

@@ -64,12 +64,12 @@ def test_a_file_of_any_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) 
     name = os.fsdecode(bytes(tmp_path) + b"/\x1b[2J\x7f\xff.xml")
     assert main(["validate", name]) == 2
     err = capsys.readouterr().err
-    assert "\\x1b[2J\\x7f\\udcff.xml" in err
+    assert "\\x1b[2J\\x7f\\xff.xml" in err
     assert err.replace("\n", "").isprintable()
     assert main(["validate", name, "--output-format", "json"]) == 2
     out = capsys.readouterr().out
     assert out.replace("\n", "").isprintable() and out.isascii()
-    assert json.loads(out)["files"][0]["path"] == name
+    assert json.loads(out)["files"][0]["path"] == name.replace("\udcff", "\\xff")
 
 
 def run(arguments: str, tmp_path: Path) -> subprocess.CompletedProcess[str]:

@@ -440,6 +440,15 @@ def test_urdf() -> None:
     assert said(elbow.friction_viscous) == (0.0, "N*s/m", "default")
     assert [(item.joint, item.why) for item in found.left_alone] == [("hook", "follows 'elbow' (mimic)")]
     assert found.actuators.physics_dt.origin is Origin.UNKNOWN
+    # What Gazebo writes of a limit that is not there is none either.
+    endless = URDF.replace('velocity="3.5"', 'velocity="1.79769e+308"')
+    assert endless != URDF
+    limit = (
+        lift_robot(read_urdf((ModelFile("arm.urdf", "", endless.encode()),)))
+        .actuators.joints[0]
+        .velocity_limit
+    )
+    assert (limit.value, limit.note) == (None, "1.79769e308 rad/s is no limit")
 
 
 def test_inertia_comes_along() -> None:

@@ -65,6 +65,28 @@ def test_what_is_written_is_read(tmp_path: Path, suffix: str) -> None:
         assert signal == pytest.approx(values[name], rel=1e-9)
 
 
+def test_names_that_part_columns(tmp_path: Path) -> None:
+    """Joints whose names hold commas, semicolons and quotes keep their columns; a line break is for .npz."""
+    time = 0.02 * np.arange(25)
+    names = ("a,b", "c;d", 'e"f', "=g+h")
+    joints = {name: JointLog(name, False, position=time + number) for number, name in enumerate(names)}
+    for suffix in (".csv", ".npz"):
+        write_log(Log(str(tmp_path / f"a{suffix}"), "", time, joints, Sidecar()))
+        read = load_log(str(tmp_path / f"a{suffix}"))
+        assert [joint.position[0] for joint in read.joints.values() if joint.position is not None] == [
+            0,
+            1,
+            2,
+            3,
+        ]
+        assert tuple(read.joints) == names
+    broken = Log(
+        str(tmp_path / "b.csv"), "", time, {"a\nb": JointLog("a\nb", False, position=time)}, Sidecar()
+    )
+    with pytest.raises(LogError, match=r"LOG001: a line of text cannot hold .*'a\\nb\.position \[rad\]'"):
+        write_log(broken)
+
+
 def test_how_the_base_moved(tmp_path: Path) -> None:
     """Components with units become arrays; what was written is read again."""
     time = 0.02 * np.arange(25)

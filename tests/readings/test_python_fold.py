@@ -313,4 +313,4 @@ def test_broken_import(tmp_path: Path) -> None:
     """A file that cannot be parsed makes its names unknown, and says the line."""
     (tmp_path / "gains.py").write_text("K = 1\nK = (\n", encoding="utf-8")
     found = folded(tmp_path, "from gains import K", "K")
-    assert found.unknown == "K comes from gains, which cannot be read: '(' was never closed (line 2)"
+    assert found.unknown == "K comes from gains, which cannot be read: '(' was never closed (gains.py:2:5)"

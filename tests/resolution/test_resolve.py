@@ -335,32 +335,3 @@ def test_sources_and_accept_reach_the_ir() -> None:
     assert [(s.key, s.title, s.page) for s in found.sources] == [("s", "T", "3")]
     assert found.accept == (("mujoco.delay", "short enough"),)
     assert model_of(text).accept == {"mujoco.delay": "short enough"}
-
-
-@pytest.mark.parametrize(
-    ("fields", "motor", "where"),
-    [
-        pytest.param(
-            "kp: {derive: natural_frequency, frequency: 1e200 Hz, inertia: 1}, kd: 1",
-            "{}",
-            "kp",
-            id="frequency",
-        ),
-        pytest.param("kp: 1, kd: 1", "{rotor_inertia: 1, gear_ratio: 1e200}", "armature", id="gear"),
-        pytest.param("kp: 1, kd: 1, reduction: 1e200", "{reflected_inertia: 1}", "armature", id="reduction"),
-        pytest.param(
-            "kp: {derive: torque_at_error, fraction: 1e300, error: 1e-300 rad}, kd: 1, effort_limit: 1",
-            "{}",
-            "kp",
-            id="error",
-        ),
-    ],
-)
-def test_numbers_beyond_floats(fields: str, motor: str, where: str) -> None:
-    """A product that no float holds is an error with its formula, not a traceback and not infinity."""
-    text = spec_of(
-        f"legs: {{joints: [hip], motor: m, level: ideal_pd, {fields}}}", robot=HIP, motors=f"{{m: {motor}}}"
-    )
-    assert any(
-        line.startswith(f"RES011 actuators.legs: hip: {where} is out of the range") for line in refused(text)
-    )

@@ -166,17 +166,41 @@ def test_other_root_is_an_error(tmp_path: Path) -> None:
     )
 
 
-def test_a_folder_whose_name_is_not_utf_8_is_refused(tmp_path: Path) -> None:
-    """MuJoCo takes no such path: an error with the way out, not a fault of actspec."""
-    folder = os.path.join(str(tmp_path), os.fsdecode(b"f\xff"))
-    os.mkdir(folder)
-    path = os.path.join(folder, "leg.xml")
-    with open(path, "w", encoding="utf-8") as stream:
-        stream.write("<mujoco/>")
-    with pytest.raises(
-        RobotError, match=r"ROBOT126: the name of the model's folder is not UTF-8.*\n.*rename"
-    ):
-        load_robot(path)
+@pytest.mark.skipif(os.sep != "/", reason="no such names here")
+@pytest.mark.parametrize("name", [b"f\xff", b"a\\b", b"a\nb", b"a:3"])
+def test_a_folder_of_any_name(name: bytes, tmp_path: Path) -> None:
+    """A mesh that gives a mass is found: a corner of a cube, a sixth of a cubic metre at 1000 kg/m^3."""
+    folder = Path(os.fsdecode(bytes(tmp_path) + b"/" + name))
+    try:
+        (folder / "parts").mkdir(parents=True)
+    except OSError:
+        pytest.skip("this file system takes UTF-8 alone")
+    (folder / "parts" / "m.obj").write_text(
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
+    )
+    (folder / "leg.xml").write_text(
+        '<mujoco><compiler meshdir="parts"/><asset><mesh file="m.obj"/></asset><worldbody><body>'
+        '<joint name="j" type="slide"/><geom type="mesh" mesh="m"/></body></worldbody></mujoco>'
+    )
+    inertia = load_robot(str(folder / "leg.xml")).inertia
+    assert inertia is not None
+    assert inertia.matrices[0, 0, 0] == pytest.approx(1000 / 6)
+
+
+@pytest.mark.skipif(os.sep != "/", reason="no such names here")
+def test_two_meshes_of_one_name_in_a_folder_that_mujoco_cannot_name(tmp_path: Path) -> None:
+    """They are handed over by their names, of which MuJoCo knows the last part: refused, and not one for the other."""
+    folder = tmp_path / "a\\b"
+    for part, size in (("left", 1), ("right", 2)):
+        (folder / part).mkdir(parents=True)
+        corners = f"v 0 0 0\nv {size} 0 0\nv 0 1 0\nv 0 0 1\n"
+        (folder / part / "m.obj").write_text(corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n")
+    (folder / "leg.xml").write_text(
+        '<mujoco><asset><mesh name="l" file="left/m.obj"/><mesh name="r" file="right/m.obj"/></asset><worldbody>'
+        '<body><joint name="j"/><geom type="mesh" mesh="l"/><geom type="mesh" mesh="r"/></body></worldbody></mujoco>'
+    )
+    with pytest.raises(RobotError, match=r"ROBOT126: .*'m.obj'.*\n.*rename"):
+        load_robot(str(folder / "leg.xml"))
 
 
 @pytest.mark.skipif(not REAL, reason="no corpus of real robot files")

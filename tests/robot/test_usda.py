@@ -229,13 +229,13 @@ def test_places() -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "1: USDA001: a layer in text form begins with '#usda 1.0'"),
-        ("<mujoco/>", "1: USDA001: a layer in text form begins with '#usda 1.0'"),
-        (b"PXR-USDC\0\0", "1: USDA001: a layer in text form begins with '#usda 1.0', and this one is binary\n"
+        ("", "1:1: USDA001: a layer in text form begins with '#usda 1.0'"),
+        ("<mujoco/>", "1:1: USDA001: a layer in text form begins with '#usda 1.0'"),
+        (b"PXR-USDC\0\0", "1:1: USDA001: a layer in text form begins with '#usda 1.0', and this one is binary\n"
          "  help: usdcat -o FILE.usda writes it as text"),
-        (b"PK\x03\x04", "1: USDA001: a layer in text form begins with '#usda 1.0', and this one is binary\n"
+        (b"PK\x03\x04", "1:1: USDA001: a layer in text form begins with '#usda 1.0', and this one is binary\n"
          "  help: usdcat -o FILE.usda writes it as text"),
-        (HEAD.encode() + b'\ndef "\xff', "3: USDA001: the file is not UTF-8: byte 0xff"),
+        (HEAD.encode() + b'\ndef "\xff', "3:6: USDA001: the file is not UTF-8: byte 0xff"),
         (within("float x = 1\nfloat y = 1 2"), "4:1: USDA001: USD refuses the layer: Expected } at 'float y = 1 2'"),
         (within('def "b c" {}'), "3:5: USDA001: USD refuses the layer: 'b c' is not a valid prim name at '\"b c\" {}'"),
         (within("rel r = </1b>"),

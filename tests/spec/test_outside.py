@@ -80,10 +80,11 @@ def test_names_that_are_no_folders_somewhere(name: str, tmp_path: Path) -> None:
 
 
 def test_names_that_differ_by_case_alone(tmp_path: Path) -> None:
-    """Two targets of one folder are refused; a name that only begins as a device's does not matter."""
+    """Two targets or variants of one folder are refused; a name that only begins as a device's does not matter."""
     targets = "targets: {deploy: {}, Deploy: {target: deploy}, console: {target: deploy}}\n"
+    targets += "variants: {soft: {}, Soft: {}, aux: {}, b.: {}}\n"
     (tmp_path / "s.yaml").write_text(HEAD % "auxiliary" + targets + GROUP % ("ideal_pd", ""))
     with pytest.raises(SpecError) as caught:
         load_spec(str(tmp_path / "s.yaml"))
-    (found,) = caught.value.diagnostics
-    assert (found.code, found.where) == ("SPEC161", "targets.Deploy")
+    found = {(item.code, item.where) for item in caught.value.diagnostics}
+    assert found == {("SPEC161", name) for name in ("targets.Deploy", "variants.Soft", "variants.b.")}

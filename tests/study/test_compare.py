@@ -206,6 +206,8 @@ def test_output_and_pictures(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, ca
         (["--delay", "10Hz"], "--delay"),
         (["--delay", "0ms"], "above 0"),
         (["--duration", "100s"], "at most 60 s"),
+        (["--duration", "1us"], "at least 0.01 s"),
+        (["--delay", "1e20 s"], "at most 60 s"),
         (["--plot", "a.txt"], "one of .svg, .png, .pdf"),
         (["--plot", "none/a.svg"], "no such folder"),
         (["--joint", "k0"], "matches no joint"),

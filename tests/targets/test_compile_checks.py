@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -136,6 +137,52 @@ def test_no_model_has_its_place(tmp_path: Path, target: str, code: str) -> None:
         api.compile(tmp_path / "leg.yaml", targets=[target], output=str(tmp_path / "out"), canonical=True)
     (fault,) = [item for item in caught.value.diagnostics if item.severity is Severity.ERROR]
     assert (fault.code, fault.span) == (code, Span(str(tmp_path / "leg.yaml"), 4, 10))
+
+
+def test_what_a_target_lacks_has_its_place(tmp_path: Path) -> None:
+    """An option that is not there is missed at the target; one that only the command line asks for has no line."""
+    text = NAMELESS + "targets:\n  stage: {target: newton, root: /World}\n"
+    (tmp_path / "leg.yaml").write_text(text)
+    for target, place in (("stage", Span(str(tmp_path / "leg.yaml"), 8, 3)), ("newton", None)):
+        with pytest.raises(EmitError) as caught:
+            api.compile(tmp_path / "leg.yaml", targets=[target], output=str(tmp_path / "out"))
+        (fault,) = [item for item in caught.value.diagnostics if item.severity is Severity.ERROR]
+        assert (fault.code, fault.span) == ("NWT009", place)
+
+
+@pytest.mark.skipif(os.sep != "/", reason="no such names here")
+@pytest.mark.parametrize(("target", "code"), [("mujoco", "MJC008"), ("urdf", "URD005")])
+@pytest.mark.parametrize(
+    ("name", "reason"), [(b"f\xff", "XML cannot hold the path"), (b"a\\b", "takes a backslash for a slash")]
+)
+def test_a_folder_that_a_model_cannot_name(
+    target: str, code: str, name: bytes, reason: str, tmp_path: Path
+) -> None:
+    """What is written beside the model names its mesh; from elsewhere it cannot, and a compile says so."""
+    folder = Path(os.fsdecode(bytes(tmp_path) + b"/" + name))
+    try:
+        folder.mkdir()
+    except OSError:
+        pytest.skip("this file system takes UTF-8 alone")
+    mass = '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    mesh = '<collision><geometry><mesh filename="m.stl"/></geometry></collision>'
+    (folder / "leg.urdf").write_text(
+        f'<robot name="leg"><link name="a">{mass}</link><link name="b">{mass}{mesh}</link><joint name="hip" '
+        'type="revolute"><parent link="a"/><child link="b"/><limit effort="3" velocity="3" lower="-1" upper="1"/>'
+        "</joint></robot>"
+    )
+    (folder / "leg.yaml").write_text(
+        NAMELESS.replace("none", "leg.urdf")
+        .replace("  joints: [hip]\nact", "act")
+        .replace("kd", "armature: 1, kd")
+    )
+    (emission,) = api.compile(folder / "leg.yaml", targets=[target], output=str(folder / "out")).emissions
+    assert b"f\xff" not in emission.files[0].data
+    with pytest.raises(EmitError) as caught:
+        api.compile(folder / "leg.yaml", targets=[target], output=str(tmp_path / "out"))
+    (fault,) = [item for item in caught.value.diagnostics if item.severity is Severity.ERROR]
+    assert fault.code == code and reason in fault.message and fault.help is not None
+    assert fault.help.startswith("rename the folder")
 
 
 def test_names_that_usd_changes_have_their_place(tmp_path: Path) -> None:

@@ -206,11 +206,12 @@ def test_place(built: Built) -> None:
 
 
 def test_reason_why_it_cannot_be_read(built: Built) -> None:
-    """What is wrong with a text is reported with its line."""
+    """What is wrong with a text is reported at its line and column."""
     (row,) = built.verified("newton", replaced("delaySteps = 2", "delaySteps = two")).faults
     text = (built.folder / "edited" / "rich_newton.usda").read_text("utf-8")
     line = text[: text.index("= two")].count("\n") + 1
-    assert f" cannot be read: {line}:37: USDA001: USD refuses the layer: " in row.message
+    assert " cannot be read: USD refuses the layer: " in row.message
+    assert row.place is not None and (row.place.line, row.place.column) == (line, 37)
     assert row.message.endswith(" at 'two  # steps of 5 ms: 10 ms, authored'")
 
 

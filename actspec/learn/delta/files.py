@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import json
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
@@ -11,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import ActspecError, Collector, Span, SpecError, listed, shortened
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, json_of, read_regular
 from actspec.ir import ActuatorSet
 from actspec.laws import law_of
 from actspec.learn.delta.network import DeltaLayers, onnx_of, torchscript_of
@@ -105,7 +104,7 @@ def write_delta(
     }
     DeltaManifest.model_validate(entries)
     kept = {name: entries[name] for name in DeltaManifest.model_fields if entries.get(name) is not None}
-    write_files(path, data, json.dumps(kept, indent=2, ensure_ascii=False) + "\n", force=force)
+    write_files(path, data, json_of(kept) + "\n", force=force)
     return paths
 
 

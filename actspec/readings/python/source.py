@@ -159,8 +159,8 @@ class Library:
                 self.sources[path] = source
             except UnreadableError as err:
                 self.sources[path] = None
-                line = f" (line {err.at[0]})" if err.at[0] else ""
-                self._problems[path] = f"cannot be read: {err}{line}"
+                place = f" ({Span(os.path.basename(path), *err.at)})" if err.at[0] else ""
+                self._problems[path] = f"cannot be read: {err}{place}"
         return self.sources[path] or self._problems[path]
 
     def _inside(self, path: str) -> bool:

@@ -11,6 +11,7 @@ from actspec.spec.rules.robot import (
     check_robot,
     check_sources,
     check_targets,
+    check_variants,
 )
 
 __all__ = ["check_spec"]
@@ -34,4 +35,5 @@ def check_spec(model: SpecModel, document: Document, breaches: Breaches) -> None
         check_group(name, group, model, breaches)
     check_linkages(model.linkages, model.motors, model.sources, breaches)
     check_targets(model.targets, breaches)
+    check_variants(model.variants, breaches)
     check_accept(model.accept, model.targets, breaches)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from actspec.diagnostics import Path, did_you_mean, nearest
@@ -100,7 +100,6 @@ SPEC_ITSELF = "spec"
 
 def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
     """Every target is of a kind that there is and has that kind's options, and its name can be a folder's."""
-    folders: dict[str, str] = {}
     for name, target in targets.items():
         kind = target.target or name
         if kind not in KINDS:
@@ -124,10 +123,26 @@ def check_targets(targets: Mapping[str, Target], breaches: Breaches) -> None:
                 FOLDER_HELP if name != SPEC_ITSELF else "choose another name",
                 key=True,
             )
+    _check_distinct("targets", targets, breaches)
+
+
+def check_variants(variants: Iterable[str], breaches: Breaches) -> None:
+    """The name of a variant can end that of a folder."""
+    for name in variants:
+        if name.endswith("."):
+            message = f"the name '{name}' cannot end a folder's name"
+            breaches.error("SPEC161", message, ("variants", name), FOLDER_HELP, key=True)
+    _check_distinct("variants", variants, breaches)
+
+
+def _check_distinct(section: str, names: Iterable[str], breaches: Breaches) -> None:
+    """Names of folders differ by more than case."""
+    folders: dict[str, str] = {}
+    for name in names:
         first = folders.setdefault(name.casefold(), name)
         if first != name:
             message = f"the name '{name}' and '{first}' are one folder where case is not told apart"
-            breaches.error("SPEC161", message, ("targets", name), "choose another name", key=True)
+            breaches.error("SPEC161", message, (section, name), "choose another name", key=True)
 
 
 def _check_options(name: str, kind: str, target: Target, breaches: Breaches) -> None:

@@ -16,7 +16,7 @@ from actspec.robot.xml import parse_document
 from actspec.robot.xml_edit import InsertBefore, apply_edits
 from actspec.simulators import DEFAULT_VERSIONS, text_of
 from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect, mujoco_dialect
-from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.base import Emission, EmittedFile, PathError, TargetOptions
 from actspec.targets.kit.joint import dialect_of
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
@@ -218,14 +218,16 @@ def _write(
 ) -> tuple[ModelFile, ...]:
     """The edited text, all files of the model, in one dialect."""
     edits = text_edits(document, plan, anchors, dialect)
-    where = layout(document, edits, folder, main_name, packages)
     try:
+        where = layout(document, edits, folder, main_name, packages)
         edited = apply_edits(document, [InsertBefore(document.root, comment), *edits, *where.edits])
     except ValueError as err:
         collector.at("", Span(document.files[0].path)).error(
             "MJC008",
             f"the text cannot be edited: {err}",
-            "use `--canonical` to write MuJoCo's own form of the model",
+            err.HELP
+            if isinstance(err, PathError)
+            else "use `--canonical` to write MuJoCo's own form of the model",
         )
         raise EmitError(collector.sorted()) from err
     return written_files(document, edited, where, folder)

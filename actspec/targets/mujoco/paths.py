@@ -16,7 +16,7 @@ from actspec.files import FAULTS, read_regular
 from actspec.robot.view import ModelFile
 from actspec.robot.xml_edit import AppendChild, Edit, SetAttribute, escape_attribute
 from actspec.robot.xml_tree import Element, XmlDocument
-from actspec.targets.base import relative_path
+from actspec.targets.base import named_path
 
 MESH_TAGS = frozenset({"mesh", "hfield", "skin", "flexcomp"})
 TEXTURE_FILES = ("file", "fileright", "fileleft", "fileup", "filedown", "filefront", "fileback")
@@ -54,6 +54,8 @@ def layout(
         folder: Output folder.
         main_name: Name of the main file there.
         packages: Package to its folder, as the spec has them.
+
+    Raises: PathError: a file that stays cannot be named.
     """
     files = document.files
     source = os.path.dirname(os.path.abspath(files[0].path))
@@ -69,7 +71,7 @@ def layout(
     for index, file in enumerate(files):
         if index not in written:
             names.append(None)
-            includes.append(relative_path(os.path.abspath(file.path), folder))
+            includes.append(named_path(os.curdir, file.path, folder))
             continue
         name = main_name if index == 0 else _free(os.path.basename(file.path), taken)
         taken.add(name)
@@ -85,9 +87,7 @@ def layout(
     for element in document.walk("model"):
         file_name = element.get("file")
         if file_name and not os.path.isabs(file_name):
-            path_edits.append(
-                SetAttribute(element, "file", relative_path(os.path.join(source, file_name), folder))
-            )
+            path_edits.append(SetAttribute(element, "file", named_path(source, file_name, folder)))
     return FileLayout(tuple(names), tuple(includes), tuple(path_edits))
 
 
@@ -120,7 +120,7 @@ def _asset_folders(document: XmlDocument, source: str, folder: str) -> list[Edit
         mesh_folder = element.get("meshdir", mesh_folder) or ""
         texture_folder = element.get("texturedir", texture_folder) or ""
     wanted = {
-        name: relative_path(os.path.join(source, current), folder)
+        name: named_path(source, current, folder)
         for name, current, used in (
             ("meshdir", mesh_folder, meshes),
             ("texturedir", texture_folder, textures),
@@ -144,7 +144,7 @@ def _packaged(document: XmlDocument, source: str, packages: Mapping[str, str]) -
         if found is not None:
             edits.append(
                 SetAttribute(
-                    element, "file", relative_path(found, os.path.join(source, _mesh_folder(document)))
+                    element, "file", named_path("", found, os.path.join(source, _mesh_folder(document)))
                 )
             )
     return edits

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import actspec
+from actspec.files import json_of
 from actspec.ir import ActuatorSet, JointActuator
 from actspec.sampling import FACTORS, FIELDS, nominal_of, own_ranges, unit_of
 from actspec.targets.base import EmittedFile
@@ -38,7 +38,7 @@ def record(actuators: ActuatorSet) -> str:
 
 def _text(value: Any, indent: str) -> str:
     """JSON, a part without parts of its own on one line where it is short."""
-    one = json.dumps(value, ensure_ascii=False, allow_nan=False)
+    one = json_of(value, indent=None)
     if not isinstance(value, (dict, list)) or not value:
         return one
     parts = list(value.values()) if isinstance(value, dict) else value
@@ -47,9 +47,7 @@ def _text(value: Any, indent: str) -> str:
     inner = f"{indent}  "
     begin, end = "{}" if isinstance(value, dict) else "[]"
     keys = (
-        [f"{json.dumps(key, ensure_ascii=False)}: " for key in value]
-        if isinstance(value, dict)
-        else [""] * len(parts)
+        [f"{json_of(key, indent=None)}: " for key in value] if isinstance(value, dict) else [""] * len(parts)
     )
     rows = [f"{inner}{key}{_text(part, inner)}" for key, part in zip(keys, parts, strict=True)]
     return f"{begin}\n" + ",\n".join(rows) + f"\n{indent}{end}"

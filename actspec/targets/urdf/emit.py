@@ -12,7 +12,7 @@ from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_edit import AppendChild, Edit, InsertBefore, SetAttribute, apply_edits, exact_number
 from actspec.robot.xml_tree import Element, XmlDocument
-from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions, relative_path
+from actspec.targets.base import Approximation, Emission, EmittedFile, PathError, TargetOptions, named_path
 from actspec.targets.kit.provenance import sections, with_origin, written_by, xml_head
 from actspec.targets.kit.python_text import grouped
 from actspec.targets.urdf.plan import (
@@ -47,11 +47,16 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     elements = joint_elements(document)
     for edit in plan.edits:
         edits += _text_edits(elements[edit.joint], edit)
-    edits += [
-        SetAttribute(element, name, relative_path(os.path.join(source, path), options.folder))
-        for element, name, path in relative_paths(document)
-    ]
-    (edited,) = apply_edits(document, edits)
+    try:
+        edits += [
+            SetAttribute(element, name, named_path(source, path, options.folder))
+            for element, name, path in relative_paths(document)
+        ]
+        (edited,) = apply_edits(document, edits)
+    except ValueError as err:
+        message = f"the text cannot be edited: {err}"
+        collector.at("", Span(robot.path)).error("URD005", message, PathError.HELP)
+        raise EmitError(collector.sorted()) from err
     name = f"{os.path.splitext(os.path.basename(robot.path))[0]}.urdf"
     file = ModelFile(os.path.join(options.folder, name), "", edited.data)
     strayed = deviations(document, (file,), plan.edits)

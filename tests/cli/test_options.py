@@ -1,0 +1,102 @@
+"""Every option of every command, with values that are none: bad input or a name, never a fault of actspec."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+
+from actspec.cli.main import main, parser
+from tests.in_process import in_process
+
+ROOT = Path(__file__).resolve().parents[2]
+SCENE = ROOT / "tests" / "fuzz" / "scene"
+
+VALUES = (
+    "nan",
+    "-inf",
+    "-1",
+    "1e400",
+    "1e200 s",
+    "1e-320",
+    "9" * 5000,
+    "",
+    "rad",
+    "[",
+    "hip,hip",
+    "x==",
+    "\udcff\n",
+)
+
+LINES = {
+    "compile": "plain.yaml",
+    "validate": "plain.yaml",
+    "show": "plain.yaml",
+    "verify": "plain.yaml --fields-only",
+    "compare": "plain.yaml",
+    "diagnose": "plain.yaml log.csv",
+    "audit": "biped_cfg.py",
+    "rule": "DMP101",
+    "diff": "plain.yaml plain.yaml#soft",
+    "sysid design": "plain.yaml --experiment chirp --seed 0 -o out.csv",
+    "sysid simulate": "plain.yaml --command log.csv --seed 0 -o out.csv",
+    "sysid fit": "plain.yaml log.csv",
+    "sysid report": "results.yaml -o out.html",
+    "sysid import": "results.yaml --from line --robot plain.yaml --joint hip -o out.yaml",
+    "net data": "plain.yaml log.csv",
+    "net train": "plain.yaml log.csv --epochs 0 -o out/net",
+    "net evaluate": "plain.yaml log.csv --network none.json",
+    "net inspect": "results.yaml",
+    "net convert": "results.yaml -o out/net",
+    "delta train": "plain.yaml log.csv --epochs 0 -o out/delta",
+    "delta validate": "plain.yaml log.csv --network none.json",
+    "lock": "plain.yaml",
+    "import": "biped.urdf",
+    "init": "new.yaml",
+}
+"""A command line of each command, quick and without MuJoCo; `ablate` and `report` draw, and share their options."""
+
+
+def options(command: argparse.ArgumentParser, name: str = "") -> Iterator[tuple[str, str]]:
+    """Command and option, of all that take a text of the user's."""
+    for action in command._actions:
+        if isinstance(action, argparse._SubParsersAction):
+            for word, part in action.choices.items():
+                yield from options(part, f"{name} {word}".strip())
+        elif action.option_strings and action.nargs != 0 and not action.choices:
+            yield name, action.option_strings[-1]
+
+
+OPTIONS = sorted(set(options(parser())))
+
+
+def test_every_command_is_tried() -> None:
+    """But for those whose options are the others'."""
+    assert {command for command, _ in OPTIONS} - set(LINES) == {"ablate", "report"}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("command", LINES)
+def test_values_that_are_none(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An exit code, and no words of a fault."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copytree(SCENE, tmp_path, dirs_exist_ok=True)
+    shutil.copytree(ROOT / "docs" / "example", tmp_path, dirs_exist_ok=True)
+    with in_process():
+        for option in (option for name, option in OPTIONS if name == command):
+            for value in VALUES:
+                code = 2
+                with suppress(SystemExit):  # of the parser
+                    code = main([*command.split(), *LINES[command].split(), f"{option}={value}"])
+                out, err = capsys.readouterr()
+                told = f"{command} {option}={value[:20]}: {(out + err)[-300:]}"
+                assert code in (0, 1, 2), told
+                assert "ENV00" not in out + err and "Traceback" not in out + err and "Warning: " not in err, (
+                    told
+                )
