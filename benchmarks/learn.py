@@ -38,7 +38,7 @@ from actspec import api  # noqa: E402
 from actspec.cli.main import main as actspec  # noqa: E402
 from actspec.diagnostics import Collector  # noqa: E402
 from actspec.ir import JointActuator  # noqa: E402
-from actspec.learn.closed_loop import HORIZON, Bench, baseline_laws, law_drive, network_drive  # noqa: E402
+from actspec.learn.closed_loop import HORIZON, Bench, baseline_laws, network_drive  # noqa: E402
 from actspec.learn.evaluate import network_of, predicted  # noqa: E402
 from actspec.learn.labels import inferred  # noqa: E402
 from actspec.learn.recurrent import TAPS  # noqa: E402
@@ -339,12 +339,14 @@ class Test:
                 sent = np.maximum(np.searchsorted(t.time, t.time[t.rows] - wait - 1e-9) - 1, 0)
             found.append(law.torque(t.command[sent], t.position[t.rows] - off, t.velocity[t.rows]))
         steps = [late(wait / self.step) for wait in delay]
-        plain = law_drive(self.bench, laws)
 
         def drive(starts: Array, step: int, command: Array, q: Array, qd: Array) -> Array:
-            rows = starts + step
-            sent = [self.bench.command[np.maximum(rows - k, 0), j] for j, k in enumerate(steps)]
-            return plain(starts, step, np.stack(sent, axis=1), q, qd)
+            # Each acts on what the encoder reads, by its own bias: the bench has the fitted one.
+            parts = [
+                law.torque(self.bench.command[np.maximum(starts + step - k, 0), j], q[:, j] - off, qd[:, j])
+                for j, (law, k, off) in enumerate(zip(laws, steps, bias, strict=True))
+            ]
+            return np.stack(parts, axis=1)
 
         return self.torque(found), self.motion(drive)
 
@@ -467,7 +469,7 @@ def measured(options: argparse.Namespace, where: Path) -> tuple[str, bool]:
         if robot == "published" and not options.known:
             lines += ["", fitted()]
         elif not options.known:
-            shutil.copy("../published/fit.yaml", ".")
+            shutil.copy(where / "published" / "fit.yaml", ".")
         kinds = [name for name in KINDS if name in TRAINED[robot]]
         times = {name: trained(name, options.short) for name in kinds}
         for kind in TESTS:
