@@ -14,6 +14,7 @@ from functools import cache
 from actspec.audit.baseline import Entry, apply_baseline, entry_about, read_baseline, relative_path
 from actspec.audit.build import case_of
 from actspec.audit.case import Case
+from actspec.audit.causes import by_cause
 from actspec.audit.exclude import Exclude, glob_matches
 from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.fix import without_doubtful
@@ -96,7 +97,13 @@ def judge(
     baseline = read_baseline(settings.baseline, former) if settings.baseline is not None else None
     found, skipped, problems = _run(asked, case)
     real_path = cache(os.path.realpath)  # it asks the system for each folder on the way
-    resolved = _resolve(found, everything, settings, real_path, case.robot_by_path(), case.files)
+    by_code = {rule.code: rule for rule in everything}
+    said_of = cache(lambda code: _severity_said(by_code[code], settings))
+    resolved = by_cause(
+        _resolve(found, by_code, said_of, real_path, case.robot_by_path(), case.files),
+        counts=lambda item: not _unsure(item.confidence, settings),
+        fixed=lambda code: said_of(code) is not None,
+    )
     ignores = ignores_of(case.files, real_path)
     remarks = [ignore for group in ignores.values() for ignore in group]
     called = {rule.code: (rule.code, *rule.names()) for rule in everything}
@@ -203,8 +210,8 @@ def _fault(rule: type[Rule], err: Exception) -> Diagnostic:
 
 def _resolve(
     found: Iterable[Finding],
-    rules: Sequence[type[Rule]],
-    settings: Settings,
+    by_code: Mapping[str, type[Rule]],
+    said: Callable[[str], Severity | None],
     real_path: Callable[[str], str],
     robots: Mapping[str, int],
     readings: Iterable[FileReading],
@@ -213,9 +220,7 @@ def _resolve(
 
     What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it.
     """
-    by_code = {rule.code: rule for rule in rules}
     unique: dict[tuple[object, ...], Reported] = {}
-    said = cache(lambda code: _severity_said(by_code[code], settings))
     aside = {file.path for reading in readings if reading.put_aside for file in reading.files}
     aside |= {reading.path for reading in readings if reading.put_aside}
     for finding in found:

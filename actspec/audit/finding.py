@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 
 from actspec.diagnostics import Severity, Span
@@ -73,6 +73,7 @@ class Finding:
         message: What is wrong and what it does to the robot, with figures and units; one sentence.
         span: The place that decides.
         joint: Joint that it concerns; "" when it concerns a file.
+        fields: Figures of the joint that it is about, names in `FIELDS`: what two rules say of one figure is one fault.
         value: The figure that is wrong [unit]; None where there is none.
         unit: Unit of `value` and `expected`; None without a value.
         expected: What it should be, in `unit`; None when nobody knows.
@@ -87,6 +88,7 @@ class Finding:
     message: str
     span: Span
     joint: str = ""
+    fields: tuple[str, ...] = field(default=(), kw_only=True)
     value: float | None = None
     unit: str | None = None
     expected: float | None = None

@@ -28,9 +28,10 @@ class Reported:
     Attributes:
         finding: As the rule found it.
         name: Of the rule.
-        severity: After the settings.
+        severity: After the settings, and after what explains it.
         confidence: The finding's, else the rule's.
         robot: The robot whose file it is in, as its index in `Case.robots`; None: of no robot, or nobody knows.
+        cause: The finding that explains this one, which is a note for that; None: it stands for itself.
     """
 
     finding: Finding
@@ -38,6 +39,7 @@ class Reported:
     severity: Severity
     confidence: Confidence
     robot: int | None = None
+    cause: Finding | None = None
 
 
 class Means(str, Enum):

@@ -184,18 +184,6 @@ def torque_slip(ratio: float | None, unit: str, tolerance: float = COPIED) -> st
     )
 
 
-def hidden_gear(effort: float | None, speed: float | None) -> bool:
-    """Whether two ratios of limits, of torque and of speed, are one gear: the power is the same.
-
-    Args:
-        effort: Effort limit of one file over that of the other; None: unknown.
-        speed: Speed likewise.
-    """
-    if effort is None or speed is None:
-        return False
-    return abs(effort * speed - 1.0) <= SAME_POWER < abs(effort - 1.0)
-
-
 def gear_power(ratio: float | None, factor: float, tolerance: float = COPIED) -> int | None:
     """The power of a gear by which a figure is off: 1 once too often, -1 left out, 2 and -2 its square; None.
 

@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 from actspec.audit.outcome import Reported
-from actspec.diagnostics import Severity, Span, listed
+from actspec.diagnostics import SEVERITIES, Severity, Span, listed
 from actspec.readings.read import FAULT
 
 MOST_ALIKE = 3
-"""Groups that differ in figures only and are still shown one by one. Chosen: more of them say nothing new."""
+"""Groups about no joint that differ in figures only and are still shown one by one. Chosen: more say nothing new."""
 
 _FIGURE = re.compile(r"(?<![\w./-])[-+]?(?:x?\d+(?:\.\d+)?(?:e[-+]?\d+)?|inf)(?![\w/]|[.]\w)|'[^']*'")
 """Figures and quoted texts in a message; not digits in a joint's or file's name."""
@@ -27,17 +27,15 @@ class FindingGroup:
 
     Attributes:
         members: In the report's order, at least one.
-        alike: Others that say the same of the same file with other figures; these are the worst.
+        alike: Others that say the same of the same file with other figures; the members are the worst.
         copies: Where other files have the same, which is not repeated there.
         of_others: Whether some of those are of other joints, in words.
-        copy_of: Where the same of another file is reported in full; None: nowhere.
     """
 
     members: tuple[Reported, ...]
     alike: tuple[Reported, ...] = ()
     copies: tuple[Span, ...] = ()
     of_others: str = ""
-    copy_of: Span | None = None
 
     @property
     def first(self) -> Reported:
@@ -50,9 +48,9 @@ class FindingGroup:
         return tuple(dict.fromkeys(item.finding.joint for item in self.members if item.finding.joint))
 
     @property
-    def concerned(self) -> tuple[object, ...]:
-        """Their joints, and those of the others with what is said of them."""
-        return (*self.joints, *((item.finding.joint, item.finding.message) for item in self.alike))
+    def concerned(self) -> frozenset[str]:
+        """Their joints, and those of the others."""
+        return frozenset(item.finding.joint for item in (*self.members, *self.alike))
 
     @property
     def spans(self) -> tuple[Span, ...]:
@@ -83,7 +81,8 @@ class FindingGroup:
         """
         joints = listed(self.joints, most)
         message = self.first.finding.message
-        return (f"{joints}: {message}" if joints else message) + self.others(most) + self.elsewhere(most)
+        text = f"{joints}: {message}" if joints else message
+        return text + self.others(most) + self.elsewhere(most) + self.because()
 
     def others(self, most: int) -> str:
         """Whom else it concerns with other figures, in brackets; "" where nobody.
@@ -94,6 +93,11 @@ class FindingGroup:
         joints = tuple(dict.fromkeys(item.finding.joint for item in self.alike if item.finding.joint))
         names = listed(joints, most) if joints else f"{len(self.alike)} more"
         return f" (similar: {names})" if self.alike else ""
+
+    def because(self) -> str:
+        """Which finding tells the fault, in brackets; "" where this one does."""
+        cause = self.first.cause
+        return "" if cause is None else f" (explained by {cause.code} at {cause.span})"
 
     def elsewhere(self, most: int) -> str:
         """Which other files have the same, in brackets; "" where none.
@@ -111,81 +115,67 @@ class FindingGroup:
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
     """What people read, in the order of the findings.
 
-    Of groups that differ in figures only one stands for all. What the files of one robot have alike, copies and
-    variants of it, is reported once, and so is a note that more than `MOST_ALIKE` files have alike, whatever their
-    joints; a warning or error of the same joints in files of several robots is still there for each file, which
-    somebody has to mend. Nothing may be looked up in the result.
+    What a rule says of one figure of a file's joints is reported once, where it is worst, and the other joints are
+    named. So is what several files have alike, copies and variants of a robot: each of them has to be mended, and is
+    named. Nothing may be looked up in the result.
 
     Args:
         found: Findings in the report's order.
     """
-    groups = _unread_together(_without_copies(grouped(found, fold=True)))
-    alike: dict[tuple[object, ...], list[FindingGroup]] = {}
-    for group in groups:
-        whose = () if group.first.severity is Severity.INFO and not group.alike else group.concerned
-        alike.setdefault((*_said(group), *whose), []).append(group)
-    changed: dict[int, FindingGroup | None] = {}
-    for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
-        if first.first.severity is Severity.INFO:
-            changed[id(first)] = _with_copies(first, others)
-            changed.update((id(other), None) for other in others)
-        else:
-            changed.update((id(other), replace(other, copy_of=first.first.finding.span)) for other in others)
-    each = (changed.get(id(group), group) for group in groups)
-    return tuple(group for group in each if group is not None)
+    groups = grouped(found)
+    place = {id(group.first): index for index, group in enumerate(groups)}
+    shown = _unread_together(_over_files(in_files(groups)))
+    return tuple(sorted(shown, key=lambda group: place[id(group.first)]))
 
 
-def _unread_together(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
+def _unread_together(groups: Sequence[FindingGroup]) -> Iterator[FindingGroup]:
     """Groups, those of files of a folder that cannot be read at the first of them."""
-    alike: dict[str, list[FindingGroup]] = {}
+    alike: dict[object, list[FindingGroup]] = {}
     for group in groups:
-        if group.first.finding.code == FAULT and group.first.severity is not Severity.ERROR:
-            alike.setdefault(_FIGURE.sub("#", group.first.finding.message), []).append(group)
-    changed: dict[int, FindingGroup | None] = {}
-    for first, *others in (same for same in alike.values() if len(same) > MOST_ALIKE):
-        changed[id(first)] = replace(_with_copies(first, others), of_others=" kind")
-        changed.update((id(other), None) for other in others)
-    each = (changed.get(id(group), group) for group in groups)
-    return tuple(group for group in each if group is not None)
+        unread = group.first.finding.code == FAULT and group.first.severity is not Severity.ERROR
+        alike.setdefault(_plain(group.first.finding.message) if unread else id(group), []).append(group)
+    for same in alike.values():
+        if len(same) > MOST_ALIKE:
+            yield replace(_with_copies(same[0], same[1:]), of_others=" kind")
+        else:
+            yield from same
 
 
-def _said(group: FindingGroup) -> tuple[object, ...]:
-    """What a group says, but for its place and joints, and for which copy of a file it is held to."""
-    item, finding = group.first, group.first.finding
+def _over_files(groups: Sequence[FindingGroup]) -> list[FindingGroup]:
+    """Groups, those of several files that say the same at the one that concerns most joints."""
+    copies: dict[int, list[FindingGroup]] = {}
+    mains: dict[tuple[object, ...], FindingGroup] = {}
+    for group in sorted(groups, key=lambda group: -len(group.concerned)):
+        main = next(filter(None, (mains.get(mark) for item in group.members for mark in _marks(item))), group)
+        copies.setdefault(id(main), []).append(group)
+        for item in (*group.members, *group.alike) if main is group else ():
+            for mark in _marks(item):
+                mains.setdefault(mark, group)
+    return [_with_copies(same[0], same[1:]) for same in copies.values()]
+
+
+def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
+    """What a finding has in common with the same one of another file: its words, or the figure that is wrong."""
+    finding, value = item.finding, item.finding.value
+    about = (finding.code, item.severity is Severity.INFO, finding.fields[:1])
     texts = [finding.message, finding.help or ""]
+    # Which copy of a file it is held to is no matter.
     for path in {span.path for span in finding.related if span.path != finding.span.path}:
         texts = [text.replace(path, "#") for text in texts]
-    return (finding.code, *texts, item.severity, item.confidence)
-
-
-def _without_copies(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
-    """Groups, those of one robot's files that say the same of a joint at the one that concerns most joints."""
-    copies: dict[tuple[object, ...], list[FindingGroup]] = {}
-    for group in groups:
-        robot = group.first.robot
-        copies.setdefault((*_said(group), id(group) if robot is None else robot), []).append(group)
-    kept: dict[int, FindingGroup] = {}
-    for left in copies.values():
-        while left:
-            main = max(left, key=lambda group: len(group.concerned))
-            # A variant with other hands is one too, but what is said of other joints alone is not the same.
-            others = [group for group in left if group is not main and _is_copy(group, main)]
-            kept[id(main)] = _with_copies(main, others)
-            left = [group for group in left if group is not main and group not in others]
-    return tuple(kept[id(group)] for group in groups if id(group) in kept)
-
-
-def _is_copy(group: FindingGroup, main: FindingGroup) -> bool:
-    """Whether a group says the same of one of the joints of another, or neither has any."""
-    own, theirs = set(group.concerned), set(main.concerned)
-    return own <= theirs or not own.isdisjoint(theirs)
+    yield (*about, *texts)
+    if value is not None and finding.joint and finding.fields:
+        figure = (*about, finding.joint, f"{value:.4g}", finding.unit)
+        if item.robot is not None:
+            yield (*figure, item.robot)
+        if finding.expected is not None:
+            yield (*figure, f"not {finding.expected:.4g}")
 
 
 def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingGroup:
     """A group with where the others are."""
     if not others:
         return main
-    strange = not {joint for other in others for joint in other.joints} <= set(main.joints)
+    strange = any(not other.concerned <= main.concerned for other in others)
     places = (span for other in others for span in (other.first.finding.span, *other.copies))
     return replace(
         main,
@@ -194,63 +184,48 @@ def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingG
     )
 
 
-def grouped(
-    found: Iterable[Reported], *, by_place: bool = False, fold: bool = False
-) -> tuple[FindingGroup, ...]:
+def grouped(found: Iterable[Reported], *, by_place: bool = False) -> tuple[FindingGroup, ...]:
     """Groups in the order of their first findings.
 
     Args:
         found: Findings in the report's order.
         by_place: Put only those of one place together.
-        fold: Of more than `MOST_ALIKE` groups that differ in figures only, keep the worst, and name the joints of
-            the others. For people: nothing may be looked up in the result.
     """
     groups: dict[tuple[object, ...], list[Reported]] = {}
     for item in found:
         finding = item.finding
         place = finding.span if by_place else finding.span.path
-        key = (finding.code, place, finding.message, finding.help, item.severity, item.confidence)
+        cause = None if item.cause is None else item.cause.code
+        key = (finding.code, place, finding.message, finding.help, item.severity, item.confidence, cause)
         groups.setdefault(key, []).append(item)
-    each = tuple(FindingGroup(tuple(members)) for members in groups.values())
-    return _folded(each) if fold else each
+    return tuple(FindingGroup(tuple(members)) for members in groups.values())
 
 
-def _folded(groups: Sequence[FindingGroup]) -> tuple[FindingGroup, ...]:
-    candidates: dict[tuple[object, ...], list[FindingGroup]] = {}
+def in_files(groups: Sequence[FindingGroup]) -> list[FindingGroup]:
+    """Groups, of those that say the same of one file the worst with the joints of the others."""
+    alike: dict[tuple[object, ...], list[FindingGroup]] = {}
     for group in groups:
         item, finding = group.first, group.first.finding
         # What two files say otherwise is one thing to settle, however many joints have it.
         held_to = {span.path for span in finding.related} - {finding.span.path}
         other = next(iter(held_to)) if len(held_to) == 1 and finding.expected is not None else None
-        whose = (other, finding.code, finding.span.path, item.severity, item.confidence)
-        candidates.setdefault(whose, []).append(group)
-    alike: dict[tuple[object, ...], list[FindingGroup]] = {}
-    for key, some in candidates.items():
-        if len(some) <= _most(key):
-            alike[key] = some
-            continue
-        for group in some:
-            finding = group.first.finding
-            texts = (_plain(text or "") for text in (finding.message, finding.help))
-            alike.setdefault((*key, *texts), []).append(group)
+        # Of one figure what the rest of the sentence says of it is no other fault.
+        texts = (
+            (finding.message.partition(", ")[0],) if finding.fields else (finding.message, finding.help or "")
+        )
+        about = (*finding.fields[:1], *map(_plain, texts))
+        is_note = item.severity is Severity.INFO
+        key = (finding.code, finding.span.path, other, *about, is_note, item.cause and item.cause.code)
+        alike.setdefault(key, []).append(group)
     found: list[FindingGroup] = []
-    for key, same in alike.items():
-        if len(same) <= _most(key):
+    for same in alike.values():
+        if len(same) <= (1 if same[0].first.finding.joint else MOST_ALIKE):
             found += same
             continue
         worst = max(same, key=_badness)
-        found.append(
-            FindingGroup(
-                worst.members, tuple(item for group in same if group is not worst for item in group.members)
-            )
-        )
-    place = {id(group.first): index for index, group in enumerate(groups)}
-    return tuple(sorted(found, key=lambda group: place[id(group.first)]))
-
-
-def _most(key: tuple[object, ...]) -> int:
-    """Groups that are shown one by one: one, where they hold a file to one other."""
-    return MOST_ALIKE if key[0] is None else 1
+        rest = (item for group in same if group is not worst for item in group.members)
+        found.append(FindingGroup(worst.members, tuple(rest)))
+    return found
 
 
 def _plain(text: str) -> str:
@@ -258,11 +233,12 @@ def _plain(text: str) -> str:
     return _MORE.sub("#", _FIGURE.sub("#", text))
 
 
-def _badness(group: FindingGroup) -> float:
-    """How far the figure is off, by ratio where it is known what it should be; else its size."""
+def _badness(group: FindingGroup) -> tuple[int, float]:
+    """How bad it is, then how far the figure is off: by ratio where it is known what it should be, else its size."""
+    severity = SEVERITIES.index(group.first.severity)
     value, expected = group.first.finding.value, group.first.finding.expected
     if value is None or math.isnan(value):
-        return 0.0
+        return severity, 0.0
     if expected and value / expected > 0.0 and math.isfinite(value / expected):
-        return abs(math.log(value / expected))
-    return abs(value)
+        return severity, abs(math.log(value / expected))
+    return severity, abs(value)

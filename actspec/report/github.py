@@ -9,7 +9,7 @@ from actspec.audit.baseline import relative_path
 from actspec.audit.outcome import Report
 from actspec.diagnostics import Severity, Span, one_line
 from actspec.report import ReportOptions
-from actspec.report.findings import grouped
+from actspec.report.findings import grouped, in_files
 from actspec.report.text import remarks, worst_first
 
 LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "notice"}
@@ -18,7 +18,7 @@ LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.INFO: "
 def render(report: Report, options: ReportOptions) -> str:
     """One workflow command a finding, and one for each thing that readers and rules have to say."""
     lines = []
-    for group in worst_first(grouped(report.at_or_above(options.least), fold=True)):
+    for group in worst_first(in_files(grouped(report.at_or_above(options.least)))):
         item = group.first
         text = one_line(group.headline(most=8))
         if item.finding.help:

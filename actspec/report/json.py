@@ -73,4 +73,5 @@ def _finding(item: Reported) -> dict[str, Any]:
         "expected": json_number(finding.expected),
         "help": finding.help,
         "fix": finding.fix.safety.value if finding.fix is not None else None,
+        "explained_by": item.cause.code if item.cause is not None else None,
     }

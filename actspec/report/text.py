@@ -99,9 +99,6 @@ def headline(group: FindingGroup, style: Style) -> str:
 
 def _details(group: FindingGroup, sources: Sources, style: Style) -> Iterator[str]:
     item, finding = group.first, group.first.finding
-    if group.copy_of is not None:
-        yield f"  = same as {style.bold(str(group.copy_of))}"
-        return
     yield from _excerpt(sources, finding.span, style)
     if len(group.joints) > 2:
         yield f"  = joints: {one_line(listed(group.joints, _MOST_JOINTS))}"

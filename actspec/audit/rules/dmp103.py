@@ -89,6 +89,7 @@ class DampingOutsideClamp(RuleInParts):
             unit(row, "kd"),
             help=_HELP,
             related=(row.span,),
+            fields=("joint_damping",),
             severity=None if damping * speed >= _HELD * limit and not sprung else Severity.INFO,
         )
 
@@ -104,6 +105,7 @@ class DampingOutsideClamp(RuleInParts):
             unit(row, "kd"),
             help=_HELP,
             related=(row.span,),
+            fields=("joint_damping",),
             severity=Severity.INFO,
             confidence=Confidence.LOW,
         )

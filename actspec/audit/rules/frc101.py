@@ -49,6 +49,7 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             help=f"is it in m{unit(row, 'frictionloss')} ({shown(row, 'frictionloss', friction / 1000.0)}), or a "
             "dimensionless coefficient?",
             related=(limiting.place("effort_limit"),),
+            fields=("frictionloss",),
             # It is the limit that is wrong then, which SYM101 tells.
             severity=Severity.INFO
             if (limiting.artifact, limiting.joint) in case.once(doubted_limits)

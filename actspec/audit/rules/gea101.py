@@ -15,7 +15,6 @@ from actspec.audit.rules.reductions import (
     same,
     states_speed,
 )
-from actspec.diagnostics import Span
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
@@ -97,6 +96,7 @@ class HiddenGear(RuleInParts):
             right.effort,
             f"give this joint a group of its own with {_limits(right)}, if the reduction is there on the robot",
             (right.row.place("effort_limit"), reduction.base.row.place("effort_limit")),
+            fields=("effort_limit",),
         )
 
     def _different(self, joint: Figures, reduction: Reduction, ratio: float) -> Finding:
@@ -114,14 +114,8 @@ class HiddenGear(RuleInParts):
             "find out which reduction the robot has",
             (right.row.place("effort_limit"),),
             confidence=Confidence.MEDIUM,
+            fields=("effort_limit",),
         )
-
-
-def left_out(case: Case) -> frozenset[tuple[Span, str]]:
-    """Place and joint of every finding of GEA101: what it says, no other rule repeats."""
-    return frozenset(
-        (item.span, item.joint) for item in HiddenGear().check(case) if isinstance(item, Finding)
-    )
 
 
 def _is_equal(joint: Figures, base: Figures) -> bool:

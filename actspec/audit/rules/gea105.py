@@ -58,6 +58,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
                 limit,
                 "figures of the joint's side want gear 1; figures of the motor's side are smaller by the gear",
                 (stated,),
+                fields=("effort_limit",),
             )
         elif _targets_are_joint_side(actuator, row):
             low, high = (shown(row, "default_position", end) for end in row.command_range or ())

@@ -2,17 +2,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.gea101 import left_out
-from actspec.audit.rules.joints import finite, partner_rows, shown, unit
-from actspec.audit.rules.source_pairs import GRAVE
+from actspec.audit.rules.joints import finite, shown, unit
 from actspec.diagnostics import listed
 from actspec.fields import is_placeholder
-from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
 
@@ -39,9 +35,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
                 subject, row, names, limit, times
             )
             if found is not None:
-                # One number is told once: that two files of the robot cannot both be right, or a reduction is left out.
-                told = (found.span, found.joint) in case.once(left_out) or _is_disputed(case, row, limit)
-                yield replace(found, severity=Severity.INFO) if told else found
+                yield found
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
@@ -51,17 +45,18 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         published = most[worst]
         if limit < times * published.effort:
             return None
-        which = f" at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
+        which = f", at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
         return Finding(
             self.code,
             f"the limit of {shown(row, 'effort_limit', limit, 6)} is {limit / published.effort:.3g} times what is "
-            f"published for {subject.robot.name}{which}: {shown(row, 'effort_limit', published.effort, 6)}",
+            f"published for {subject.robot.name}: {shown(row, 'effort_limit', published.effort, 6)}{which}",
             row.place("effort_limit"),
             row.joint,
             limit,
             unit(row, "effort_limit"),
             published.effort,
             help=f"{shown(row, 'effort_limit', published.effort, 6)}: {published.source}",
+            fields=("effort_limit",),
         )
 
     def _other_joint(
@@ -91,6 +86,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             unit(row, "effort_limit"),
             published.effort,
             help=f"{figure}: {published.source}",
+            fields=("effort_limit",),
         )
 
 
@@ -99,12 +95,6 @@ def _most(subject: Likeness, name: str) -> KnownJoint:
     return max(
         (subject.robot.variants[variant][name] for variant in subject.variants), key=lambda j: j.effort
     )
-
-
-def _is_disputed(case: Case, row: LedgerRow, limit: float) -> bool:
-    """Whether another model of the robot has a limit so far from this one that SRC101 has an error."""
-    limits = (finite(other.effort_limit) for other in partner_rows(case, row, FileKind.MJCF, FileKind.URDF))
-    return any(max(limit / other, other / limit) >= GRAVE for other in limits if other is not None)
 
 
 def _alike(joints: Mapping[str, KnownJoint], limit: float) -> tuple[str, ...]:

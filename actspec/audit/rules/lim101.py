@@ -10,7 +10,6 @@ from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
 from actspec.audit.rules.joints import is_exporters, partner_rows, shown, unit
-from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
@@ -79,13 +78,12 @@ class NoEffectiveLimit(RuleInParts):
                         if meant and row.span not in written
                         else missing
                     )
-        mimics, doubted = _mimics(case), case.once(doubted_limits)
+        mimics = _mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
-            # SYM101 has an error where the other side has a limit.
-            undriven = _UNDRIVEN.search(row.joint) is not None or (row.artifact, row.joint) in doubted
+            undriven = _UNDRIVEN.search(row.joint) is not None
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
@@ -103,8 +101,9 @@ class NoEffectiveLimit(RuleInParts):
                 if limit is not None:
                     found = self._stated(case, row, field, limit, idle)
                     # The clamped command bounds it before the placeholder does.
-                    quiet = row.span in held or (limit == 0.0 and (row.artifact, row.joint) in doubted)
-                    yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
+                    yield (
+                        (replace(one, severity=Severity.INFO) for one in found) if row.span in held else found
+                    )
 
     def _is_held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
         """Whether the clamped command of a servo bounds its torque below a limit that is a placeholder."""
@@ -148,6 +147,7 @@ class NoEffectiveLimit(RuleInParts):
             help="add actuatorfrcrange to the joint, or forcerange to the actuator"
             if written is None
             else "leave forcelimited out, or the range",
+            fields=("effort_limit",),
             severity=severity,
         )
 
@@ -170,6 +170,7 @@ class NoEffectiveLimit(RuleInParts):
             limits["effort_limit"],
             unit(row, "effort_limit"),
             help="state the motor's effort and velocity limits",
+            fields=_LIMITS,
         )
 
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
@@ -192,6 +193,7 @@ class NoEffectiveLimit(RuleInParts):
             expected=other.effort_limit,
             help="state the motor's effort and velocity limits",
             related=(other.place("effort_limit"),),
+            fields=_LIMITS,
         )
 
     def _stated(self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool) -> Iterator[Finding]:
@@ -206,6 +208,7 @@ class NoEffectiveLimit(RuleInParts):
                 limit,
                 unit(row, field),
                 help=f"state the motor's {_noun(field)}",
+                fields=(field,),
                 # Few simulators enforce a speed limit at all, and joints without a motor have one too.
                 severity=Severity.INFO if field == "velocity_limit" else None,
             )
@@ -226,6 +229,7 @@ class NoEffectiveLimit(RuleInParts):
             0.0,
             unit(row, field),
             help=f"state the motor's {_noun(field)}",
+            fields=(field,),
         )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 import re
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import ClassVar
@@ -14,9 +14,8 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_exporters
-from actspec.audit.rules.sym101 import unlike_sides
 from actspec.diagnostics import Severity, Span
-from actspec.fields import FIELDS, is_placeholder
+from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
@@ -27,6 +26,10 @@ from actspec.units import format_quantity
 
 TIMES = 3.0
 """From here a ratio is given as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+
+SMALL = 0.05
+"""Up to here a limit that differs is a note. Chosen: published limits of one motor are so far apart (23.5 and 23.7 N*m,
+200.43 and 200); the least difference that anybody has reported is 1/15 (a B2's calf, 300 and 320 N*m)."""
 
 GRAVE = 2.0
 """From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
@@ -306,20 +309,16 @@ def is_no_limit(found: Disagreement) -> bool:
     return min(values) <= 0.0 or is_placeholder(max(values))
 
 
-def _is_asymmetry(case: Case, found: Disagreement) -> bool:
-    """Whether a file contradicts itself, which SYM101 says: its other side has the other file's figure."""
-    sides = case.once(unlike_sides)
-    return any(
-        sides.get((rows[0].artifact, rows[0].joint, found.field), math.nan) == its.value
-        for rows, its in ((found.rows, found.theirs), (found.others, found.mine))
-    )
-
-
 def is_of_one_training(case: Case, found: Disagreement) -> bool:
-    """Whether the policies of a robot have one set of gains: of several, each has a training of its own.
+    """Whether a deploy file runs what a configuration trains.
 
-    Which of them belongs to the configuration at hand, no file tells.
+    Policies of a robot with several sets of gains have a training each, and which of them belongs to the configuration
+    at hand, no file tells. Nor is it the file's own where no gain of any joint agrees: a project beside another one.
     """
+    one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
+    pairs = [_both(one, other, name) for name in ("kp", "kd")]
+    if all(pairs) and not any(math.isclose(*pair, rel_tol=_SAME) for gains in pairs for pair in gains):
+        return False
     members = case.robot_of(found.rows[0].artifact).artifacts
     gains = set()
     for index in members:
@@ -328,6 +327,22 @@ def is_of_one_training(case: Case, found: Disagreement) -> bool:
             own = frozenset((joint, rows[0].kp, rows[0].kd) for joint, rows in joints.items() if rows[0].kp)
             gains |= {own} if own else set()
     return len(gains) < 2
+
+
+def is_small(found: Disagreement) -> bool:
+    """Whether two figures are so near that both are one motor's."""
+    return found.ratio is not None and abs(found.ratio - 1.0) <= SMALL
+
+
+def _both(
+    one: Mapping[str, Sequence[LedgerRow]], other: Mapping[str, Sequence[LedgerRow]], name: str
+) -> list[tuple[float, float]]:
+    """What two files state of one figure, at each joint of which both do."""
+    pairs = ((rows[0], other[joint][0]) for joint, rows in one.items() if joint in other)
+    stated = (
+        (getattr(mine, name), getattr(its, name)) for mine, its in pairs if name in mine.stated & its.stated
+    )
+    return [(mine, its) for mine, its in stated if mine is not None and its is not None]
 
 
 def is_times_off(case: Case, found: Disagreement) -> bool:
@@ -371,14 +386,6 @@ def is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
     return bound is not None and bound > limit * (1.0 + 1e-9)
 
 
-def ratio_of(found: Disagreement, *fields: str) -> float | None:
-    """The ratio of another figure of the same two files; None where one does not state it."""
-    mine, theirs = stated_figure(found.rows, fields), stated_figure(found.others, fields)
-    if mine is None or theirs is None or not mine.value or not theirs.value:
-        return None
-    return mine.value / theirs.value
-
-
 def shown(value: float | None, unit: str) -> str:
     """A figure for a message, three digits."""
     return format_quantity(value, unit, 3)
@@ -407,22 +414,18 @@ class SourceRule(RuleInParts):
                 found
                 for fields in self.groups
                 for found in disagreements(case, fields, tolerance)
-                if not self.is_explained(case, found, tolerance) and not _is_asymmetry(case, found)
+                if not self.is_none(case, found, tolerance)
             ],
         )
         if findings or any(compared(case, fields) for fields in self.groups):
-            yield self.without_reported(case, findings) if findings else ()
+            yield findings
 
     def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
         """What is said of them: one each."""
         return [self.finding(case, found) for found in disagreements]
 
-    def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
-        """Findings without those that another rule has at the same place and joint, and says more about."""
-        return findings
-
-    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """Whether another rule says more about it, or it is none."""
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """Whether one of the figures is none that anybody stated, or both are one in two units."""
         return angle_slip(found.ratio, tolerance)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
@@ -441,7 +444,7 @@ class SourceRule(RuleInParts):
         """The finding of one joint, at the file that departs."""
         mine, theirs = found.mine, found.theirs
         severity, confidence = self.severity_of(case, found)
-        if found.variant:
+        if found.variant or (found.field in LIMITS and is_small(found)):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         if FileKind.SPEC not in case.kinds_by_artifact[found.rows[0].artifact] and self.is_grave(case, found):
@@ -461,4 +464,5 @@ class SourceRule(RuleInParts):
             related=(theirs.place,),
             severity=severity,
             confidence=confidence,
+            fields=(found.field,),
         )

@@ -79,6 +79,7 @@ class FigureDeparts(RuleOver[SpecJoint]):
             expected=wanted.value,
             help="compile the file from the spec, or correct the spec",
             related=(wanted.place,),
+            fields=(field,),
         )
 
 

@@ -6,7 +6,6 @@ from dataclasses import replace
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
-from actspec.audit.rules.gea101 import left_out
 from actspec.audit.rules.joints import is_undriven
 from actspec.audit.rules.source_pairs import (
     TIMES,
@@ -14,13 +13,12 @@ from actspec.audit.rules.source_pairs import (
     SourceRule,
     is_no_limit,
     is_of_control,
+    is_small,
     is_times_off,
-    ratio_of,
     shown,
 )
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.ir import JointKind
-from actspec.readings.compare import hidden_gear
 from actspec.readings.ledger import LedgerRow
 
 _UNLIKE = 0.01
@@ -36,11 +34,9 @@ class EffortLimit(SourceRule):
     groups = (("effort_limit",),)
     needs = "an effort limit of one joint"
 
-    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder, or the other half of a gear."""
-        if is_no_limit(found):
-            return True
-        return hidden_gear(found.ratio, ratio_of(found, "velocity_limit", "no_load_speed"))
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """A placeholder."""
+        return is_no_limit(found)
 
     def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
         """One each; those with a file that has one limit for joints of which another tells the motors apart are one."""
@@ -50,7 +46,7 @@ class EffortLimit(SourceRule):
             turned = replace(item, rows=item.others, others=item.rows, mine=item.theirs, theirs=item.mine)
             sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, turned)}
             one = [which for which in sides if which in case.once(_of_one_limit)]
-            if len(one) == 1:
+            if len(one) == 1 and not is_small(item):
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
                 found.append(self.finding(case, item))
@@ -92,10 +88,6 @@ class EffortLimit(SourceRule):
             is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
         )
         return (Severity.INFO if scale or _limits_nothing(case, found) else self.severity), self.confidence
-
-    def without_reported(self, case: Case, findings: list[Finding]) -> list[Finding]:
-        """A forgotten reduction says more than that the figures differ."""
-        return [item for item in findings if (item.span, item.joint) not in case.once(left_out)]
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""

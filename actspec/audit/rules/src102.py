@@ -8,11 +8,10 @@ from actspec.audit.rules.source_pairs import (
     SourceRule,
     is_no_limit,
     is_times_off,
-    ratio_of,
 )
 from actspec.diagnostics import Severity
 from actspec.fields import PLACEHOLDER_SPEED
-from actspec.readings.compare import angle_slip, hidden_gear
+from actspec.readings.compare import angle_slip
 
 _STILL = 0.01
 """A speed limit up to which a joint is held, not driven [rad/s or m/s]. Chosen: half a turn takes it five minutes."""
@@ -24,11 +23,9 @@ class VelocityLimit(SourceRule):
     groups = (("velocity_limit", "no_load_speed"),)
     needs = "a speed limit of one joint"
 
-    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder, a gear, or degrees; speeds that no joint reaches, both of them."""
-        if is_no_limit(found) or angle_slip(found.ratio, tolerance) or _least(found) >= PLACEHOLDER_SPEED:
-            return True
-        return hidden_gear(ratio_of(found, "effort_limit"), found.ratio)
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """A placeholder, or degrees; speeds that no joint reaches, both of them."""
+        return is_no_limit(found) or angle_slip(found.ratio, tolerance) or _least(found) >= PLACEHOLDER_SPEED
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A joint that one file holds still is a note."""

@@ -1,9 +1,20 @@
 from __future__ import annotations
 
+from collections import Counter
 from typing import ClassVar
 
 from actspec.audit.case import Case
+from actspec.audit.finding import Confidence
 from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
+from actspec.diagnostics import Severity
+from actspec.readings.ledger import LedgerRow
+
+_FAR = 10.0
+"""From here a figure that stands for unlike motors is no estimate of one. Chosen: rotors behind the gears of one robot
+are up to ten times apart."""
+
+_SEVERAL = 4
+"""Joints from which one armature for all tells that nobody multiplied it out. Chosen: as for one limit, in SRC101."""
 
 
 class Armature(SourceRule):
@@ -13,9 +24,34 @@ class Armature(SourceRule):
     groups = (("armature",),)
     needs = "an armature of one joint"
 
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """A note where one of the figures is nobody's: a framework's 0, or one for unlike motors."""
+        if any(_is_default(rows[0]) for rows in (found.rows, found.others)):
+            return Severity.INFO, self.confidence
+        near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
+        one_for_all = {rows[0].artifact for rows in (found.rows, found.others)} & case.once(_of_one_armature)
+        return (Severity.INFO if near and len(one_for_all) == 1 else self.severity), self.confidence
+
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much inertia."""
         assert found.mine.value is not None and found.theirs.value is not None
         change = shown(abs(found.mine.value - found.theirs.value), found.mine.unit)
         more = "more" if found.mine.value > found.theirs.value else "less"
         return f"every torque has {change} {more} to turn"
+
+
+def _is_default(row: LedgerRow) -> bool:
+    """Whether a configuration has its 0 from a class in another file: the framework's default."""
+    return row.armature == 0.0 and row.place("armature").path != row.file
+
+
+def _of_one_armature(case: Case) -> frozenset[int]:
+    """Files with one armature for several joints, all that state any."""
+    stated = [
+        (row.artifact, row.armature)
+        for row in case.rows
+        if row.joint and "armature" in row.stated and row.armature
+    ]
+    joints = Counter(artifact for artifact, _ in stated)
+    unlike = Counter(artifact for artifact, _ in set(stated))
+    return frozenset(index for index, count in joints.items() if count >= _SEVERAL and unlike[index] == 1)

@@ -18,8 +18,8 @@ class Friction(SourceRule):
     groups = (("frictionloss",), ("joint_damping",))
     needs = "a friction of one joint"
 
-    def is_explained(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """What DMP106 reports, what an exporter writes, and degrees."""
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """A URDF's damping, which is not one thing to its readers, what an exporter writes, and degrees."""
         for rows, figure in ((found.rows, found.mine), (found.others, found.theirs)):
             urdf = case.artifacts[rows[0].artifact].kind is FileKind.URDF
             if urdf and (found.field == "joint_damping" or not figure.value):

@@ -65,6 +65,7 @@ class ExplicitDrive(RuleOver[_Subject]):
             row.joint,
             figure,
             "1",
+            fields=("kd",),
             help="use the implicitfast integrator (MuJoCo) or `class: implicit` (Isaac Lab), a smaller physics_dt, a "
             "lower kd, or state the true armature"
             if concerned

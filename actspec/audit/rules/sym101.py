@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator, Mapping, Sequence
@@ -57,11 +56,11 @@ _SEVERAL = 3
 _ABSURD = 10.0
 """From here one of two limits is no motor's. Chosen: gears and motors of one joint differ by less."""
 
-_SAME = 0.01
-"""Chosen: as the rule's `relative`."""
-
 _ROUGH = 0.1
 """Share of a dry friction up to which two figures of it are one. Chosen: identification tells it no better."""
+
+_DERIVED = 0.05
+"""Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
 
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
@@ -139,6 +138,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             related=(other.place(field),),
             severity=Severity.INFO if quiet else Severity.ERROR if dead else self.severity,
             confidence=Confidence.LOW if quiet else Confidence.HIGH if dead else self.confidence,
+            fields=tuple(name for name, _, _ in differing),
         )
 
     def _range(self, case: Case, left: LedgerRow, right: LedgerRow) -> Finding | None:
@@ -164,23 +164,10 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         )
 
 
-def unlike_sides(case: Case) -> Mapping[tuple[int, str, str], float]:
-    """Artifact, joint and figure to what the joint's other side has, where that is not the same."""
-    found = {}
-    for left, right in _pairs(case):
-        passive = () if left[0].artifact in case.once(_identified) else _PASSIVE
-        for field in (*_DRIVE, *passive):
-            for one, other in zip(left, right, strict=False):
-                a: float | None = getattr(one, field)
-                b: float | None = getattr(other, field)
-                if a is not None and b is not None and not math.isclose(abs(a), abs(b), rel_tol=_SAME):
-                    found[one.artifact, one.joint, field] = b
-                    found[other.artifact, other.joint, field] = a
-    return found
-
-
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
-    """Whether it makes no difference: nearly equal friction, a speed out of reach, limits that no motor meets."""
+    """Whether it makes no difference: nearly equal friction or gains, a speed out of reach, limits no motor meets."""
+    if field in ("kp", "kd"):
+        return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
     if field == "frictionloss":
         return abs(one - other) <= _ROUGH * max(abs(one), abs(other))
     if field == "velocity_limit" and min(abs(one), abs(other)) >= PLACEHOLDER_SPEED:

@@ -5,11 +5,9 @@ from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
-from actspec.audit.rules.joints import shown
 from actspec.fields import PLACEHOLDER_SPEED
-from actspec.readings.artifact import Framework, Setting
+from actspec.readings.artifact import Framework
 from actspec.readings.versions import is_native
-from actspec.units import format_number
 
 
 class ImplicitVelocityLimit(RuleOver[Group]):
@@ -37,27 +35,16 @@ class ImplicitVelocityLimit(RuleOver[Group]):
                 continue
             yield Finding(
                 self.code,
-                f"{self._limit(group, setting, joint)} is ignored for an implicit drive: the joint keeps the USD's "
-                "speed limit",
+                "velocity_limit is ignored for an implicit drive: the joint keeps the USD's speed limit",
                 setting.span,
                 joint,
                 help="write velocity_limit_sim if the solver is to enforce it, or leave it out",
                 # What no joint reaches was no limit before.
+                fields=("velocity_limit",),
                 severity=Severity.INFO
                 if (group.number(setting, joint) or 0.0) >= PLACEHOLDER_SPEED
                 else None,
             )
-
-    def _limit(self, group: Group, setting: Setting, joint: str) -> str:
-        number = group.number(setting, joint)
-        if number is None:
-            return (
-                f"velocity_limit (which could not be read: {setting.unknown})"
-                if setting.unknown
-                else "velocity_limit"
-            )
-        row = next((row for row in group.rows if row.joint == joint), None)
-        return f"velocity_limit {shown(row, 'velocity_limit', number) if row else format_number(number, 3)}"
 
 
 def _renamed(case: Case) -> bool:

@@ -9,12 +9,12 @@ import pytest
 
 from actspec.audit.engine import judge
 from actspec.audit.finding import Finding, Skipped
-from actspec.audit.outcome import Report, Reported
+from actspec.audit.outcome import Report
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Severity, Span
+from actspec.diagnostics import Span
 from actspec.report import ReportOptions, render
-from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people, grouped
+from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people
 from actspec.report.text import MOST_REASONS
 from tests.audit.making import case_of, finding, rule_of
 
@@ -30,7 +30,7 @@ def _report(*found: Finding | Skipped) -> Report:
 
 
 def _groups(*found: Finding | Skipped) -> tuple[FindingGroup, ...]:
-    return grouped(_report(*found).findings, fold=True)
+    return for_people(_report(*found).findings)
 
 
 def _one(line: int, message: str, joint: str = "", **fields: Any) -> Finding:
@@ -58,43 +58,36 @@ def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
     assert group.joints == ("j1",)
 
 
-def test_notes_of_many_files_are_reported_once() -> None:
-    """What four files have alike stands at the first, with whatever joints; three files are reported one by one."""
-    same = [_one(1, "no mass", joint, path=f"{joint}.xml", severity=Severity.INFO) for joint in "abcd"]
+def test_what_several_files_have_is_reported_once() -> None:
+    """It stands at the first, with whatever joints; each of the files has to be mended, and is named."""
+    same = [_one(1, "no mass", joint, path=f"{joint}.xml", help="add one") for joint in "abcd"]
     (group,) = for_people(_report(*same).findings)
     assert group.headline() == "a: no mass (the same for other joints in b.xml, c.xml and 1 more)"
-    alike = [_one(1, "no mass", "knee", path=f"{name}.xml", severity=Severity.INFO) for name in "abcd"]
+    alike = [_one(1, "no mass", "knee", path=f"{name}.xml", help="add one") for name in "abcd"]
     (group,) = for_people(_report(*alike).findings)
     assert group.headline() == "knee: no mass (the same in b.xml, c.xml and 1 more)"
-    assert len(for_people(_report(*same[:3]).findings)) == 3
     full = render(_report(*alike), "full", ReportOptions())
     assert "  = the same in b.xml:1:1, c.xml:1:1, d.xml:1:1\n" in full
-    assert full.endswith("1 note affecting 1 joint in 0 files\n")
+    assert full.count("add one") == 1
+    assert full.endswith("1 warning affecting 1 joint in 0 files\n")
     # Each file of a pull request gets its own annotation.
     assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
 
 
-def test_a_fault_of_many_files_is_reported_in_full_once() -> None:
-    """Each of the four files has its line, because each has to be mended; excerpt and help stand at the first."""
-    same = [_one(1, "no limit", "knee", path=f"{name}.xml", help="add one") for name in "abcd"]
-    made = _report(*same, _one(1, "no limit", "hip", path="e.xml", help="add one"))
-    assert [group.copy_of and group.copy_of.path for group in for_people(made.findings)] == [
-        None,
-        "a.xml",
-        "a.xml",
-        "a.xml",
-        None,
-    ]
-    full = render(made, "full", ReportOptions())
-    assert full.count("add one") == 2
-    assert "d.xml:1:1: LIM901 [warning] knee: no limit\n  = same as a.xml:1:1\n" in full
-    assert render(made, "concise", ReportOptions()).count("LIM901 [warning] knee: no limit\n") == 4
+def test_few_about_no_joint_are_shown_one_by_one() -> None:
+    """As many as `MOST_ALIKE` say something each; joints are named where one stands for all."""
+    found = _groups(*(_one(i, f"gets {i} N*m") for i in range(MOST_ALIKE)))
+    assert [group.headline() for group in found] == ["gets 0 N*m", "gets 1 N*m", "gets 2 N*m"]
+    (group,) = _groups(*(_one(i, f"gets {i} N*m", f"j{i}", value=float(i)) for i in range(2)))
+    assert group.headline() == "j1: gets 1 N*m (similar: j0)"
 
 
-def test_few_are_shown_one_by_one() -> None:
-    """As many as `MOST_ALIKE` say something each."""
-    found = _groups(*(_one(i, f"gets {i} N*m", f"j{i}") for i in range(MOST_ALIKE)))
-    assert [group.headline() for group in found] == ["j0: gets 0 N*m", "j1: gets 1 N*m", "j2: gets 2 N*m"]
+def test_one_figure_of_a_file_is_one_finding() -> None:
+    """What the rest of the sentence says of the same figure is no other fault; another figure is."""
+    texts = ("uses 20 N*m, and leaves 2 N*m", "uses 60 N*m, and keeps the joint below 5 rad/s")
+    same = [_one(i, text, f"j{i}", fields=("joint_damping",)) for i, text in enumerate(texts)]
+    assert len(_groups(*same)) == 1
+    assert len(_groups(same[0], replace(same[1], fields=("frictionloss",)))) == 2
 
 
 @pytest.mark.parametrize(
@@ -139,20 +132,19 @@ def test_many_silent_rules_are_one_line() -> None:
     assert render(_report(*many), "full", ReportOptions(chosen=True)).startswith("4 rules did not apply;")
 
 
-def test_copies_of_a_robot_are_reported_once() -> None:
-    """Variants of one robot are one finding with a list, a warning too; another robot's file stays by itself."""
+def test_variants_of_a_robot_are_reported_once() -> None:
+    """The same wrong figure at the same joint of one robot's files is one fault, whatever else is said of it."""
+    a, b = (
+        _one(1, f"2 N*m is {times} times too much", "l", path=f"{times}.xml", value=2.0, fields=("kd",))
+        for times in (3, 4)
+    )
 
-    def of(robot: int, *places: tuple[str, str]) -> list[Reported]:
-        report = _report(*(_one(1, "no limit", joint, path=path) for path, joint in places))
-        return [replace(item, robot=robot) for item in report.findings]
+    def of(*robots: int, other: Finding = b) -> int:
+        pairs = zip(_report(a, other).findings, robots, strict=True)
+        return len(for_people([replace(item, robot=robot) for item, robot in pairs]))
 
-    first, second = for_people([*of(3, ("a", "l"), ("b", "l"), ("b", "r")), *of(4, ("c", "l"))])
-    assert first.headline() == "l, r: no limit (the same in a)"
-    assert (second.first.finding.span.path, second.copies) == ("c", ())
-    assert len(for_people(of(3, ("a", "l"), ("b", "r")))) == 2
-    # A variant with another hand shares a joint.
-    (one,) = for_people(of(3, ("a", "l"), ("a", "r"), ("b", "l"), ("b", "m")))
-    assert one.headline() == "l, r: no limit (the same for other joints in b)"
+    assert (of(3, 3), of(3, 4)) == (1, 2)
+    assert of(3, 3, other=replace(b, joint="r")) == of(3, 3, other=replace(b, value=2.1)) == 2
 
 
 def test_copies_that_are_held_to_a_file_each_are_one_finding() -> None:

@@ -205,6 +205,7 @@ def test_json(made: Report) -> None:
         "expected": 33.5,
         "help": "add one",
         "fix": "unsafe",
+        "explained_by": None,
     }
     assert [item["joint"] for item in data["findings"]] == ["hip", "ankle", "knee", "hip", None, None]
     assert [(item["line"], item["column"]) for item in data["findings"][3:]] == [

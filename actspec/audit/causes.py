@@ -1,0 +1,137 @@
+"""One fault that several rules see is told by the rule that is nearest to its cause; what the others say is a note.
+
+Rules look at nothing but the files. What two of them say of one figure is brought together here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+
+from actspec.audit.finding import Finding
+from actspec.audit.outcome import Reported
+from actspec.diagnostics import SEVERITIES, Severity, Span
+from actspec.fields import LIMITS
+
+ORDER = ("GEA101", "GEA105", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101")
+"""Rules about a figure, the nearest to its cause first: a gear says by what a limit is off, a file that contradicts
+itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is not the
+published one. Chosen: from the findings of docs/survey.md that were true and told a second time."""
+
+_SIDES = "SYM101"
+
+
+def by_cause(
+    found: Sequence[Reported], *, counts: Callable[[Reported], bool], fixed: Callable[[str], bool]
+) -> tuple[Reported, ...]:
+    """Findings, those that another one explains as notes that name it. None is left out.
+
+    One explains another where its rule stands before the other's in `ORDER`, and both are about the same figure of a
+    joint in a file that both name. It takes the worst severity of what it explains. Of findings that say the same of a
+    file, the rest is explained where most are.
+
+    Args:
+        found: Findings of all rules.
+        counts: Whether a finding is reported at all: what is not, explains nothing.
+        fixed: Whether the settings state the severity of a rule, by its code: it stays as it is.
+    """
+    able = _Findings(found)
+    causes = able.causes(counts)
+    causes |= _rest(found, causes)
+    causes = {at: cause for at, cause in causes.items() if not fixed(found[at].finding.code)}
+    worst = {
+        cause: found[cause].severity for cause in causes.values() if not fixed(found[cause].finding.code)
+    }
+    for at, cause in causes.items():
+        if cause in worst:
+            worst[cause] = max(worst[cause], found[at].severity, key=SEVERITIES.index)
+    return tuple(
+        replace(item, severity=Severity.INFO, cause=found[causes[at]].finding)
+        if at in causes
+        else replace(item, severity=worst.get(at, item.severity))
+        for at, item in enumerate(found)
+    )
+
+
+class _Findings:
+    """Findings about figures, by what they are about.
+
+    Args:
+        found: All findings.
+    """
+
+    def __init__(self, found: Sequence[Reported]) -> None:
+        self._found = found
+        self._ranks = {code: rank for rank, code in enumerate(ORDER)}
+        self._near: dict[tuple[str, str] | Span, list[int]] = {}
+        self._codes: dict[Span, set[str]] = {}
+        for at, item in enumerate(found):
+            one = item.finding
+            if one.code in self._ranks and one.fields and item.severity is not Severity.INFO:
+                for key in _keys(one):
+                    self._near.setdefault(key, []).append(at)
+                for span in (one.span, *one.related):
+                    self._codes.setdefault(span, set()).add(one.code)
+
+    def causes(self, counts: Callable[[Reported], bool]) -> dict[int, int]:
+        """Index of each finding that is explained to that of what explains it, which nothing explains."""
+        causes: dict[int, int] = {}
+        indices = {at for group in self._near.values() for at in group}
+        for at in sorted(indices, key=self._rank):
+            near = {other for key in _keys(self._found[at].finding) for other in self._near[key]}
+            able = [
+                other
+                for other in near
+                if self._rank(other) < self._rank(at)
+                and counts(self._found[other])
+                and self._explains(self._found[other].finding, self._found[at].finding)
+            ]
+            if able:
+                first = min(able, key=lambda other: (self._rank(other), other))
+                causes[at] = causes.get(first, first)
+        return causes
+
+    def _rank(self, at: int) -> int:
+        return self._ranks[self._found[at].finding.code]
+
+    def _explains(self, one: Finding, other: Finding) -> bool:
+        """Whether what one finding says is why the other, at one of its places, is there."""
+        figures = set(one.fields)
+        if "effort_limit" in figures and one.code != _SIDES:
+            # A motor's torque and speed come from one line of a datasheet.
+            figures |= LIMITS
+        if not figures.issuperset(other.fields):
+            return False
+        if one.code == _SIDES:
+            # Where both sides differ from another file, that is another fault.
+            both = (one.span, *one.related)
+            return not all(other.code in self._codes[span] for span in both)
+        if one.code.startswith("SRC") and other.code.startswith("SRC"):
+            # Two files that differ from each other say nothing of a third.
+            return one.joint == other.joint and _files(one) == _files(other)
+        return one.joint == other.joint
+
+
+def _keys(finding: Finding) -> set[tuple[str, str] | Span]:
+    """What findings of one fault have in common: joint and file, or a place of which side is wrong nobody knows."""
+    # The file that a gear is taken from is right.
+    places = (finding.span, *(() if finding.code == "GEA101" else finding.related))
+    return {*((finding.joint, span.path) for span in places), *places}
+
+
+def _files(finding: Finding) -> frozenset[str]:
+    return frozenset(span.path for span in (finding.span, *finding.related))
+
+
+def _rest(found: Sequence[Reported], causes: Mapping[int, int]) -> dict[int, int]:
+    """What says the same of the same file as findings most of which are explained."""
+    alike: dict[tuple[str, str, str], list[int]] = {}
+    for at, item in enumerate(found):
+        if item.severity is not Severity.INFO and item.finding.code in ORDER:
+            alike.setdefault((item.finding.code, item.finding.span.path, item.finding.message), []).append(at)
+    rest: dict[int, int] = {}
+    for group in alike.values():
+        known = [at for at in group if at in causes]
+        if 2 * len(known) > len(group):
+            rest |= {at: causes[known[0]] for at in group if at not in causes and at not in causes.values()}
+    return rest

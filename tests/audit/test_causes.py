@@ -1,0 +1,124 @@
+"""One fault that several rules see: what is explained is a note that names the rule, and nothing is left out."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from actspec.audit.causes import by_cause
+from actspec.audit.engine import audit
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.outcome import Reported
+from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity, Span
+from actspec.report import ReportOptions, render
+from tests.audit.making import finding
+
+ERROR, WARNING, INFO = Severity.ERROR, Severity.WARNING, Severity.INFO
+
+
+def _of(
+    code: str, joint: str = "knee", path: str = "a.xml", line: int = 1, held: str = "", **fields: Any
+) -> Finding:
+    fields = {"fields": ("effort_limit",), **fields}
+    related = (Span(held, 1, 1),) if held else ()
+    return finding(code, path, line, joint=joint, **{"related": related, **fields})
+
+
+def _after(
+    *found: Finding | tuple[Finding, Severity], unsure: str = "", fixed: str = ""
+) -> list[tuple[str, str, str]]:
+    pairs = [item if isinstance(item, tuple) else (item, WARNING) for item in found]
+    reported = [Reported(one, "made", severity, Confidence.HIGH) for one, severity in pairs]
+    settled = by_cause(
+        reported, counts=lambda item: item.finding.code != unsure, fixed=lambda code: code == fixed
+    )
+    return [
+        (item.finding.code, item.severity.value, item.cause.code if item.cause else "") for item in settled
+    ]
+
+
+GEAR, DIFFER, KNOWN = _of("GEA101", held="b.urdf"), _of("SRC101", held="b.urdf"), _of("KNW101")
+
+
+def test_the_nearest_to_the_cause_tells_the_fault() -> None:
+    """A gear that is left out explains that files differ and what is published, and is as bad as the worst of them."""
+    assert _after(KNOWN, (DIFFER, ERROR), GEAR) == [
+        ("KNW101", "info", "GEA101"),
+        ("SRC101", "info", "GEA101"),
+        ("GEA101", "error", ""),
+    ]
+    assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
+
+
+@pytest.mark.parametrize(
+    "one, other",
+    [
+        (GEAR, _of("SRC101", "hip", held="b.urdf")),
+        (GEAR, _of("KNW101", path="b.urdf")),
+        (DIFFER, _of("SRC105", fields=("frictionloss",))),
+        (DIFFER, _of("SRC102", held="c.urdf", fields=("velocity_limit",))),
+        (_of("SYM101"), _of("SRC102", held="b.urdf", fields=("velocity_limit",))),
+        (_of("LIM101", fields=("velocity_limit",)), DIFFER),
+    ],
+    ids=["joint", "right file", "figure", "third file", "sides", "torque of a speed"],
+)
+def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
+    assert all(cause == "" for _, _, cause in _after(one, other))
+
+
+def test_what_is_not_reported_explains_nothing() -> None:
+    """A note, or what the settings leave out; and a severity that they state is kept."""
+    assert _after((GEAR, INFO), KNOWN)[1] == ("KNW101", "warning", "")
+    assert _after(GEAR, KNOWN, unsure="GEA101")[1] == ("KNW101", "warning", "")
+    assert _after(GEAR, KNOWN, fixed="KNW101") == [("GEA101", "warning", ""), ("KNW101", "warning", "")]
+    assert _after(GEAR, (KNOWN, ERROR), fixed="GEA101")[0] == ("GEA101", "warning", "")
+
+
+def test_torque_and_speed_of_two_files_are_one_line_of_a_datasheet() -> None:
+    speed = _of("SRC102", held="b.urdf", fields=("velocity_limit",))
+    assert _after(DIFFER, speed)[1] == ("SRC102", "info", "SRC101")
+
+
+def test_which_of_two_sides_is_wrong_nobody_knows() -> None:
+    """`b.urdf` has one figure: it speaks against the left side, or the right. Against both, it is another fault."""
+    sides = _of("SYM101", "right", line=2, related=(Span("a.xml", 1, 1),))
+    left, right = (
+        _of("SRC101", joint, line=at, held="b.urdf") for at, joint in enumerate(("left", "right"), 1)
+    )
+    assert _after(sides, left)[1] == ("SRC101", "info", "SYM101")
+    assert _after(sides, right)[1] == ("SRC101", "info", "SYM101")
+    assert [cause for *_, cause in _after(sides, left, right)] == ["", "", ""]
+
+
+def test_the_rest_of_a_sentence_goes_with_most_of_it() -> None:
+    """The fingers of a hand without limits, two of which the other hand explains."""
+    zeros = [_of("LIM101", f"finger{at}", line=at, message="the effort is 0") for at in range(3)]
+    sides = [_of("SYM101", f"finger{at}", line=at, held="left.urdf") for at in range(2)]
+    assert [cause for *_, cause in _after(*zeros, *sides)] == ["SYM101"] * 3 + ["", ""]
+    assert [cause for *_, cause in _after(*zeros, sides[0])] == ["SYM101", "", "", ""]
+
+
+BIPED = """<robot name="biped"><link name="base"/><link name="a"/><link name="b"/>
+<joint name="left_knee" type="revolute"><parent link="base"/><child link="a"/><limit effort="20" velocity="9"/></joint>
+<joint name="right_knee" type="revolute"><parent link="base"/><child link="b"/><limit effort="0" velocity="9"/></joint>
+</robot>"""
+
+
+def test_the_lesser_rule_alone_speaks_for_itself(tmp_path: Path) -> None:
+    """SYM101 tells of a side without a limit; LIM101 is a note that names it, and tells it where it is asked alone."""
+    path = tmp_path / "biped.urdf"
+    path.write_text(BIPED)
+    report = audit([str(path)], Settings(select=("SYM101", "LIM101")))
+    assert [(item.finding.code, item.severity) for item in report.findings] == [
+        ("LIM101", INFO),
+        ("SYM101", ERROR),
+    ]
+    records = json.loads(render(report, "json", ReportOptions(least=INFO)))["findings"]
+    assert [record["explained_by"] for record in records] == ["SYM101", None]
+    assert "(explained by SYM101 at " in render(report, "concise", ReportOptions(least=INFO))
+    alone = audit([str(path)], Settings(select=("LIM101",)))
+    assert [(item.severity, item.cause) for item in alone.findings] == [(WARNING, None)]
