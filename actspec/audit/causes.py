@@ -18,7 +18,7 @@ ORDER = ("GEA101", "GEA105", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101")
 itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is not the
 published one. Chosen: from the findings of docs/survey.md that were true and told a second time."""
 
-_SIDES = "SYM101"
+_GEAR, _SIDES = "GEA101", "SYM101"
 
 
 def by_cause(
@@ -102,6 +102,9 @@ class _Findings:
             figures |= LIMITS
         if not figures.issuperset(other.fields):
             return False
+        if one.code == _GEAR and _files(other) <= _files(one) - {one.span.path}:
+            # The file that the gear is taken from is right.
+            return False
         if one.code == _SIDES:
             # Where both sides differ from another file, that is another fault.
             both = (one.span, *one.related)
@@ -114,8 +117,7 @@ class _Findings:
 
 def _keys(finding: Finding) -> set[tuple[str, str] | Span]:
     """What findings of one fault have in common: joint and file, or a place of which side is wrong nobody knows."""
-    # The file that a gear is taken from is right.
-    places = (finding.span, *(() if finding.code == "GEA101" else finding.related))
+    places = (finding.span, *finding.related)
     return {*((finding.joint, span.path) for span in places), *places}
 
 

@@ -51,6 +51,8 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
         ("SRC101", "info", "GEA101"),
         ("GEA101", "error", ""),
     ]
+    third = _of("SRC102", path="c.py", held="b.urdf", fields=("no_load_speed",))
+    assert _after(GEAR, third)[1] == ("SRC102", "info", "GEA101")
     assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
 
 

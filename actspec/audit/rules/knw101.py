@@ -78,8 +78,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         figure = shown(row, "effort_limit", published.effort, 6)
         return Finding(
             self.code,
-            f"the limit of {shown(row, 'effort_limit', limit, 6)} is that of {listed(theirs, 2)}; for this joint of "
-            f"{subject.robot.name} {figure} is published, {published.effort / limit:.3g} times as much",
+            f"the limit of {shown(row, 'effort_limit', limit, 6)} is that of {subject.robot.name}'s "
+            f"{listed(theirs, 2)}; for this joint {figure} is published, {published.effort / limit:.3g} times as much",
             row.place("effort_limit"),
             row.joint,
             limit,
