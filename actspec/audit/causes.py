@@ -53,6 +53,9 @@ def by_cause(
     )
 
 
+_Key = tuple[str, str] | Span | frozenset[str]
+
+
 class _Findings:
     """Findings about figures, by what they are about.
 
@@ -63,7 +66,7 @@ class _Findings:
     def __init__(self, found: Sequence[Reported]) -> None:
         self._found = found
         self._ranks = {code: rank for rank, code in enumerate(ORDER)}
-        self._near: dict[tuple[str, str] | Span, list[int]] = {}
+        self._near: dict[_Key, list[int]] = {}
         self._codes: dict[Span, set[str]] = {}
         for at, item in enumerate(found):
             one = item.finding
@@ -110,15 +113,18 @@ class _Findings:
             both = (one.span, *one.related)
             return not all(other.code in self._codes[span] for span in both)
         if one.code.startswith("SRC") and other.code.startswith("SRC"):
-            # Two files that differ from each other say nothing of a third.
-            return one.joint == other.joint and _files(one) == _files(other)
+            # Two files that differ from each other, at whatever joint, say nothing of a third.
+            return _files(one) == _files(other)
         return one.joint == other.joint
 
 
-def _keys(finding: Finding) -> set[tuple[str, str] | Span]:
-    """What findings of one fault have in common: joint and file, or a place of which side is wrong nobody knows."""
+def _keys(finding: Finding) -> set[_Key]:
+    """What findings of one fault have in common: joint and file, a place of which nobody knows if it is the wrong side,
+    or the two files that differ.
+    """
     places = (finding.span, *finding.related)
-    return {*((finding.joint, span.path) for span in places), *places}
+    pair = {_files(finding)} if finding.code.startswith("SRC") else ()
+    return {*((finding.joint, span.path) for span in places), *places, *pair}
 
 
 def _files(finding: Finding) -> frozenset[str]:

@@ -18,7 +18,9 @@ from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
-_ASIDE = re.compile(r"(?<![a-z])(?:old|bak|backup|copy|deprecated|obsolete|unused)(?![a-z])", re.IGNORECASE)
+_ASIDE = re.compile(
+    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|unused)(?![a-z])", re.IGNORECASE
+)
 """Words by which files and folders say that nobody runs them."""
 
 if TYPE_CHECKING:

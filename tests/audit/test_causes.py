@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -65,8 +66,9 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
         (DIFFER, _of("SRC102", held="c.urdf", fields=("velocity_limit",))),
         (_of("SYM101"), _of("SRC102", held="b.urdf", fields=("velocity_limit",))),
         (_of("LIM101", fields=("velocity_limit",)), DIFFER),
+        (_of("SYM101", line=7, related=(Span("a.xml", 8, 1),)), _of("LIM101", "hip")),
     ],
-    ids=["joint", "right file", "figure", "third file", "sides", "torque of a speed"],
+    ids=["joint", "right file", "figure", "third file", "sides", "torque of a speed", "other sides"],
 )
 def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
     assert all(cause == "" for _, _, cause in _after(one, other))
@@ -83,6 +85,7 @@ def test_what_is_not_reported_explains_nothing() -> None:
 def test_torque_and_speed_of_two_files_are_one_line_of_a_datasheet() -> None:
     speed = _of("SRC102", held="b.urdf", fields=("velocity_limit",))
     assert _after(DIFFER, speed)[1] == ("SRC102", "info", "SRC101")
+    assert _after(DIFFER, replace(speed, joint="hip"))[1] == ("SRC102", "info", "SRC101")
 
 
 def test_which_of_two_sides_is_wrong_nobody_knows() -> None:

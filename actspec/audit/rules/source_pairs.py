@@ -37,8 +37,9 @@ GRAVE = 2.0
 _SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
 
-_REVISION = re.compile(r"(?<![a-z])(?:v|rev|version|mode)[_-]?\d+(?:[._]\d+)*")
-"""A hardware's version in a name, as of `atlas_v4` and `g1_29dof_mode_13`."""
+_REVISION = re.compile(r"(?<![a-z])(?:v|rev|version|mode)[_-]?\d+(?:[._]\d+)*|limit")
+"""A hardware's version in a name, as of `atlas_v4` and `g1_29dof_mode_13`, or limits that are others on purpose, as of
+`t1_softlimit`."""
 
 _FOLDERS = 4
 """Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""

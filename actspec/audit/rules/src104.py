@@ -25,12 +25,14 @@ class Armature(SourceRule):
     needs = "an armature of one joint"
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where one of the figures is nobody's: a framework's 0, or one for unlike motors."""
+        """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
         if any(_is_default(rows[0]) for rows in (found.rows, found.others)):
             return Severity.INFO, self.confidence
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
-        one_for_all = {rows[0].artifact for rows in (found.rows, found.others)} & case.once(_of_one_armature)
-        return (Severity.INFO if near and len(one_for_all) == 1 else self.severity), self.confidence
+        mine, theirs = (
+            rows[0].artifact in case.once(_of_one_armature) for rows in (found.rows, found.others)
+        )
+        return (Severity.INFO if near and theirs and not mine else self.severity), self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much inertia."""
