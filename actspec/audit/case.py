@@ -89,16 +89,6 @@ class Case:
         """The robot that an artifact belongs to."""
         return self.robot_by_artifact[artifact]
 
-    def robot_by_path(self) -> dict[str, int]:
-        """Every file of a robot, its includes too, to the robot's index; of a shared part the first one's."""
-        found: dict[str, int] = {}
-        for index, robot in enumerate(self.robots):
-            for artifact in (self.artifacts[at] for at in robot.artifacts):
-                files = () if artifact.robot is None else artifact.robot.files
-                for path in (artifact.path, *(file.path for file in files)):
-                    found.setdefault(path, index)
-        return found
-
     def once(self, make: Callable[[Case], _T]) -> _T:
         """What a function makes of this case, made once for all rules that ask for it.
 

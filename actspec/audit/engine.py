@@ -100,7 +100,7 @@ def judge(
     by_code = {rule.code: rule for rule in everything}
     said_of = cache(lambda code: _severity_said(by_code[code], settings))
     resolved = by_cause(
-        _resolve(found, by_code, said_of, real_path, case.robot_by_path(), case.files),
+        _resolve(found, by_code, said_of, real_path, case.files),
         counts=lambda item: not _unsure(item.confidence, settings),
         fixed=lambda code: said_of(code) is not None,
     )
@@ -213,7 +213,6 @@ def _resolve(
     by_code: Mapping[str, type[Rule]],
     said: Callable[[str], Severity | None],
     real_path: Callable[[str], str],
-    robots: Mapping[str, int],
     readings: Iterable[FileReading],
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once.
@@ -243,7 +242,7 @@ def _resolve(
             finding.message,
         )
         confidence = finding.confidence or rule.confidence
-        unique.setdefault(key, Reported(finding, rule.name, severity, confidence, robots.get(span.path)))
+        unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
     return _in_order(unique.values())
 
 

@@ -30,7 +30,6 @@ class Reported:
         name: Of the rule.
         severity: After the settings, and after what explains it.
         confidence: The finding's, else the rule's.
-        robot: The robot whose file it is in, as its index in `Case.robots`; None: of no robot, or nobody knows.
         cause: The finding that explains this one, which is a note for that; None: it stands for itself.
     """
 
@@ -38,7 +37,6 @@ class Reported:
     name: str
     severity: Severity
     confidence: Confidence
-    robot: int | None = None
     cause: Finding | None = None
 
 

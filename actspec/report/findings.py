@@ -29,13 +29,13 @@ class FindingGroup:
         members: In the report's order, at least one.
         alike: Others that say the same of the same file with other figures; the members are the worst.
         copies: Where other files have the same, which is not repeated there.
-        of_others: Whether some of those are of other joints, in words.
+        how: How far it is the same, in words: `the same for other joints`.
     """
 
     members: tuple[Reported, ...]
     alike: tuple[Reported, ...] = ()
     copies: tuple[Span, ...] = ()
-    of_others: str = ""
+    how: str = "the same"
 
     @property
     def first(self) -> Reported:
@@ -105,11 +105,7 @@ class FindingGroup:
         Args:
             most: Files that are named.
         """
-        return (
-            f" (the same{self.of_others} in {listed([span.path for span in self.copies], most)})"
-            if self.copies
-            else ""
-        )
+        return f" ({self.how} in {listed([span.path for span in self.copies], most)})" if self.copies else ""
 
 
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:
@@ -136,7 +132,7 @@ def _unread_together(groups: Sequence[FindingGroup]) -> Iterator[FindingGroup]:
         alike.setdefault(_plain(group.first.finding.message) if unread else id(group), []).append(group)
     for same in alike.values():
         if len(same) > MOST_ALIKE:
-            yield replace(_with_copies(same[0], same[1:]), of_others=" kind")
+            yield replace(_with_copies(same[0], same[1:]), how="the same kind")
         else:
             yield from same
 
@@ -155,33 +151,46 @@ def _over_files(groups: Sequence[FindingGroup]) -> list[FindingGroup]:
 
 
 def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
-    """What a finding has in common with the same one of another file: its words, or the figure that is wrong."""
-    finding, value = item.finding, item.finding.value
+    """What a finding has in common with that of another file: its words, or what they say of the same joint."""
+    finding = item.finding
     about = (finding.code, item.severity is Severity.INFO, finding.fields[:1])
     texts = [finding.message, finding.help or ""]
+    held = [span for span in finding.related if span.path != finding.span.path]
     # Which copy of a file it is held to is no matter.
-    for path in {span.path for span in finding.related if span.path != finding.span.path}:
-        texts = [text.replace(path, "#") for text in texts]
+    for span in held:
+        texts = [text.replace(span.path, "#") for text in texts]
     yield (*about, *texts)
-    if value is not None and finding.joint and finding.fields:
-        figure = (*about, finding.joint, f"{value:.4g}", finding.unit)
-        if item.robot is not None:
-            yield (*figure, item.robot)
-        if finding.expected is not None:
-            yield (*figure, f"not {finding.expected:.4g}")
+    if not finding.joint:
+        return
+    if finding.expected is None or not held:
+        yield (*about, finding.joint, _plain(texts[0]))
+    else:
+        # Files that depart from one place are one thing to settle; and so is one figure that departs from two.
+        yield (*about, finding.joint, held[0])
+        yield (*about, finding.joint, finding.value, finding.expected)
 
 
 def _with_copies(main: FindingGroup, others: Sequence[FindingGroup]) -> FindingGroup:
     """A group with where the others are."""
     if not others:
         return main
+    how = "the same" if all(_text(other) == _text(main) for other in others) else "similar"
     strange = any(not other.concerned <= main.concerned for other in others)
     places = (span for other in others for span in (other.first.finding.span, *other.copies))
     return replace(
         main,
         copies=(*main.copies, *dict.fromkeys(places)),
-        of_others=" for other joints" if strange else main.of_others,
+        how=f"{how} for other joints" if strange else how,
     )
+
+
+def _text(group: FindingGroup) -> str:
+    """What a group says, whatever files it is held to."""
+    finding = group.first.finding
+    text = finding.message
+    for span in finding.related:
+        text = text.replace(span.path, "#")
+    return text
 
 
 def grouped(found: Iterable[Reported], *, by_place: bool = False) -> tuple[FindingGroup, ...]:

@@ -106,7 +106,7 @@ def _details(group: FindingGroup, sources: Sources, style: Style) -> Iterator[st
     if also_on:
         yield f"  = {also_on}"
     if len(group.copies) > 2:
-        yield f"  = the same{group.of_others} in {listed([str(span) for span in group.copies], _MOST_PLACES)}"
+        yield f"  = {group.how} in {listed([str(span) for span in group.copies], _MOST_PLACES)}"
     if finding.help:
         yield f"  = help: {one_line(finding.help)}"
     fix = finding.fix

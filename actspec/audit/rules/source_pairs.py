@@ -16,6 +16,7 @@ from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_exporters
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, LIMITS, is_placeholder
+from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
@@ -208,7 +209,9 @@ def _of_robot(
                     held = [member for each in known for member in each.members]
                 if not held:
                     continue
-                if not any(same((index, mine), theirs, joint) for theirs in held):
+                kind_here = case.joints[index, joint][0].kind
+                held = [each for each in held if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)]
+                if held and not any(same((index, mine), theirs, joint) for theirs in held):
                     other, theirs = min(held, key=lambda each: distance(index, each[0]))
                     variant = kinds is None or distance(index, other)[0]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
@@ -216,6 +219,11 @@ def _of_robot(
                     yield Disagreement(rows, others, mine[0], *figures, variant)
                 break
             own.add(case, index, mine)
+
+
+def _is_one_kind(one: JointKind | None, other: JointKind | None) -> bool:
+    """Whether two joints of one name may be the same: a hinge is no slide."""
+    return one is other or one is None or other is None
 
 
 def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, _Stated]]:

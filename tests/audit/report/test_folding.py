@@ -132,34 +132,27 @@ def test_many_silent_rules_are_one_line() -> None:
     assert render(_report(*many), "full", ReportOptions(chosen=True)).startswith("4 rules did not apply;")
 
 
-def test_variants_of_a_robot_are_reported_once() -> None:
-    """The same wrong figure at the same joint of one robot's files is one fault, whatever else is said of it."""
-    a, b = (
-        _one(1, f"2 N*m is {times} times too much", "l", path=f"{times}.xml", value=2.0, fields=("kd",))
-        for times in (3, 4)
-    )
-
-    def of(*robots: int, other: Finding = b) -> int:
-        pairs = zip(_report(a, other).findings, robots, strict=True)
-        return len(for_people([replace(item, robot=robot) for item, robot in pairs]))
-
-    assert (of(3, 3), of(3, 4)) == (1, 2)
-    assert of(3, 3, other=replace(b, joint="r")) == of(3, 3, other=replace(b, value=2.1)) == 2
+def test_what_variants_have_with_other_figures_is_reported_once() -> None:
+    """The same said of one joint of several files is one finding, called similar; of another joint it is not."""
+    a, b = (_one(1, f"2 N*m is {times} times too much", "l", path=f"{times}.xml") for times in (3, 4))
+    (group,) = _groups(a, b)
+    assert group.headline() == "l: 2 N*m is 3 times too much (similar in 4.xml)"
+    assert len(_groups(a, replace(b, joint="r"))) == len(_groups(a, replace(b, code="LIM902"))) == 2
 
 
-def test_copies_that_are_held_to_a_file_each_are_one_finding() -> None:
-    """`a.xml` to `a.urdf` and `b.xml` to `b.urdf`: the same is said of both."""
-    found = [
-        _one(1, f"35 N*m in {name}.urdf", "ankle", path=f"{name}.xml", related=(Span(f"{name}.urdf", 3),))
-        for name in "ab"
-    ]
-    (one,) = for_people([replace(item, robot=1) for item in _report(*found).findings])
-    assert one.headline() == "ankle: 35 N*m in a.urdf (the same in b.xml)"
-    other = [
-        replace(item, robot=1)
-        for item in _report(found[0], replace(found[1], message="30 N*m in b.urdf")).findings
-    ]
-    assert len(for_people(other)) == 2
+def test_files_that_depart_from_one_place_are_one_thing() -> None:
+    """Two MJCFs from one URDF; each from its own, where the same is said of both."""
+
+    def held(file: str, value: float, to: str) -> Finding:
+        text = f"{value:g} here and 35 N*m in {to}"
+        related = (Span(to, 3),)
+        return _one(1, text, "ankle", path=file, value=value, expected=35.0, related=related)
+
+    (one,) = _groups(held("a.xml", 50.0, "leg.urdf"), held("b.xml", 60.0, "leg.urdf"))
+    assert one.headline() == "ankle: 50 here and 35 N*m in leg.urdf (similar in b.xml)"
+    (one,) = _groups(held("a.xml", 50.0, "a.urdf"), held("b.xml", 50.0, "b.urdf"))
+    assert one.headline() == "ankle: 50 here and 35 N*m in a.urdf (the same in b.xml)"
+    assert len(_groups(held("a.xml", 50.0, "a.urdf"), held("b.xml", 60.0, "b.urdf"))) == 2
 
 
 def test_two_files_that_disagree_are_one_thing() -> None:
