@@ -7,6 +7,7 @@ to them.
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +17,7 @@ from itertools import product
 from actspec.audit.case import Case
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive, joint_names, matching
+from actspec.readings.pair import distinctive, joint_names, matching, telling
 from actspec.resources import data_path
 
 KNOWN_SHARE = 0.75
@@ -122,12 +123,18 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
             continue
         words = distinctive(artifact)
         named = [robot for robot in known_robots() if robot.words & words]
-        if len(named) != 1:
+        if len(named) != 1 or _is_derived(artifact, named[0]):
             continue
         rows = _rows(case, index, artifact, named[0])
         if rows:
             found.append(_like(index, named[0], rows))
     return tuple(found)
+
+
+def _is_derived(artifact: Artifact, robot: KnownRobot) -> bool:
+    """Whether a URDF has a known robot's name inside, and another one's outside: somebody began with a copy."""
+    words = telling(os.path.splitext(os.path.basename(artifact.path))[0])
+    return artifact.kind is FileKind.URDF and bool(words) and words.isdisjoint(robot.words)
 
 
 def _rows(
