@@ -19,9 +19,11 @@ from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
 
 _ASIDE = re.compile(
-    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|unused)(?![a-z])", re.IGNORECASE
+    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
+    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic)[/\\]",
+    re.IGNORECASE,
 )
-"""Words by which files and folders say that nobody runs them."""
+"""Words by which files and folders say that nobody runs them on a robot."""
 
 if TYPE_CHECKING:
     from actspec.robot.xml_tree import XmlDocument

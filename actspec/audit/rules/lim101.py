@@ -216,7 +216,7 @@ class NoEffectiveLimit(RuleInParts):
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             effect = _URDF[field] if urdf else f"the {_noun(field)} is 0: the drive cannot move the joint"
             found = self._zero(row, field, effect)
-            if urdf and field == "effort_limit" and row.artifact in case.once(_without_efforts):
+            if urdf and row.artifact in case.once(_WITHOUT[field]):
                 found = replace(found, severity=Severity.INFO)
             yield found
 
@@ -293,10 +293,23 @@ def _noun(field: str) -> str:
 
 def _without_efforts(case: Case) -> frozenset[int]:
     """URDFs with speed limits and an effort of 0 at every joint: files for kinematics, which state no efforts."""
+    return _without(case, "effort_limit", "velocity_limit")
+
+
+def _without_speeds(case: Case) -> frozenset[int]:
+    """URDFs with effort limits and a velocity of 0 at every joint: nobody stated speeds."""
+    return _without(case, "velocity_limit", "effort_limit")
+
+
+_WITHOUT = {"effort_limit": _without_efforts, "velocity_limit": _without_speeds}
+
+
+def _without(case: Case, field: str, other: str) -> frozenset[int]:
+    """URDFs with the one limit of 0 at every joint, and the other above it."""
     found = set()
     for index, _ in case.of_kind(FileKind.URDF):
-        rows = [row for row in case.rows_of(index) if "effort_limit" in row.stated]
-        if rows and all(row.effort_limit == 0.0 and (row.velocity_limit or 0.0) > 0.0 for row in rows):
+        rows = [row for row in case.rows_of(index) if field in row.stated]
+        if rows and all(getattr(row, field) == 0.0 and (getattr(row, other) or 0.0) > 0.0 for row in rows):
             found.add(index)
     return frozenset(found)
 
