@@ -159,7 +159,9 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
     # Which copy of a file it is held to is no matter.
     for span in held:
         texts = [text.replace(span.path, "#") for text in texts]
-    yield (*about, *texts)
+    if not finding.joint or item.severity is Severity.INFO:
+        yield (*about, *texts)
+    # A warning or error of other joints is another one: each file has its line.
     if not finding.joint:
         return
     if finding.expected is None or not held:

@@ -140,13 +140,15 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
         ("robots/old/leg.xml", Severity.INFO),
         ("robots/leg (copy).xml", Severity.INFO),
         ("robots/leg_bak.xml", Severity.INFO),
+        ("robots/tests/data/leg.xml", Severity.INFO),
+        ("robots/test_leg.xml", Severity.WARNING),
         ("robots/scaffold/leg.xml", Severity.WARNING),
     ],
 )
 def test_a_file_that_calls_itself_old(name: str, severity: Severity) -> None:
     """Nobody runs it; who names it means it, and what the settings say of a rule holds there too."""
     Path("robots/leg.xml").unlink()
-    Path(name).parent.mkdir(exist_ok=True)
+    Path(name).parent.mkdir(exist_ok=True, parents=True)
     Path(name).write_text(BROKEN)
     assert [item[3] for item in found(audit(["robots"], Settings()))] == [severity]
     assert [item[3] for item in found(audit([name], Settings()))] == [Severity.ERROR]

@@ -59,10 +59,11 @@ def test_the_worst_is_by_ratio_where_it_is_known_what_is_right() -> None:
 
 
 def test_what_several_files_have_is_reported_once() -> None:
-    """It stands at the first, with whatever joints; each of the files has to be mended, and is named."""
-    same = [_one(1, "no mass", joint, path=f"{joint}.xml", help="add one") for joint in "abcd"]
-    (group,) = for_people(_report(*same).findings)
+    """It stands at the first; each of the files has to be mended, and is named. Notes are one whatever their joints."""
+    same = [_one(1, "no mass", joint, path=f"{joint}.xml") for joint in "abcd"]
+    (group,) = for_people(_report(*(replace(item, severity=Severity.INFO) for item in same)).findings)
     assert group.headline() == "a: no mass (the same for other joints in b.xml, c.xml and 1 more)"
+    assert len(for_people(_report(*same).findings)) == 4
     alike = [_one(1, "no mass", "knee", path=f"{name}.xml", help="add one") for name in "abcd"]
     (group,) = for_people(_report(*alike).findings)
     assert group.headline() == "knee: no mass (the same in b.xml, c.xml and 1 more)"
