@@ -12,7 +12,7 @@ from actspec.audit.finding import Finding, Skipped
 from actspec.audit.outcome import Report
 from actspec.audit.rule import Rule
 from actspec.audit.settings import Settings
-from actspec.diagnostics import Span
+from actspec.diagnostics import Severity, Span
 from actspec.report import ReportOptions, render
 from actspec.report.findings import MOST_ALIKE, FindingGroup, for_people
 from actspec.report.text import MOST_REASONS
