@@ -222,7 +222,10 @@ class ConfigJoint:
         parts = [
             self._figure(name, unit) for name, unit in zip(names, (torque, torque, speed, speed), strict=True)
         ]
-        return AsymmetricCurve(*parts) if self._is_line(*parts) else None
+        curve = AsymmetricCurve(*parts)
+        # The torque may fall from standstill on: a knee at 0 is a figure like another.
+        points = [part for part in parts if part is not curve.knee_speed or part.value != 0.0]
+        return curve if self._is_line(*points) else None
 
     def _is_line(self, *points: Quantity) -> bool:
         """Whether all points of a torque-speed line are known and above 0; says so where they are not."""

@@ -154,7 +154,7 @@ def drives(draw: st.DrawFn, joints: tuple[str, ...]) -> Drive:
     speed = draw(st.floats(1.0, 50.0).map(lambda x: float(f"{x:.3g}")))
     shape = draw(st.sampled_from(["pd", "line", "curve"]))
     torques = st.floats(0.3, 3.0).map(lambda share: float(f"{share * limit:.3g}"))
-    knee = float(f"{speed * draw(st.floats(0.0, 0.95)):.3g}")
+    knee = float(f"{speed * draw(st.just(0.0) | st.floats(0.01, 0.95)):.3g}")
     ends = draw(st.lists(st.integers(0, 30), min_size=3, max_size=3).map(sorted))
     nominal = draw(st.sampled_from([None, ends[1]]))
     coulomb = draw(MAYBE)

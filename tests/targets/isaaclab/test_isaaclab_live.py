@@ -194,14 +194,14 @@ def test_newer_than_all(installed: Installed) -> None:
 
 
 def test_an_unknown_simulator(installed: Installed) -> None:
-    """A simulator that the release does not run on is an error without a place: the spec does not name it."""
+    """A simulator that the release does not run on is an error at the target that asks for the release."""
     installed.package()
     installed.distribution("isaaclab", "2.3.2.post1")
     installed.distribution("isaacsim", "4.2.0.0")
     with pytest.raises(EmitError) as caught:
         actuators(installed.spec('targets: {isaaclab: {isaac_sim: "5.1"}}\n'))
     (found,) = caught.value.diagnostics
-    assert (found.code, found.span) == ("ISL001", None)
+    assert (found.code, str(found.span)) == ("ISL001", f"{installed.folder / 'bot.yaml'}:13:11")
     assert "'4.2'" in found.message
 
 
