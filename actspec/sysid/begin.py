@@ -31,14 +31,12 @@ class Beginning:
         values: `armature`, `coulomb`, `viscous`, `delay`.
         gains: kp and kd of every set of logs.
         lag: The delay in rows: the torque tells the command of so many rows before.
-        unexplained: Share of the torque's variance that is left.
         against: Whether the torque pulls away from the command.
     """
 
     values: Mapping[str, float]
     gains: Sequence[tuple[float, float]]
     lag: int
-    unexplained: float
     against: bool = False
 
 
@@ -68,7 +66,7 @@ def begin(
             found = (*tried, lag)
     if found is None:
         zero = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "delay": 0.0}
-        return Beginning(zero, gains or [(1.0, 0.1)] * (max(used) + 1), 0, 1.0)
+        return Beginning(zero, gains or [(1.0, 0.1)] * (max(used) + 1), 0)
     values, pairs, left, lag = found
     against = min(kp for kp, _ in pairs) < 0.0 and left < 0.5
     pairs = [(max(kp, 1e-3), max(kd, 0.0)) for kp, kd in pairs]
@@ -77,7 +75,7 @@ def begin(
     for name in ("coulomb", "viscous"):
         values[name] = max(values[name], 0.0)
     values["delay"] = max(lag - 0.5, 0.25) * step
-    return Beginning(values, pairs, lag, left, against)
+    return Beginning(values, pairs, lag, against)
 
 
 def _tried(

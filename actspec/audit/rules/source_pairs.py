@@ -129,17 +129,6 @@ def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) ->
     return False
 
 
-def stated_figure(rows: Sequence[LedgerRow], fields: Sequence[str]) -> Figure | None:
-    """The first of the fields that a joint's file states; None where it states none.
-
-    Args:
-        rows: Of one joint in one file.
-        fields: Fields of a row.
-    """
-    found = _stated(rows, fields)
-    return None if found is None else figure(rows, found[0])
-
-
 _Stated = tuple[str, float]
 """Name of the field that a file states, and its value."""
 

@@ -74,10 +74,6 @@ class Draw:
         return (self.operation, self.low, self.high, self.distribution, self.when, self.every)
 
 
-Draws = dict[str, dict[str, Draw]]
-"""Joint to field to its draw."""
-
-
 def draws_of(actuator: JointActuator) -> dict[str, Draw]:
     """The numbers of a joint that are drawn, in the order of `FIELDS`; see `check_ranges` for what must hold."""
     ranges = own_ranges(actuator)
