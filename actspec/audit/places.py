@@ -151,21 +151,18 @@ class _Toml:
                 self.at += 2 if several else 1
                 keys = [*self._keys()]
                 self.at += 2 if several else 1
-                table = self._table([key for key, _ in keys], several)
-                yield table, keys[-1][1]
+                table = ()
+                for index, (key, at) in enumerate(keys):
+                    table = (*table, key)
+                    yield table, at
+                    if several and index == len(keys) - 1:
+                        self.counts[table] = self.counts.get(table, -1) + 1
+                    if table in self.counts:
+                        # What follows is of the last table of an array.
+                        table = (*table, self.counts[table])
+                        yield table, at
             else:
                 yield from self._entry(table)
-
-    def _table(self, keys: list[str], several: bool) -> Path:
-        """The path of a header: in an array of tables, of the last table."""
-        table: Path = ()
-        for index, key in enumerate(keys):
-            table = (*table, key)
-            if several and index == len(keys) - 1:
-                self.counts[table] = self.counts.get(table, -1) + 1
-            if table in self.counts:
-                table = (*table, self.counts[table])
-        return table
 
     def _entry(self, table: Path) -> Iterator[tuple[Path, int]]:
         """A key, dotted perhaps, with its value."""

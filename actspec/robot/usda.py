@@ -265,21 +265,32 @@ def _places(text: str, path: str) -> Iterator[tuple[tuple[str, str], Span]]:
             begin = match.start() + token.rindex("\n") + 1
 
 
+_PLACED = re.compile(r":(\d{1,7}):(\d{1,7}): ")
+
+
 def _syntax(error: str, text: str, path: str) -> RobotError:
     """What USD says against a layer: its own words, and the place that they name or show."""
-    said = one_line(error).partition(" : '")[2] or one_line(error)
-    place = re.match(r"[^:]*:(\d+):(\d+): ", said)
-    reason = (said[place.end() :] if place else said).partition(" in </")[0]
+    texts = re.split(r"Error in '[^']*' at line \d+ in file \S+ : '", error)[1:] or [error]
+    first = re.sub(r"\s*'\s*\Z", "", texts[0])
+    placed = _PLACED.match(first)
+    reason = one_line(first[placed.end() :] if placed else first).partition(" in </")[0]
     span = Span(path)
     shown = reason.rpartition(" at '")[2].removesuffix("'").strip()
-    if place:
+    control = re.search(r"control character 0x([0-9a-f]{2})\b", reason)
+    # What it says first often has its place only where it is said again.
+    if place := next((found for found in map(_PLACED.match, texts) if found), None):
         span = Span(path, int(place[1]), int(place[2]))
     elif shown and text.count(shown) == 1:
-        before = text[: text.index(shown)]
-        span = Span(path, before.count("\n") + 1, len(before) - before.rfind("\n"))
+        span = _at(text, text.index(shown), path)
+    elif control and (letter := chr(int(control[1], 16))) in text:
+        span = _at(text, text.index(letter), path)
     # Names of its grammar's templates say nothing to anybody.
     reason = re.sub(r"pxrInternal[^',]*::|, pxrInternal.*?(?= at ')", "", reason)
     return _refusal(SYNTAX, f"USD refuses the layer: {shortened(reason, 200)}", span)
+
+
+def _at(text: str, index: int, path: str) -> Span:
+    return Span(path, text.count("\n", 0, index) + 1, index - text.rfind("\n", 0, index))
 
 
 def _refusal(code: str, message: str, span: Span, help: str | None = None) -> RobotError:

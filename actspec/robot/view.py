@@ -185,8 +185,11 @@ class PoseInertia:
 
         Returns: degree of freedom to its inertia over the poses, for every key of `armature`.
         """
+        import numpy as np
+
         diagonal = self.matrices.diagonal(axis1=1, axis2=2)
-        values = diagonal[:, list(armature)] + list(armature.values())
+        with np.errstate(all="ignore"):
+            values = diagonal[:, list(armature)] + list(armature.values())
         return dict(zip(armature, pose_ranges(values), strict=True))
 
     def free(self, armature: Mapping[int, float]) -> dict[int, InertiaRange]:
@@ -196,15 +199,17 @@ class PoseInertia:
         full = self.armature.copy()
         for dof, value in armature.items():
             full[dof] = value
-        total = self.matrices + np.diag(full)
-        try:
-            inverse = np.linalg.inv(total)
-        except np.linalg.LinAlgError:
-            # Two joints on one axis without armature: nothing resists, and the inertia is 0.
-            least = 1e-12 * max(float(np.abs(total).max(initial=0.0)), 1e-300)
-            inverse = np.linalg.inv(total + least * np.eye(len(full)))
-        diagonal = inverse.diagonal(axis1=1, axis2=2)
-        values = np.reciprocal(diagonal[:, list(armature)])
+        # Inertias of 1e300 kg*m^2 have inverses of 0, and are infinite then.
+        with np.errstate(all="ignore"):
+            total = self.matrices + np.diag(full)
+            try:
+                inverse = np.linalg.inv(total)
+            except np.linalg.LinAlgError:
+                # Two joints on one axis without armature: nothing resists, and the inertia is 0.
+                least = 1e-12 * max(float(np.abs(total).max(initial=0.0)), 1e-300)
+                inverse = np.linalg.inv(total + least * np.eye(len(full)))
+            diagonal = inverse.diagonal(axis1=1, axis2=2)
+            values = np.reciprocal(diagonal[:, list(armature)])
         return dict(zip(armature, pose_ranges(values), strict=True))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import pytest
 from actspec.robot import inertia
 from actspec.robot.inertia import InertiaUnknown, latin_hypercube, pose_inertia
 from actspec.robot.mjspec import compile_spec, open_spec
-from actspec.robot.view import ModelFormat
+from actspec.robot.view import InertiaRange, ModelFormat, PoseInertia
 from actspec.robot.xml import open_document
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
@@ -156,10 +157,17 @@ def test_nothing_to_sample() -> None:
     assert pose_inertia(model).matrices.shape == (1, 0, 0)
 
 
+def test_an_inertia_beyond_the_inverse_is_infinite() -> None:
+    """1/(M^-1)_jj where (M^-1)_jj is 0 as a double; numpy says nothing (warnings are errors here)."""
+    found = PoseInertia(np.full((1, 1, 1), 1.5e308), np.zeros(1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert found.free({0: 1e308})[0] == found.held({0: 1e308})[0] == InertiaRange(*[math.inf] * 3)
+
+
 def test_singular_matrix_gives_zero() -> None:
     """Two joints on one axis without armature resist nothing: free inertia 0, no exception."""
     matrices = np.ones((2, 2, 2))
-    from actspec.robot.view import PoseInertia
 
     free = PoseInertia(matrices, np.zeros(2)).free({0: 0.0})
     assert free[0].high == pytest.approx(0.0, abs=1e-9)

@@ -243,6 +243,9 @@ def test_places() -> None:
         (within("float x = 1\nint x = 2"),
          "4:5: USDA001: USD refuses the layer: attribute 'x' already has type 'float', cannot change to 'int'"
          " at 'x = 2'"),
+        (within('def "b" {}\ndef "b" {}'), "4:5: USDA001: USD refuses the layer: Duplicate prim 'b' at '\"b\" {}'"),
+        (within("asset x = @a\x7f@"),
+         "3:13: USDA001: USD refuses the layer: Invalid asset path string -- character 2 is control character 0x7f"),
         (within("float x.timeSamples = {0: 1}"), "3:1: USDA002: timeSamples of x, and only plain values are read"),
         (within("float x.connect = </b.y>"), "3:1: USDA002: connect of x, and only plain values are read"),
         (within('variantSet "v" = {"a" {}}'), "2:1: USDA002: /a has a variantSet, which is not read"),

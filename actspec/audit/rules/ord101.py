@@ -34,9 +34,9 @@ def stated_order(artifact: Artifact) -> tuple[tuple[str, ...], Setting] | None:
 
 
 def kept_names(order: Sequence[str], names: Sequence[str]) -> tuple[str, ...]:
-    """The names of one order that another has too."""
+    """The names of one order that another has too, each once."""
     kept = set(names)
-    return tuple(name for name in order if name in kept)
+    return tuple(name for name in dict.fromkeys(order) if name in kept)
 
 
 def differing_places(one: Sequence[str], other: Sequence[str]) -> list[int]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
@@ -102,6 +103,12 @@ def find_anchors(document: XmlDocument, robot: RobotView, plan: Plan, collector:
         collector.error("MJC005", "actuators are in a file that is included more than once", help=help)
     if plan.keys and max(key.index for key in plan.keys) >= len(keys):
         collector.error("MJC006", f"the text has {len(keys)} keyframes, the model more", help=help)
+    else:
+        for key in plan.keys:
+            if not all(map(math.isfinite, (*(key.ctrl or ()), *(key.act or ())))):
+                collector.at(keys[key.index].get("name") or "", document.span(keys[key.index])).error(
+                    "MJC033", "a joint's position or a control in this keyframe is no finite number"
+                )
     sensors = []
     for section in (*document.sections("sensor"), *document.sections("custom")):
         for element in _below(section):

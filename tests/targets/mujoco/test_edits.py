@@ -85,6 +85,15 @@ def test_keyframe_of_added_filtered_and_foreign_actuators() -> None:
     assert key(compiled) == ([0.9, 0.7, 0.5], [0.3, 0.7, 0.5])
 
 
+def test_a_keyframe_that_is_not_finite_is_told() -> None:
+    """MuJoCo takes it; no number can be written for a control there."""
+    rest = '<keyframe><key qpos="0 0"/><key name="far" qpos="-inf 0.5"/></keyframe>'
+    with pytest.raises(EmitError) as refused:
+        compile_text(HIP, leg("", rest=rest), robot=ONLY_HIP)
+    told = refused.value.diagnostics[0]
+    assert (told.code, told.where, told.span and told.span.line) == ("MJC033", "far", 18)
+
+
 def test_keyframe_of_velocity_and_effort_is_at_rest() -> None:
     """Where a drive becomes one of velocity or effort, its control in a keyframe is 0."""
     text = HIP.replace("kp: 40", "command: velocity") + KNEE.replace("kp: 70", "command: effort").replace(
