@@ -13,10 +13,14 @@ from actspec.audit.outcome import Reported
 from actspec.diagnostics import SEVERITIES, Severity, Span
 from actspec.fields import LIMITS
 
-ORDER = ("GEA101", "GEA105", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101")
-"""Rules about a figure, the nearest to its cause first: a gear says by what a limit is off, a file that contradicts
-itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is not the
-published one. Chosen: from the findings of docs/survey.md that were true and told a second time."""
+ORDER = (
+    *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101"),
+    *("DMP105", "DMP101", "DMP103"),
+)
+"""Rules about a figure, the nearest to its cause first: a gear says by what a limit or a gain is off, a file that
+contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
+not the published one; damping that is counted twice, in two files or in one, why a joint is slow. Chosen: from the
+findings of docs/survey.md that were true and told a second time."""
 
 _GEAR, _SIDES = "GEA101", "SYM101"
 

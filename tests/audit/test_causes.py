@@ -57,6 +57,29 @@ def test_the_nearest_to_the_cause_tells_the_fault() -> None:
     assert _after(KNOWN, DIFFER) == [("KNW101", "info", "SRC101"), ("SRC101", "warning", "")]
 
 
+def test_a_gear_explains_what_it_multiplies() -> None:
+    """A servo behind a gear that divides its targets is too stiff for the step, and its limit bounds nothing."""
+    geared = _of("GEA105", fields=("effort_limit", "kp", "kd"))
+    ringing = _of("STB101", fields=("kd",))
+    assert _after((ringing, ERROR), _of("LIM101"), geared) == [
+        ("STB101", "info", "GEA105"),
+        ("LIM101", "info", "GEA105"),
+        ("GEA105", "error", ""),
+    ]
+    assert _after(geared, replace(ringing, joint="hip"))[1][2] == ""
+
+
+def test_damping_that_is_counted_twice_is_told_once() -> None:
+    """In a model's joint: beside the kd of a configuration, beside the model's own drive, and the joint is slow."""
+    damping = {"fields": ("joint_damping",)}
+    slow = _of("DMP103", **damping)
+    twice = _of("DMP101", path="hands.xml", held="cfg.py", **damping)
+    beside = _of("DMP105", held="cfg.py", **damping)
+    assert [cause for *_, cause in _after(slow, twice, beside)] == ["DMP105", "DMP105", ""]
+    assert _after(slow, replace(twice, span=slow.span))[0] == ("DMP103", "info", "DMP101")
+    assert _after(beside, replace(twice, fields=("actuator_damping",)))[1][2] == ""
+
+
 @pytest.mark.parametrize(
     "one, other",
     [

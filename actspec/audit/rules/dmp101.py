@@ -93,7 +93,8 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             unit(row, "kd"),
             help="if the damping repeats the D gain, keep one of them; if it is measured friction, state it as "
             "friction.viscous in a spec, or set the finding aside with that reason",
-            related=(row.span,),
+            related=(row.span,) if intent is None else (row.span, intent.place("kd")),
+            fields=(field,),
             # Only a file with the drive's gain alone shows that it is counted twice.
             severity=self.severity if large and intent is not None else Severity.INFO,
             confidence=Confidence.LOW if not large else Confidence.HIGH if sure else self.confidence,

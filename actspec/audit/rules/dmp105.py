@@ -99,6 +99,7 @@ class GainBesideModelDamping(RuleOver[_Subject]):
             unit(row, "kd"),
             help="leave only the measured friction in the joint damping, or state it in the configuration",
             related=(row.place("kd"),),
+            fields=("joint_damping",),
             severity=severity,
             confidence=confidence,
         )

@@ -1,12 +1,13 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from os.path import basename
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
+from actspec.diagnostics import Span
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
@@ -21,7 +22,9 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
     paired = True
     needs = "no joint with dry friction and an effort limit among the files"
 
-    def subjects(self, case: Case) -> Iterator[_Subject]:
+    def subjects(self, case: Case) -> Iterable[_Subject]:
+        """Each joint's friction once, with the least limit: a model that several scenes include has its line once."""
+        least: dict[tuple[str, Span], _Subject] = {}
         for rows in by_joint(case).values():
             row = rows[0]
             friction = row.frictionloss
@@ -30,7 +33,10 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             limiting = limiting_row(case, row)
             if limiting is None or limiting.effort_limit is None:
                 continue
-            yield row, friction, limiting, limiting.effort_limit
+            place = row.joint, row.place("frictionloss")
+            if place not in least or limiting.effort_limit < least[place][3]:
+                least[place] = row, friction, limiting, limiting.effort_limit
+        return least.values()
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare dry friction with the effort limit."""

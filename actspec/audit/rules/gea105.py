@@ -16,6 +16,9 @@ from actspec.units import format_number
 
 _Subject = tuple[Artifact, LedgerRow]
 
+_GEARED = ("effort_limit", "kp", "kd")
+"""Figures of the joint that a gear is in."""
+
 
 class JointSideBehindGear(RuleOver[_Subject]):
     code = "GEA105"
@@ -58,7 +61,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
                 limit,
                 "figures of the joint's side want gear 1; figures of the motor's side are smaller by the gear",
                 (stated,),
-                fields=("effort_limit",),
+                fields=_GEARED,
             )
         elif _targets_are_joint_side(actuator, row):
             low, high = (shown(row, "default_position", end) for end in row.command_range or ())
@@ -70,6 +73,7 @@ class JointSideBehindGear(RuleOver[_Subject]):
                 name,
                 help="a servo with targets at the joint wants gear 1, and kp and forcerange of the joint's "
                 "side",
+                fields=_GEARED,
             )
 
 

@@ -31,7 +31,7 @@ _BOTH_ZERO = (
     "joint that can give nothing and is held"
 )
 _UNDRIVEN = re.compile(
-    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|dummy|virtual|passive|fake", re.IGNORECASE
+    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|spring|dummy|virtual|passive|fake", re.IGNORECASE
 )
 """Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
 
@@ -83,7 +83,7 @@ class NoEffectiveLimit(RuleInParts):
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
-            undriven = _UNDRIVEN.search(row.joint) is not None
+            undriven = _UNDRIVEN.search(row.joint) is not None or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
@@ -216,7 +216,7 @@ class NoEffectiveLimit(RuleInParts):
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             effect = _URDF[field] if urdf else f"the {_noun(field)} is 0: the drive cannot move the joint"
             found = self._zero(row, field, effect)
-            if urdf and row.artifact in case.once(_WITHOUT[field]):
+            if urdf and (row.artifact in case.once(_WITHOUT[field]) or _is_passive(case, row)):
                 found = replace(found, severity=Severity.INFO)
             yield found
 
@@ -245,6 +245,15 @@ def _is_unlimited_by_intent(case: Case, index: int) -> bool:
         return False
     others = (other for row in driven for other in partner_rows(case, row))
     return all((other.effort_limit or math.inf) == math.inf for other in others)
+
+
+def _is_passive(case: Case, row: LedgerRow) -> bool:
+    """Whether a model of the same robot has the joint and drives, and none of them on it: a spring or a rod."""
+    others = list(partner_rows(case, row, FileKind.MJCF))
+    return bool(others) and all(
+        other.control == "none" and any(one.control != "none" for one in case.rows_of(other.artifact))
+        for other in others
+    )
 
 
 def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:

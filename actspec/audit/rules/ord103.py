@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import FRAMEWORKS
@@ -31,25 +31,36 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
         # The ledger is in the joints' order; what counts is the order of the groups.
         order = {group.span: place for place, group in enumerate(config.groups)}
         rows = sorted(case.rows_of(index), key=lambda row: order.get(row.span, len(order)))
-        for row in rows:
-            first = seen.setdefault(row.joint, row)
-            if first.span == row.span:
+        again = [(row, first) for row in rows if (first := seen.setdefault(row.joint, row)).span != row.span]
+        raises = config.framework is Framework.MJLAB or is_native(case.versions)
+        then = (
+            "the cfg raises an error" if raises else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
+        )
+        # Patterns that take too much are one fault of the file, however many groups they meet.
+        groups = list(dict.fromkeys(row.actuator for row, _ in again))
+        before = list(dict.fromkeys(first.actuator for _, first in again))
+        selects = "selects a joint" if len(groups) == 1 else "select joints"
+        has = "has" if len(before) == 1 else "have"
+        alike = not raises and all(_alike(first, row) for row, first in again)
+        told: set[str] = set()
+        for row, first in again:
+            if row.joint in told:
                 continue
-            raises = config.framework is Framework.MJLAB or is_native(case.versions)
-            then = (
-                "the cfg raises an error"
-                if raises
-                else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
-            )
+            told.add(row.joint)
             yield Finding(
                 self.code,
-                f"group {row.actuator} selects a joint that group {first.actuator} has already: {then}",
+                f"{_named(groups)} {selects} that {_named(before)} {has} already: {then}",
                 row.span,
                 row.joint,
                 help="let the patterns of the groups exclude each other",
                 related=(first.span,),
-                severity=Severity.WARNING if not raises and _alike(first, row) else self.severity,
+                severity=Severity.WARNING if alike else self.severity,
             )
+
+
+def _named(groups: Sequence[str]) -> str:
+    *others, last = groups
+    return f"groups {', '.join(others)} and {last}" if others else f"group {last}"
 
 
 def _alike(one: LedgerRow, other: LedgerRow) -> bool:

@@ -81,6 +81,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             figure,
             "1",
             help='set integrator="implicitfast", or a shorter timestep, or state the true armature',
+            fields=("kd",),
             severity=Severity.ERROR if sure else self.severity if figure >= RINGING else Severity.INFO,
             confidence=self.confidence if beyond else Confidence.MEDIUM,
         )
