@@ -34,7 +34,9 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
         again = [(row, first) for row in rows if (first := seen.setdefault(row.joint, row)).span != row.span]
         raises = config.framework is Framework.MJLAB or is_native(case.versions)
         then = (
-            "the cfg raises an error" if raises else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
+            "the cfg raises an error"
+            if raises
+            else "in Isaac Lab 2.x the last group wins, 3.0 raises an error"
         )
         # Patterns that take too much are one fault of the file, however many groups they meet.
         groups = list(dict.fromkeys(row.actuator for row, _ in again))
