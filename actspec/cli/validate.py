@@ -13,10 +13,9 @@ from actspec.diagnostics import (
     EXIT_FAILED,
     EXIT_FINDINGS,
     ActspecError,
-    Collector,
     Diagnostic,
-    ResolveError,
     RobotError,
+    Severity,
     listed,
     one_line,
 )
@@ -34,8 +33,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Check specs without a simulator and without opening the robot: keys, units, sources, references; "
-        "every variant, unless one is named.",
+        "Check specs without a simulator: keys, units, sources, references, and the joints that the text of the robot "
+        "names; every variant, unless one is named.",
         "actspec validate robots/a1.yaml",
         "0 all are valid; 1 numbers that can hardly be right with --strict; 2 one is not valid",
     )
@@ -73,7 +72,7 @@ def run(arguments: argparse.Namespace) -> int:
             )
             check_packages(spec)
             diagnostics = (*spec.diagnostics, *validate_variants(spec))
-            unchecked, found = _joints_checked(spec)
+            unchecked, found = _resolved(spec)
             model = spec.model
             groups = len(model.actuators)
             summary = f"{one_line(path)}: valid: {model.robot.name}, {groups} group{'s' * (groups != 1)}"
@@ -117,20 +116,16 @@ def _is_other(path: str) -> bool:
         return False
 
 
-def _joints_checked(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
-    """Hold the spec's patterns and default pose to the joints that the text of its model names.
+def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
+    """Resolve a spec against the text of its model; what only a compilation tells, inertia above all, is unknown there.
 
-    Returns: What could not be checked, for behind the summary, "" where the patterns select the joints; and positions
-        that can hardly be right.
+    Returns: What could not be checked, for behind the summary, "" where the joints could be read; and warnings.
 
     Raises:
-        ResolveError: a pattern matches nothing, a joint is in two groups or in none, a position is far outside.
+        ResolveError: as for `compile`.
     """
-    from actspec.resolution.stated import bind
+    from actspec.resolution import resolve
     from actspec.robot.load import find_model, joints_of_text, listed_robot
-    from actspec.spec.document import Breaches
-    from actspec.spec.plausible import BY_CODE
-    from actspec.spec.plausible.joints import check_poses
 
     model = spec.model.robot.model
     try:
@@ -140,14 +135,7 @@ def _joints_checked(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
             robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
     except RobotError as err:
         reason = one_line(err.diagnostics[0].message)
-        return f" (patterns are not checked against the joints of {one_line(model)}: {reason})", ()
-    out = Collector()
-    pose = bind(spec, robot, Breaches(spec.document.spans, out)).default_pose
-    ranged = (
-        (joint.name, joint.kind, joint.range, pose[joint.name])
-        for joint in robot.joints
-        if joint.name in pose and joint.range is not None and "range" not in joint.unknown
-    )
-    check_poses(ranged, spec.model, spec.document, out)
-    out.raise_if_failed(ResolveError)
-    return "", tuple(item for item in out if item.code in BY_CODE)
+        return f" (not checked against the joints of {one_line(model)}: {reason})", ()
+    before = {*spec.diagnostics, *robot.diagnostics}
+    found = resolve(spec, robot).diagnostics
+    return "", tuple(item for item in found if item not in before and item.severity is not Severity.INFO)

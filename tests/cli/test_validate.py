@@ -117,7 +117,7 @@ def test_what_it_could_not_read(
     (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
     assert main(["validate", "leg.yaml"]) == 0
     out, err = capsys.readouterr()
-    start = f"leg.yaml: valid: leg, 1 group (patterns are not checked against the joints of {model}: "
+    start = f"leg.yaml: valid: leg, 1 group (not checked against the joints of {model}: "
     assert out.startswith(start) and why in out and err == ""
 
 
@@ -159,3 +159,28 @@ def test_pose_against_the_text(
     said = capsys.readouterr().err
     assert code == expected[0]
     assert expected[1] in said and said.count("SPEC190") == bool(expected[1])
+
+
+@pytest.mark.parametrize(
+    ("fields", "expected"),
+    [
+        ("command: effort, effort_limit: 2 N*m", (0, [])),
+        # 20 N*m*s/rad at the motor's 2 rad/s, of 3 N*m; 2.1 rad of a range of 1 rad.
+        ("motor: m, command: effort, friction: {viscous: 20}", (0, ["FRC106"])),
+        ("kp: 1, kd: 0.1, action_scale: 2.1", (0, ["SPEC193"])),
+        ("command: effort, effort_limit: 2 N", (2, ["RES001"])),
+        ("command: position, kd: 0.1", (2, ["RES005"])),
+    ],
+)
+def test_what_the_joints_tell(
+    folder: Path, fields: str, expected: tuple[int, list[str]], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The spec is resolved against the text: what cannot be at its joints is found without a simulator."""
+    motor = "motors: {m: {side: joint, stall_torque: 3 N*m, no_load_speed: 2 rad/s}}\n"
+    text = spec("leg.urdf", "hip", more=", unmanaged: [knee]").replace("command: effort", fields)
+    Path("leg.yaml").write_text(
+        text.replace("ideal_pd", "dc_motor" if "motor" in fields else "ideal_pd") + motor, "utf-8"
+    )
+    code = main(["validate", "leg.yaml", "--output-format", "json"])
+    (record,) = json.loads(capsys.readouterr().out)["files"]
+    assert (code, [item["code"] for item in record["diagnostics"]]) == expected

@@ -1,17 +1,19 @@
-"""Checks of timing and of groups that need no robot: times, dry friction, effort limits, kp beside kd."""
+"""Checks of timing and of groups that need no robot: times, dry friction, effort limits, kp beside kd, ranges."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import Any
 
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import SpecDelay
-from actspec.spec.models import Actuators, CommandFilter, SpecModel, Tunable
+from actspec.spec.models import Actuators, CommandFilter, Randomize, SpecModel, Tunable
 from actspec.spec.plausible.motors import output_of
 from actspec.spec.plausible.table import Doubt, at
-from actspec.spec.values import SpecValue
+from actspec.spec.rules.groups import range_of
+from actspec.spec.values import Fault, SpecValue
 from actspec.units import format_quantity
 
 STEP = (20e-6, 50e-3)
@@ -33,6 +35,10 @@ FRICTION_STOPS = 2.0
 LIMIT_OF_MOTOR = (0.02, 3.0)
 """Effort limit over the largest of the motor's torques at the joint."""
 LIMIT_BEYOND = 30.0
+FACTOR = 20.0
+"""Largest factor of a range of randomisation."""
+OFF = {"rad": 0.5, "m": 0.1}
+"""Largest error of an encoder [rad or m]."""
 LONGEST_RETURN = 1.0
 """kd over kp [s]: the time in which a joint without inertia returns."""
 
@@ -135,6 +141,26 @@ def group_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
                 yield at(spans, "SPEC192", words[0], kp_path, words[1], kd_path)
         if own_limit and isinstance(limit, SpecValue):
             yield from _limit(limit, limit_path, stated, model, spans)
+    for name, group in model.actuators.items():
+        for field, entry in group.randomize.items():
+            yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
+
+
+def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterator[Doubt]:
+    """A range of factors as per cent, or of an encoder's errors in degrees."""
+    if entry.from_ is not None or (entry.scale is None and field != "encoder_bias"):
+        return
+    operation = "scale" if entry.scale is not None else "add" if entry.add is not None else "abs"
+    pair = range_of(entry, field)
+    for index, end in enumerate(() if isinstance(pair, Fault) else pair):
+        place, value = (*path, operation, index), end.value or 0.0
+        if entry.scale is not None and value > FACTOR:
+            message = f"a factor of {end.written} on the nominal value"
+            yield at(spans, "SPEC188", message, place, f"is it in %? Then write {value / 100.0:g}")
+        elif entry.scale is None and abs(value) > OFF.get(end.unit, math.inf):
+            message = f"an encoder that is off by {end.written}"
+            help = f"is it in degrees? Then write {value:g} deg" if end.unit == "rad" else None
+            yield at(spans, "SPEC188", message, place, help)
 
 
 def _friction(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Span, listed
@@ -97,33 +97,6 @@ def codes_found(joints: Sequence[JointActuator], model: SpecModel, document: Doc
     check_numbers(bare, document, every)
     check_joints(joints, bare, document, every)
     return frozenset(item.code for item in every)
-
-
-def check_poses(
-    joints: Iterable[tuple[str, JointKind, tuple[float, float], str]],
-    model: SpecModel,
-    document: Document,
-    collector: Collector,
-) -> None:
-    """Report default positions that are outside of their joints' ranges, each once, at its worst joint.
-
-    Args:
-        joints: Name, kind, range [rad or m] and pattern of `default_pose`, of joints that have all of them.
-        model: The spec.
-        document: Where it says what it says.
-        collector: Takes warnings, and errors where nothing could be right.
-    """
-    groups: dict[Span | None, list[_Found]] = {}
-    for joint, kind, limits, pattern in joints:
-        pose = model.robot.default_pose[pattern]
-        unit = "rad" if kind is JointKind.HINGE else "m"
-        if pose.value is None or pose.unit != unit:
-            continue
-        span = document.spans.value(("robot", "default_pose", pattern))
-        found = _outside(joint, kind, limits, pose.value, span)
-        if found is not None:
-            groups.setdefault(span, []).append(found)
-    tell((_worst(members) for members in groups.values()), document, model.accept, collector)
 
 
 def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> Iterator[Doubt]:

@@ -133,6 +133,11 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: 0 s", []),
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
+        ("randomize: {kd: {scale: [0.3, 20]}}", []),
+        ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"] * 2),
+        ("randomize: {encoder_bias: {add: [-0.5 rad, 0.5 rad]}}", []),
+        ("randomize: {encoder_bias: {abs: [-0.51 rad, 0 rad]}}", ["SPEC188"]),
+        ("randomize: {effort_limit: {add: [0, 100]}}", []),
         # Without a range the joint turns once: 4 pi = 12.57.
         ("action_scale: 12.5", []),
         ("action_scale: 12.6", ["SPEC193"]),

@@ -175,6 +175,20 @@ MISTAKES = {
         "    delay: 20 s\n    action_scale:",
         "SPEC186",
     ),
+    "factor-in-per-cent": (
+        "a1",
+        "a1",
+        "scale: [{value: 0.9, source: walk_these_ways}, {value: 1.1, source",
+        "scale: [{value: 0.9, source: walk_these_ways}, {value: 110, source",
+        "SPEC188",
+    ),
+    "encoder-bias-in-degrees": (
+        "a1",
+        "a1",
+        "walk_these_ways}, {value: 0.02 rad",
+        "walk_these_ways}, {value: 2 rad",
+        "SPEC188",
+    ),
     "step-s-for-ms": ("a1", "a1", "physics_dt: {value: 5 ms", "physics_dt: {value: 5 s", "SPEC186"),
     "step-us-for-ms": ("so101", "so101", "physics_dt: 5 ms", "physics_dt: 5 us", "SPEC186"),
     "filter-kHz-for-Hz": (
