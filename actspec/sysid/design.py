@@ -37,6 +37,8 @@ ROUNDS, CUT = 200, 0.85
 """Steps towards a low crest factor, and the share of the peak that is left in each."""
 APART = 0.3
 """Largest correlation of two commands that are sent together."""
+MOST_ROWS = 100_000
+"""Of one joint's part, or of all together, each of which is simulated. Chosen: 200 s at 500 Hz, 10 s of a processor."""
 HOLD = 0.6
 """Time that a step is held [s]."""
 SPEEDS = 6
@@ -104,6 +106,9 @@ def design(
     if slot < 50:
         message = f"{duration:g} s at {rate:g} Hz are {slot} rows, at least 50 are needed"
         raise LogError.of("SYS040", message, where="--duration")
+    if slot > MOST_ROWS:
+        message = f"{duration:g} s at {rate:g} Hz are {slot} rows to simulate, more than {MOST_ROWS}"
+        raise LogError.of("SYS040", message, where="--rate", help="a lower rate, or a shorter time")
     count = slot if together else slot * len(actuators)
     if linear and kind != "chirp":
         message = f"only a chirp's frequency grows linearly, and this is --experiment {kind}"

@@ -229,6 +229,7 @@ def test_joints_that_push_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "chirp", "--duration", "10"], "has no unit"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--linear"], "only a chirp's frequency grows"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--duration", "1e9 s"], "40000000 numbers"),
+        (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--rate", "1e5 Hz"], "2000000 rows"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--rate", "0 Hz"], "must be above 0, got"),
         (["design", "spec.yaml", "-o", "x.csv", "--experiment", "steps", "--seed", "-1"], "'-1' is no whole number"),
         (["design", "spec.yaml", "-o", "x.parquet", "--experiment", "steps"], "written as .csv, .txt or .npz"),
