@@ -20,7 +20,8 @@ from actspec.spec.yaml_text import is_spec
 
 _ASIDE = re.compile(
     r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
-    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic)[/\\]",
+    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp)[/\\]"
+    r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
 )
 """Words by which files and folders say that nobody runs them on a robot."""

@@ -132,7 +132,9 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
                 f"type {kind!r} is not a URDF joint type",
                 where=name,
                 span=span,
-                help=f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
+                help="write three revolute joints: PyBullet reads it, other readers of URDF do not"
+                if kind == "spherical"
+                else f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
             )
         elif kind == "planar":
             planar.append(name)

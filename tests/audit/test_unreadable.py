@@ -141,6 +141,8 @@ def test_a_folder_of_files_without_their_parts_is_one_entry() -> None:
         ("robots/leg (copy).xml", Severity.INFO),
         ("robots/leg_bak.xml", Severity.INFO),
         ("robots/tests/data/leg.xml", Severity.INFO),
+        ("robots/tmp/leg.xml", Severity.INFO),
+        ("robots/leg_test.xml", Severity.INFO),
         ("robots/test_leg.xml", Severity.WARNING),
         ("robots/scaffold/leg.xml", Severity.WARNING),
     ],

@@ -31,9 +31,11 @@ _BOTH_ZERO = (
     "joint that can give nothing and is held"
 )
 _UNDRIVEN = re.compile(
-    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|spring|dummy|virtual|passive|fake", re.IGNORECASE
+    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|roller|knuckle|inner_finger|spring|dummy|virtual|passive|fake",
+    re.IGNORECASE,
 )
-"""Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust."""
+"""Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust, the links of
+a gripper by one of its fingers."""
 
 _TIMES = 2.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone."""
@@ -99,7 +101,7 @@ class NoEffectiveLimit(RuleInParts):
                 continue
             for field, limit in limits.items():
                 if limit is not None:
-                    found = self._stated(case, row, field, limit, idle)
+                    found = self._stated(case, row, field, limit, idle, undriven)
                     # The clamped command bounds it before the placeholder does.
                     yield (
                         (replace(one, severity=Severity.INFO) for one in found) if row.span in held else found
@@ -196,7 +198,9 @@ class NoEffectiveLimit(RuleInParts):
             fields=_LIMITS,
         )
 
-    def _stated(self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool) -> Iterator[Finding]:
+    def _stated(
+        self, case: Case, row: LedgerRow, field: str, limit: float, idle: bool, undriven: bool
+    ) -> Iterator[Finding]:
         """A limit that a file states: so large that it is none, or 0."""
         if self.option(case, "least") <= limit < math.inf:
             yield Finding(
@@ -216,7 +220,9 @@ class NoEffectiveLimit(RuleInParts):
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             effect = _URDF[field] if urdf else f"the {_noun(field)} is 0: the drive cannot move the joint"
             found = self._zero(row, field, effect)
-            if urdf and (row.artifact in case.once(_WITHOUT[field]) or _is_passive(case, row)):
+            # A drive without stiffness and effort is how a configuration writes a bearing.
+            bearing = not urdf and row.kp == 0.0
+            if undriven or bearing or (urdf and row.artifact in case.once(_WITHOUT[field])):
                 found = replace(found, severity=Severity.INFO)
             yield found
 
@@ -236,14 +242,19 @@ class NoEffectiveLimit(RuleInParts):
 def _is_unlimited_by_intent(case: Case, index: int) -> bool:
     """Whether nobody limits any actuator of a model: a pendulum, or one whose limits are in the code that drives it.
 
-    A limit of another file, or of a known robot, tells that it was left out.
+    A limit of a known robot, or of a file that is no other MJCF, tells that it was left out.
     """
     driven = [row for row in case.rows_of(index) if row.control != "none" and row.joint]
     if any((row.effort_limit or math.inf) < math.inf for row in driven):
         return False
     if any(row.artifact == index for one in case.once(likenesses) for row, _ in one.joints):
         return False
-    others = (other for row in driven for other in partner_rows(case, row))
+    others = (
+        other
+        for row in driven
+        for other in partner_rows(case, row)
+        if case.artifacts[other.artifact].kind is not FileKind.MJCF
+    )
     return all((other.effort_limit or math.inf) == math.inf for other in others)
 
 

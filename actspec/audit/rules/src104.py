@@ -7,6 +7,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
 from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
 from actspec.diagnostics import Severity
+from actspec.readings.artifact import Framework
 from actspec.readings.ledger import LedgerRow
 
 _FAR = 10.0
@@ -26,7 +27,7 @@ class Armature(SourceRule):
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
-        if any(_is_default(rows[0]) for rows in (found.rows, found.others)):
+        if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):
             return Severity.INFO, self.confidence
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         mine, theirs = (
@@ -42,9 +43,11 @@ class Armature(SourceRule):
         return f"every torque has {change} {more} to turn"
 
 
-def _is_default(row: LedgerRow) -> bool:
-    """Whether a configuration has its 0 from a class in another file: the framework's default."""
-    return row.armature == 0.0 and row.place("armature").path != row.file
+def _is_default(case: Case, row: LedgerRow) -> bool:
+    """Whether it is the framework's 0: from a class in another file, or repeated, as legged_gym's copies do."""
+    config = case.artifacts[row.artifact].config
+    repeated = config is not None and config.framework is Framework.LEGGED_GYM
+    return row.armature == 0.0 and (repeated or row.place("armature").path != row.file)
 
 
 def _of_one_armature(case: Case) -> frozenset[int]:

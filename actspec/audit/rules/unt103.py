@@ -110,8 +110,9 @@ class _Pair:
 
 _MANY = 3
 
-_TURN = 2.0 * math.pi
-"""Chosen: an end of a range beyond a full turn is in degrees; where both are below, it is the smaller that is wrong."""
+_TURN = 2.0 * math.pi * 1.01
+"""Chosen: an end of a range beyond a full turn, as files round it, is in degrees; where both are below, it is the
+smaller that is wrong."""
 
 _PER_ANGLE = ("kp", "kd", "joint_damping")
 
