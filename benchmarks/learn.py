@@ -138,7 +138,7 @@ def policy(path: str, centre: Log, seconds: float, seed: int) -> None:
         step = np.sin(2 * np.pi * random.uniform(1.6, 2.4) * time + phase)
         target = np.median(joint.command) + size * (swell * step + 0.25 * random.standard_normal(len(time)))
         joints[name] = JointLog(name, joint.linear, command=np.repeat(target, hold)[:rows])
-    write_log(Log(path, "", np.arange(rows) / RATE, joints, Sidecar()))
+    write_log(Log(path, "", np.arange(rows) / RATE, joints, Sidecar()), force=True)
 
 
 def specs(known: bool) -> None:
@@ -166,7 +166,7 @@ def repeated(given: str, path: str, times: int, seed: int) -> None:
         parts = [np.roll(joint.command, turn) for turn in turns]
         joints[name] = JointLog(name, joint.linear, command=np.concatenate(parts))
     rows = times * len(log.time)
-    write_log(Log(path, "", np.arange(rows) / RATE, joints, log.sidecar))
+    write_log(Log(path, "", np.arange(rows) / RATE, joints, log.sidecar), force=True)
 
 
 def held(given: str, path: str, seed: int) -> None:
@@ -179,7 +179,7 @@ def held(given: str, path: str, seed: int) -> None:
         assert joint.command is not None
         jump = np.repeat(random.standard_normal(len(rows) // hold + 1), hold)[: len(rows)]
         joints[name] = JointLog(name, joint.linear, command=joint.command[rows] + JUMPS * jump)
-    write_log(Log(path, "", log.time, joints, log.sidecar))
+    write_log(Log(path, "", log.time, joints, log.sidecar), force=True)
 
 
 def commands(short: bool) -> None:
@@ -219,7 +219,7 @@ def read(folder: Path, play: float) -> None:
             flaws = dataclasses.replace(flaws, torque_noise=0.0)
         path, random = str(folder / f"{kind}.npz"), np.random.default_rng(10 + k)
         told = sensed(log, actuators, q, qd, torque, path, flaws, random)
-        write_log(told)
+        write_log(told, force=True)
         if kind in FIT_KINDS:
             keep = slice(0, round(FIT * RATE))
             names = ("command", "position", "velocity", "torque")
@@ -228,7 +228,7 @@ def read(folder: Path, play: float) -> None:
                 for name, joint in told.joints.items()
             }
             path = str(folder / f"fit_{kind}.npz")
-            write_log(dataclasses.replace(told, path=path, time=told.time[keep], joints=joints))
+            write_log(dataclasses.replace(told, path=path, time=told.time[keep], joints=joints), force=True)
 
 
 def resolved(name: str) -> list[JointActuator]:
