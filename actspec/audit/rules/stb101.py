@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown
-from actspec.laws.stability import LIMIT, RINGING, StepDrive
+from actspec.laws.stability import LIMIT, StepDrive
 from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import RobotView
@@ -82,7 +82,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             "1",
             help='set integrator="implicitfast", or a shorter timestep, or state the true armature',
             fields=("kd",),
-            severity=Severity.ERROR if sure else self.severity if figure >= RINGING else Severity.INFO,
+            severity=Severity.ERROR if sure else self.severity if beyond else Severity.INFO,
             confidence=self.confidence if beyond else Confidence.MEDIUM,
         )
 
