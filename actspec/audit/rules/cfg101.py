@@ -150,4 +150,4 @@ def _models(case: Case, index: int, config: RobotConfig) -> list[Artifact]:
         # It names one, and nobody can tell which.
         return []
     artifacts = (case.artifacts[other] for other in case.robot_of(index).artifacts)
-    return [one for one in artifacts if one.robot is not None and names_model(config, one)]
+    return [one for one in artifacts if one.robot is not None and names_model(case, config, one)]

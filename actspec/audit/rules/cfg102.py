@@ -36,7 +36,7 @@ class JointNotCovered(RuleOver[_Subject]):
                 if model.kind is not FileKind.MJCF or model.robot is None:
                     continue
                 own = config.framework is Framework.MJLAB
-                if own and not names_model(config, model):
+                if own and not names_model(case, config, model):
                     continue
                 yield config, covered, other, model.robot, own
 

@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from os.path import basename, splitext
+from itertools import takewhile
+from os.path import splitext
 
 from actspec.audit.case import Case
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
@@ -99,12 +100,41 @@ def groups_of(case: Case, framework: Framework, classes: frozenset[str] | None =
                 yield Group(group, framework, index, own, complete)
 
 
-def names_model(config: RobotConfig, model: Artifact) -> bool:
-    """Whether a configuration names this model, or none."""
+def names_model(case: Case, config: RobotConfig, model: Artifact) -> bool:
+    """Whether a configuration names this model, or none.
+
+    Of several models of the name it is the one whose folders agree farthest: `d1_wheel/urdf/robot.urdf` is not
+    `d1/urdf/robot.urdf`, where both are there.
+    """
     setting = config.settings.get("model")
     if setting is None or not isinstance(setting.value, str):
         return True
-    return splitext(basename(setting.value))[0] == splitext(basename(model.path))[0]
+    named = _from_the_end(setting.value)
+    if named[0] != _from_the_end(model.path)[0]:
+        return False
+    return _alike(named, model.path) == max(
+        _alike(named, path) for path in case.once(_models_by_stem)[named[0]]
+    )
+
+
+def _models_by_stem(case: Case) -> dict[str, list[str]]:
+    """Paths of all models, by the names of their files."""
+    found: dict[str, list[str]] = {}
+    for artifact in case.artifacts:
+        if artifact.robot is not None:
+            found.setdefault(_from_the_end(artifact.path)[0], []).append(artifact.path)
+    return found
+
+
+def _from_the_end(path: str) -> list[str]:
+    """A file's name without its ending, then its folders from the last one on."""
+    return splitext(path.replace("\\", "/"))[0].split("/")[::-1]
+
+
+def _alike(named: list[str], path: str) -> int:
+    """How many names from the end on are those of a path."""
+    pairs = zip(named, _from_the_end(path), strict=False)
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
 
 
 def major_version(version: str | None) -> int:

@@ -43,7 +43,7 @@ class GainBesideModelDamping(RuleOver[_Subject]):
         """Whether a configuration runs on this model, as far as it says so."""
         config = case.artifacts[row.artifact].config
         own = config is not None and config.framework is Framework.MJLAB
-        return config is None or not own or names_model(config, case.artifacts[model.artifact])
+        return config is None or not own or names_model(case, config, case.artifacts[model.artifact])
 
     def judge(self, case: Case, subject: _Subject) -> Iterator[Finding]:
         """Compare kd with the model's damping."""
