@@ -42,8 +42,12 @@ FAULT = "AUD008"
 
 _ROBOT_ROOT = re.compile(rb"<(?:mujoco|mujocoinclude|robot)[\s>/]")
 
-_OTHER_ROBOT = re.compile(rb"<!DOCTYPE\s+\w+\s+PUBLIC\s")
-"""The devices of a robot in YARP's own format, whose root is called as a URDF's."""
+_OTHER_ROBOT = re.compile(
+    rb"<!DOCTYPE\s+\w+\s+PUBLIC\s"
+    rb"|\A(?:\xef\xbb\xbf)?\s*(?:<\?[^>]*>\s*|<!--(?:(?!-->).)*-->\s*)*<(?!(?:mujoco|robot))[A-Za-z]",
+    re.DOTALL,
+)
+"""The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds that have robots in them."""
 
 _INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 

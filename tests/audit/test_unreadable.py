@@ -171,3 +171,11 @@ def test_what_an_old_file_alone_speaks_against() -> None:
     assert [item.severity for item in audit(["robots"], settings).findings] == [Severity.INFO]
     Path("robots/leg_old.xml").rename("robots/leg_b.xml")
     assert [item.severity for item in audit(["robots"], settings).findings] == [Severity.ERROR]
+
+
+def test_a_world_with_robots_in_it_is_no_robot_file() -> None:
+    """Another program's: it is passed over in a folder, and refused by name."""
+    world = "<?xml version='1.0'?>\n<!-- a <robot> -->\n<world><robot><filename>leg.xml</filename></robot></world>"
+    Path("robots/world.xml").write_text(world)
+    assert [item[1] for item in found(audit(["robots"], Settings()))] == ["robots/leg.xml"]
+    assert len(found(audit(["robots/world.xml"], Settings()))) == 1
