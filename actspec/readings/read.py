@@ -47,7 +47,7 @@ _OTHER_ROBOT = re.compile(
     rb"|\A(?:\xef\xbb\xbf)?\s*(?:<\?[^>]*>\s*|<!--(?:(?!-->).)*-->\s*)*<(?!(?:mujoco|robot))[A-Za-z]",
     re.DOTALL,
 )
-"""The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds that have robots in them."""
+"""The devices of a robot in YARP's own format, whose root is called as a URDF's, and worlds with robots in them."""
 
 _INCLUDE = re.compile(rb"""<include\s[^<>]*?\bfile\s*=\s*["']([^"'<>]*)["']""")
 
