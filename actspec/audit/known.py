@@ -1,4 +1,4 @@
-"""Robots whose torque limits are published, and which of them an artifact is: by its name and by its joints.
+"""Robots whose limits are published, and which of them an artifact is: by its name and by its joints.
 
 The table is `robots/known.json`, made of the specs that ship and of `robots/limits/published.yaml`; a test holds it
 to them.
@@ -40,11 +40,13 @@ class KnownJoint:
     Attributes:
         effort: Largest torque that its limit, peak or torque-speed line has [N*m].
         armature: [kg*m^2]; None where nobody publishes it.
+        velocity: Limit [rad/s]; None where nobody publishes it.
         source: Title of the source of the torque.
     """
 
     effort: float
     armature: float | None
+    velocity: float | None
     source: str
 
 
@@ -84,7 +86,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
             tuple(entry.get("prefixes", ("",))),
             {
                 variant: {
-                    joint: KnownJoint(row["effort"], row.get("armature"), row["source"])
+                    joint: KnownJoint(row["effort"], row.get("armature"), row.get("velocity"), row["source"])
                     for row in rows
                     for joint in row["joints"]
                 }

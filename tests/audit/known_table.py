@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -40,10 +41,17 @@ def table() -> str:
             robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
     for name, arm in published["robots"].items():
         source = _title(published["sources"][arm["source"]])
-        groups = [
-            {"joints": joints, "effort": float(limit), "source": source}
-            for limit, joints in arm["limits"].items()
-        ]
+        speeds = {joint: speed for speed, joints in arm.get("speeds", {}).items() for joint in joints}
+        groups: list[dict[str, Any]] = []
+        for limit, joints in arm["limits"].items():
+            for speed in dict.fromkeys(speeds.get(joint) for joint in joints):
+                row = {
+                    "joints": [joint for joint in joints if speeds.get(joint) == speed],
+                    "effort": float(limit),
+                }
+                if speed is not None:
+                    row["velocity"] = float(f"{math.radians(speed):.9g}")
+                groups.append({**row, "source": source})
         robots[name] = {"words": arm["words"], "variants": {"": groups}}
         if "prefixes" in arm:
             robots[name]["prefixes"] = arm["prefixes"]
@@ -64,11 +72,15 @@ def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
     titles = {source.key: source.title for source in actuators.sources}
     found: dict[tuple[float | None, ...], list[JointActuator]] = {}
     for joint in actuators.joints:
-        found.setdefault((_value(_largest(joint)), _value(joint.armature)), []).append(joint)
-    for (effort, armature), joints in found.items():
+        found.setdefault(
+            (_value(_largest(joint)), _value(joint.armature), _value(joint.velocity_limit)), []
+        ).append(joint)
+    for (effort, armature, velocity), joints in found.items():
         row: dict[str, Any] = {"joints": [joint.joint for joint in joints], "effort": effort}
         if armature:
             row["armature"] = armature
+        if velocity:
+            row["velocity"] = velocity
         row["source"] = titles[str(_largest(joints[0]).source)]
         yield row
 

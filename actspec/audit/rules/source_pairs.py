@@ -6,12 +6,13 @@ import math
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
+from actspec.audit.known import likenesses, same
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_exporters
 from actspec.diagnostics import Severity, Span
@@ -42,6 +43,9 @@ _REVISION = re.compile(r"(?<![a-z])(?:v|rev|version|mode)[_-]?\d+(?:[._]\d+)*|li
 """A hardware's version in a name, as of `atlas_v4` and `g1_29dof_mode_13`, or limits that are others on purpose, as of
 `t1_softlimit`."""
 
+_PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity", "armature": "armature"}
+"""Figures that are published of known robots, and what they are in their table."""
+
 _FOLDERS = 4
 """Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
 
@@ -65,6 +69,7 @@ class Disagreement:
         mine: The figure that departs.
         theirs: The other.
         variant: Whether the files describe variants: of the same kind, or with other joints.
+        published: The known robot whose figure the other file has; "" where no such robot tells who is right.
     """
 
     rows: Sequence[LedgerRow]
@@ -73,6 +78,7 @@ class Disagreement:
     mine: Figure
     theirs: Figure
     variant: bool
+    published: str = ""
 
     @property
     def ratio(self) -> float | None:
@@ -86,6 +92,11 @@ class Disagreement:
         """The ratio for a message: ` (x0.517)`, or nothing."""
         return times(self.mine.value, self.theirs.value)
 
+    @property
+    def turned(self) -> Disagreement:
+        """The same, with the other file as the one that departs."""
+        return replace(self, rows=self.others, others=self.rows, mine=self.theirs, theirs=self.mine)
+
 
 def disagreements(
     case: Case, fields: Sequence[str], tolerance: float, absolute: float = 0.0
@@ -93,8 +104,8 @@ def disagreements(
     """Where files of one robot state different figures.
 
     A file is held to the URDF and MJCF of its robot, a deploy file to the training configuration. One that agrees
-    with any of them is right; else the nearest is named: with the same joints, by the same name, the first. A figure
-    that a file does not state is not compared.
+    with any of them is right; else the nearest is named: with the same joints, by the same name, the first. Of a known
+    robot the file with the published figure is right. A figure that a file does not state is not compared.
 
     Args:
         case: The case.
@@ -104,9 +115,41 @@ def disagreements(
 
     Yields: One a joint and departing file.
     """
+    blamed = set()
     for robot in case.robots:
-        if len(robot.artifacts) > 1:
-            yield from _of_robot(case, robot, fields, tolerance, absolute)
+        for found in _of_robot(case, robot, fields, tolerance, absolute) if len(robot.artifacts) > 1 else ():
+            wrong = _by_what_is_published(case, found)
+            # Several files may be right beside one that is not.
+            at = (wrong.rows[0].artifact, wrong.rows[0].joint)
+            if wrong is found or at not in blamed:
+                yield wrong
+            blamed.add(at)
+
+
+def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
+    """Turned where the departing file has the figure that is published for its robot, and the other one has not."""
+    attribute = _PUBLISHED.get(found.field)
+    if attribute is None or found.field not in found.others[0].stated:
+        return found
+    figures = {
+        (getattr(known.robot.variants[variant][name], attribute), known.robot.name)
+        for known in case.once(likenesses)
+        if known.index == found.rows[0].artifact
+        for row, names in known.joints
+        if row.joint == found.rows[0].joint
+        for name in names
+        for variant in known.variants
+    }
+    # One figure, and known of each joint and variant that the row may be: else nobody is right or wrong by it.
+    if len(figures) != 1:
+        return found
+    ((published, name),) = figures
+    if published is None:
+        return found
+    here, there = (same(figure.value, published) for figure in (found.mine, found.theirs))
+    if here is there:
+        return found
+    return replace(found.turned if here else found, published=name)
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
@@ -172,7 +215,7 @@ def _of_robot(
     # Asked for every joint that departs.
     distance = cache(lambda one, other: _distance(case, one, other))
 
-    def same(mine: tuple[int, _Stated], theirs: tuple[int, _Stated], joint: str) -> bool:
+    def agree(mine: tuple[int, _Stated], theirs: tuple[int, _Stated], joint: str) -> bool:
         (name, value), (other, its) = mine[1], theirs[1]
         if math.isclose(value, its, rel_tol=tolerance, abs_tol=absolute):
             return True
@@ -200,7 +243,7 @@ def _of_robot(
                     continue
                 kind_here = case.joints[index, joint][0].kind
                 held = [each for each in held if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)]
-                if held and not any(same((index, mine), theirs, joint) for theirs in held):
+                if held and not any(agree((index, mine), theirs, joint) for theirs in held):
                     other, theirs = min(held, key=lambda each: distance(index, each[0]))
                     variant = kinds is None or distance(index, other)[0]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
@@ -448,6 +491,12 @@ class SourceRule(RuleInParts):
         if FileKind.SPEC not in case.kinds_by_artifact[found.rows[0].artifact] and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM
         other = found.others[0].file
+        if found.published:
+            advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
+            advice += "this aside with the reason"
+        else:
+            advice = "find out which is right, and write it in both, or set this aside with the reason: "
+            advice += f"{other} may be of another variant"
         return Finding(
             self.code,
             f"the {FIELDS[found.field].noun} is {shown(mine.value, mine.unit)} here and "
@@ -457,8 +506,7 @@ class SourceRule(RuleInParts):
             mine.value,
             mine.unit or None,
             expected=theirs.value,
-            help=f"find out which is right, and write it in both, or set this aside with the reason: {other} may be "
-            "of another variant",
+            help=advice,
             related=(theirs.place,),
             severity=severity,
             confidence=confidence,

@@ -43,8 +43,7 @@ class EffortLimit(SourceRule):
         found: list[Finding] = []
         uniform: dict[tuple[int, bool], list[tuple[Disagreement, Disagreement]]] = {}
         for item in disagreements:
-            turned = replace(item, rows=item.others, others=item.rows, mine=item.theirs, theirs=item.mine)
-            sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, turned)}
+            sides = {(side.rows[0].artifact, _is_slide(side.rows[0])): side for side in (item, item.turned)}
             one = [which for which in sides if which in case.once(_of_one_limit)]
             if len(one) == 1 and not is_small(item):
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
