@@ -360,9 +360,11 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
     if text == expat.errors.XML_ERROR_BAD_CHAR_REF:
         return "a reference to a character that XML does not allow", "delete it"
     if text in (expat.errors.XML_ERROR_MISPLACED_XML_PI, expat.errors.XML_ERROR_XML_DECL):
+        # MuJoCo 4.0 skips white space before a declaration, but refuses one behind a comment.
+        lenient = _LENIENT if data[at:].startswith(b"<?xml") and not data[:at].strip() else ""
         return (
             "a malformed XML declaration, or one that is not the first thing in the file",
-            f'begin the file with <?xml version="1.0"?>, or leave it out{_LENIENT}',
+            f'begin the file with <?xml version="1.0"?>, or leave it out{lenient}',
         )
     return f"not well-formed XML: {text}", None
 

@@ -315,6 +315,8 @@ class _Solved:
         found = inverse @ middle @ inverse
         # What each block adds to a variance: those that add most are the ones that tell it. Source: Satterthwaite 1946.
         parts = np.einsum("ip,bpq,qi->bi", inverse, normals, inverse)
+        # Their shares alone count; of a figure that the log does not tell, the squares are beyond what a float holds.
+        parts = parts / np.maximum(np.abs(parts).max(axis=0), 1e-300)
         freedom = parts.sum(axis=0) ** 2 / np.maximum((parts**2).sum(axis=0), 1e-300)
         wide = stdtrit(np.maximum(freedom, 1.0), 0.975) / WIDE
         # Few blocks may agree by chance: never less than what white residuals would give.
@@ -512,7 +514,8 @@ def linearised(search: Search, values: Mapping[str, float], states: Sequence[tup
             step = DIFFERENCE * search.scale[name]
             lower = max(values[name] - step, search.low[name])
             columns[name][1 + 2 * k], columns[name][2 + 2 * k] = values[name] + step, lower
-            steps.append(values[name] + step - lower)
+            # Nothing is left of a step beside a figure that ran away, in a trial that is dropped then.
+            steps.append(values[name] + step - lower or math.inf)
         figures = log.figures(columns)
         q, qd = np.tile(q0[:, None], (1, 3 + 2 * p)), np.tile(qd0[:, None], (1, 3 + 2 * p))
         q[:, -2] += FURTHER

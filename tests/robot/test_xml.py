@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.parsers import expat
 
+import mujoco
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -253,6 +254,19 @@ def test_what_is_refused(data: bytes | str, text: str) -> None:
 def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
     """Where MuJoCo reads what expat refuses, the help says so."""
     assert "MuJoCo reads it as it is, other readers of XML do not" in refused(data)
+
+
+@pytest.mark.parametrize("before", ["\n", " ", "<!-- licence -->\n", "<!-- a -->"])
+def test_help_for_a_late_declaration(before: str, tmp_path: Path) -> None:
+    """The help says that MuJoCo reads it where the installed MuJoCo does: behind white space, not behind a comment."""
+    text = f'{before}<?xml version="1.0"?><mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
+    path = tmp_path / "m.xml"
+    path.write_text(text)
+    try:
+        reads = mujoco.MjModel.from_xml_path(str(path)) is not None
+    except ValueError:
+        reads = False
+    assert ("MuJoCo reads it" in refused(text)) is reads is (not before.strip())
 
 
 @pytest.mark.parametrize(
