@@ -2,7 +2,8 @@
 
 Two shapes are known: lists beside a list of joint names, and mappings from joint (or a part of its
 name) to a number. Lists without names are only used where every entry is the same, because which
-joint an entry belongs to is then no question; the order of a nameless list is never guessed.
+joint an entry belongs to is then no question; the order of a nameless list is never guessed. It is of a robot with so
+many joints.
 
 Read by PyYAML's composer alone: nothing is constructed, tags are looked at and never acted upon.
 """
@@ -260,12 +261,15 @@ class _Reader:
         names = self._names(block, above)
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
+        count: Setting | None = None
         scopes = (block, *reversed(above))
         for field, keys in PER_JOINT.items():
             found = _first(scopes, keys)
             values = {} if found is None else self._per_joint(*found, joints, out)
             if values:
                 fields[field] = values
+            if found is not None and ".*" in values and isinstance(found[1], yaml.SequenceNode):
+                count = Setting(float(len(found[1].value)), self._span(found[1]))
         ours = str(getattr(block.get("format"), "value", "")).startswith(OWN_FORMAT)
         if ours and joints is not None:
             fields.update(self._own_lists(block, joints))
@@ -284,6 +288,8 @@ class _Reader:
             value = None if found is None else _number(found[1])
             if found is not None and value is not None:
                 settings[field] = Setting(value, self._span(found[1]))
+        if count is not None:
+            settings["joint_count"] = count
         if joints is not None and names is not None:
             settings["joint_order"] = Setting(joints, next(iter(names.values()), self._span(node)))
         if ours:

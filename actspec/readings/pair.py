@@ -399,8 +399,11 @@ def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:
 
 
 def _fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
-    """Whether that share of a configuration's joint patterns, or more, match a joint."""
+    """Whether that share of a configuration's joint patterns, or more, match a joint; of a list without names, all."""
     if config is None or not config.groups:
+        return False
+    count = config.settings.get("joint_count")
+    if count is not None and count.value != len(set(joints)):
         return False
     patterns = [pattern for group in config.groups for pattern in group.joints or ()]
     met = sum(bool(matching(config.framework, pattern, joints)) for pattern in patterns)

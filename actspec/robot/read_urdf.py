@@ -30,9 +30,16 @@ _KINDS = {
     "continuous": JointKind.HINGE,
     "prismatic": JointKind.SLIDE,
     "floating": JointKind.FREE,
+    # No type of URDF; Bullet, RaiSim and MuJoCo read it.
+    "spherical": JointKind.BALL,
 }
 _TYPES = (*_KINDS, "fixed", "planar")
-_UNITS = {JointKind.HINGE: ("N*m", "rad/s"), JointKind.SLIDE: ("N", "m/s"), JointKind.FREE: ("N", "m/s")}
+_UNITS = {
+    JointKind.HINGE: ("N*m", "rad/s"),
+    JointKind.SLIDE: ("N", "m/s"),
+    JointKind.FREE: ("N", "m/s"),
+    JointKind.BALL: ("N*m", "rad/s"),
+}
 
 
 def read_urdf(
@@ -132,9 +139,7 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
                 f"type {kind!r} is not a URDF joint type",
                 where=name,
                 span=span,
-                help="write three revolute joints: PyBullet reads it, other readers of URDF do not"
-                if kind == "spherical"
-                else f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
+                help=f"did you mean {nearest(kind, _TYPES) or listed(_TYPES)}?",
             )
         elif kind == "planar":
             planar.append(name)
@@ -148,6 +153,10 @@ def _joints(document: XmlDocument, out: Collector) -> list[JointView]:
         )
     if planar:
         out.info("ROBOT113", f"planar joints left out: {listed(planar)}", span=document.span(document.root))
+    balls = [joint.name for joint in found if joint.kind is JointKind.BALL]
+    if balls:
+        message = f"spherical joints, which not every reader of URDF knows: {listed(balls, 3)}"
+        out.info("ROBOT113", message, span=document.span(document.root))
     found = _with_parents(found, document)
     for joint in found:
         if joint.mimic is not None and joint.mimic not in names:

@@ -44,6 +44,8 @@ def test_a_list_without_names_is_not_guessed(tmp_path: Path) -> None:
     """Unequal values without names are left, equal ones belong to every joint."""
     _, found, said = _read(tmp_path, "kps: [60, 25]\nkds: [2, 2]\n")
     assert found == {".*": {"kd": 2.0}}
+    config = read_file(str(tmp_path / "deploy.yaml")).artifacts[0].config
+    assert config is not None and config.settings["joint_count"].value == 2.0
     assert said == ["kps is a list without joint names: which joint a value belongs to is not guessed"]
 
 

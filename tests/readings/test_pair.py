@@ -127,6 +127,19 @@ def test_a_pattern_for_all_joints_says_nothing() -> None:
     assert _together(model("go2.xml", "go2", DOG), config("dog.py", "GO2_CFG", [".*"])) == [(0, 1)]
 
 
+def test_equal_values_without_names_are_of_a_robot_with_so_many_joints() -> None:
+    """Twelve equal gains are a dog's, not those of a dog with an arm of three joints, which is called the same."""
+    deploy = config("deploy/go2.yaml", "go2", [".*"], Framework.DEPLOY)
+    assert deploy.config is not None
+    twelve = replace(
+        deploy, config=replace(deploy.config, settings={"joint_count": Setting(12.0, Span("y", 1))})
+    )
+    dog, with_arm = model("go2.xml", "go2", DOG), model("arm/go2.xml", "go2", (*DOG, *ARM))
+    assert _together(with_arm, deploy) == [(0, 1)]
+    assert _together(with_arm, twelve) == [(0,), (1,)]
+    assert _together(dog, twelve) == [(0, 1)]
+
+
 def test_a_cfg_with_hands_belongs_to_the_model_without() -> None:
     """With the robot's name half of the patterns are enough (2 of 4), a third is not; without it all must match."""
     robot = model("g1.urdf", "g1_29dof", ["l_hip", "l_knee"])

@@ -130,6 +130,26 @@ def test_fixed_and_planar_are_left_out() -> None:
     assert [str(d) for d in view.diagnostics] == ["r.urdf:1:1: ROBOT113 [info]: planar joints left out: p"]
 
 
+def test_a_spherical_joint_is_a_ball() -> None:
+    """No type of URDF, but of Bullet's, RaiSim's and MuJoCo's: a note, and the hinge behind it is dof 3."""
+    inside = (
+        '<inertial><mass value="1"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/></inertial>'
+    )
+    links = "".join(f'<link name="{name}">{inside}</link>' for name in "abc")
+    text = (
+        f'<robot name="r">{links}<joint name="s" type="spherical"><parent link="a"/><child link="b"/></joint>'
+        '<joint name="h" type="continuous"><parent link="b"/><child link="c"/><axis xyz="0 0 1"/></joint></robot>'
+    )
+    view = read(text)
+    assert [(j.name, j.kind, j.dof) for j in view.joints] == [
+        ("s", JointKind.BALL, 0),
+        ("h", JointKind.HINGE, 3),
+    ]
+    assert [str(d) for d in view.diagnostics] == [
+        "r.urdf:1:1: ROBOT113 [info]: spherical joints, which not every reader of URDF knows: s"
+    ]
+
+
 def test_mimic() -> None:
     """A mimic joint names the one that it follows, and an unknown one is a warning."""
     follow = joint('<mimic joint="j"/>', name="k", parent="a", child="b")
