@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -17,7 +16,7 @@ from itertools import product
 from actspec.audit.case import Case
 from actspec.readings.artifact import Artifact, FileKind
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive, joint_names, matching, telling
+from actspec.readings.pair import distinctive, joint_names, last_numbers, matching, telling
 from actspec.resources import data_path
 
 KNOWN_SHARE = 0.75
@@ -28,9 +27,6 @@ OWN_SHARE = 0.6
 
 SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
-
-
-_NUMBERED = re.compile(r"(.*?)(\d{1,3})(\D*)", re.DOTALL)
 
 
 @dataclass(frozen=True, slots=True)
@@ -172,19 +168,8 @@ def _rows(
 
 def _counts_alike(known: Iterable[str], names: Iterable[str]) -> bool:
     """Whether numbered joints go as far as the known robot's: an arm of six or ten `panda_joint` is no Franka."""
-    mine, its = _last_numbers(names), _last_numbers(known)
+    mine, its = last_numbers(names), last_numbers(known)
     return all(mine[series] == last for series, last in its.items() if series in mine)
-
-
-def _last_numbers(names: Iterable[str]) -> dict[tuple[str, str], int]:
-    """Text before and after the last number of a name to the largest such number; short ones, which count."""
-    found: dict[tuple[str, str], int] = {}
-    for name in names:
-        parts = _NUMBERED.fullmatch(name.rpartition("/")[2])
-        if parts is not None:
-            series = parts[1], parts[3]
-            found[series] = max(found.get(series, 0), int(parts[2]))
-    return found
 
 
 def _like(index: int, robot: KnownRobot, rows: tuple[tuple[LedgerRow, tuple[str, ...]], ...]) -> Likeness:

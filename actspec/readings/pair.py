@@ -217,6 +217,26 @@ def joint_names(artifact: Artifact) -> tuple[str, ...] | None:
     return None
 
 
+_COUNTED = re.compile(r"(.*?)(\d{1,3})(\D*)", re.DOTALL)
+
+
+def series(name: str) -> tuple[str, str] | None:
+    """Text before and after the last number of a joint's name, a short one, which counts; None: it has none."""
+    parts = _COUNTED.fullmatch(name.rpartition("/")[2])
+    return None if parts is None else (parts[1], parts[3])
+
+
+def last_numbers(names: Iterable[str]) -> dict[tuple[str, str], int]:
+    """Each series of numbered names to its largest number."""
+    found: dict[tuple[str, str], int] = {}
+    for name in names:
+        parts = _COUNTED.fullmatch(name.rpartition("/")[2])
+        if parts is not None:
+            key = parts[1], parts[3]
+            found[key] = max(found.get(key, 0), int(parts[2]))
+    return found
+
+
 def distinctive(artifact: Artifact) -> frozenset[str]:
     """What the artifact is called, in words that tell robots apart: `go2`, `h1_2`, `anymal_c`."""
     own, folder = _names_of(artifact)

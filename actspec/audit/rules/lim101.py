@@ -90,7 +90,9 @@ class NoEffectiveLimit(RuleInParts):
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = undriven or row.artifact in case.once(_furniture)
+                quiet = (
+                    undriven or row.artifact in case.once(_furniture) or row.artifact in case.once(_few_zeros)
+                )
                 yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
                 continue
             if urdf and is_exporters(row):
@@ -125,7 +127,8 @@ class NoEffectiveLimit(RuleInParts):
             effect = f"its {noun} is unlimited"
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
-            others = (other.effort_limit or 0.0 for other in partner_rows(case, row, *_MODELS))
+            partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
+            others = (other.effort_limit or 0.0 for other in partners)
             most = max((limit for limit in others if 0.0 < limit < PLACEHOLDER), default=None)
             if most is not None and bound >= _TIMES * most:
                 effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
@@ -222,7 +225,8 @@ class NoEffectiveLimit(RuleInParts):
             found = self._zero(row, field, effect)
             # A drive without stiffness and effort is how a configuration writes a bearing.
             bearing = not urdf and row.kp == 0.0
-            if undriven or bearing or (urdf and row.artifact in case.once(_WITHOUT[field])):
+            few = field == "effort_limit" and row.artifact in case.once(_few_zeros)
+            if undriven or bearing or (urdf and (few or row.artifact in case.once(_WITHOUT[field]))):
                 found = replace(found, severity=Severity.INFO)
             yield found
 
@@ -309,6 +313,21 @@ def _limited_elsewhere(case: Case, artifact: int) -> set[str]:
 
 def _noun(field: str) -> str:
     return field.replace("_", " ")
+
+
+def _few_zeros(case: Case) -> frozenset[int]:
+    """URDFs with an effort above 0 at most joints: those with 0 are springs, sensors and followers more often than not.
+
+    Where a motor is among them the joint of the other side, or another file, has its limit (SYM101, SRC101).
+    """
+    found = set()
+    for index, _ in case.of_kind(FileKind.URDF):
+        efforts = [
+            row.effort_limit for row in case.rows_of(index) if "effort_limit" in row.stated and row.joint
+        ]
+        if 2 * efforts.count(0.0) < len(efforts):
+            found.add(index)
+    return frozenset(found)
 
 
 def _without_efforts(case: Case) -> frozenset[int]:

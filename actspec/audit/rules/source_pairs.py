@@ -23,7 +23,7 @@ from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive, joint_names
+from actspec.readings.pair import distinctive, joint_names, last_numbers, series
 from actspec.units import format_quantity
 
 TIMES = 3.0
@@ -242,7 +242,12 @@ def _of_robot(
                 if not held:
                     continue
                 kind_here = case.joints[index, joint][0].kind
-                held = [each for each in held if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)]
+                held = [
+                    each
+                    for each in held
+                    if _is_one_kind(kind_here, case.joints[each[0], joint][0].kind)
+                    and _counts_alike(case, index, each[0], joint)
+                ]
                 if held and not any(agree((index, mine), theirs, joint) for theirs in held):
                     other, theirs = min(held, key=lambda each: distance(index, each[0]))
                     variant = kinds is None or distance(index, other)[0]
@@ -256,6 +261,22 @@ def _of_robot(
 def _is_one_kind(one: JointKind | None, other: JointKind | None) -> bool:
     """Whether two joints of one name may be the same: a hinge is no slide."""
     return one is other or one is None or other is None
+
+
+def _counts_alike(case: Case, one: int, other: int, joint: str) -> bool:
+    """Whether the series of a numbered joint goes as far in both files: the 4th of 6 is not the 4th of 7."""
+    key = series(joint)
+    last = case.once(_last_numbers)
+    ends = {last[index].get(key) for index in (one, other)} if key is not None else {None}
+    return len(ends - {None}) < 2
+
+
+def _last_numbers(case: Case) -> list[dict[tuple[str, str], int]]:
+    """How far the numbered joints of each artifact go."""
+    return [
+        last_numbers(joint for joint in case.joints_by_artifact.get(index, {}) if artifact.robot is not None)
+        for index, artifact in enumerate(case.artifacts)
+    ]
 
 
 def _departing(case: Case, robot: Robot, fields: Sequence[str]) -> dict[int, dict[str, _Stated]]:

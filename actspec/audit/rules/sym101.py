@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import lru_cache
 from itertools import combinations
 from operator import attrgetter, eq
@@ -61,6 +61,9 @@ _ROUGH = 0.1
 
 _DERIVED = 0.05
 """Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
+
+_AXES = 4
+"""Names that differ in a letter alone, from which it is an axis'. Chosen: sides are two, or three with a middle."""
 
 _Rows = Mapping[str, Sequence[LedgerRow]]
 
@@ -243,9 +246,27 @@ def _mirrored(left: _Rows, right: _Rows) -> list[tuple[Sequence[LedgerRow], Sequ
     found = []
     for name, rows in left.items():
         other = next((text for text in _mirrors(name) if text in right), None)
-        if other is not None:
+        if other is not None and not _are_axes(name, other, left):
             found.append((rows, right[other]))
     return found
+
+
+def _are_axes(one: str, other: str, names: Iterable[str]) -> bool:
+    """Whether two names are those of axes that are called by letters: S, L, U, R, B and T of an arm."""
+    words, its = _WORD.findall(one), _WORD.findall(other)
+    at = [i for i, (a, b) in enumerate(zip(words, its, strict=True)) if a != b]
+    if any(len(words[i]) > 1 for i in at):
+        return False
+    letters = {
+        tuple(found[i] for i in at)
+        for name in names
+        if len(found := _WORD.findall(name)) == len(words)
+        and all(
+            found[i] == words[i] or (i in at and len(found[i]) == 1 and found[i].isalpha())
+            for i in range(len(words))
+        )
+    }
+    return len(letters) >= _AXES
 
 
 @lru_cache(maxsize=4096)

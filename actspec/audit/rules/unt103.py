@@ -48,9 +48,12 @@ class Factor57(RuleInParts):
                 else:
                     yield found
         locked = case.once(read_as_degrees)
-        for (index, _), several in ranges.items():
+        for (index, reference), several in ranges.items():
             # UNT101 has the whole file, and a part has its angle from what includes it.
-            if index not in locked and not case.artifacts[index].is_part:
+            if index in locked or case.artifacts[index].is_part:
+                continue
+            # Where most ranges differ by something else, a few meet the factor by chance.
+            if 2 * len({one.joint for one in several}) >= _ranges_that_differ(case, index, reference):
                 yield from self._of_files(several)
 
     def _of_files(self, found: list[Finding]) -> Iterator[Finding]:
@@ -125,6 +128,20 @@ def _deviating(one: LedgerRow, other: LedgerRow, pair: _Pair) -> tuple[LedgerRow
     if (first < second) == smaller:
         return one, other, pair
     return other, one, replace(pair, values=(pair.values[1], pair.values[0]))
+
+
+def _ranges_that_differ(case: Case, one: int, other: int) -> int:
+    """How many joints have other ranges in two files."""
+    mine, its = (case.joints_by_artifact.get(index, {}) for index in (one, other))
+    pairs = [
+        (rows[0].position_range, its[joint][0].position_range) for joint, rows in mine.items() if joint in its
+    ]
+    return sum(
+        a is not None
+        and b is not None
+        and any(not math.isclose(x, y, abs_tol=1e-6) for x, y in zip(a, b, strict=True))
+        for a, b in pairs
+    )
 
 
 def _figures(row: LedgerRow) -> tuple[object, ...]:
