@@ -333,10 +333,8 @@ class Test:
         bias = [a.encoder_bias.value or 0.0 for a in mine]
         found = []
         for law, wait, off, t in zip(laws, delay, bias, self.data.tracks, strict=True):
-            sent = t.rows
-            if wait:
-                # What has come when the row is read, before its own command is sent.
-                sent = np.maximum(np.searchsorted(t.time, t.time[t.rows] - wait - 1e-9) - 1, 0)
+            # What has come when the row is read, before its own command is sent.
+            sent = np.maximum(np.searchsorted(t.time, t.time[t.rows] - wait - 1e-9) - 1, 0)
             found.append(law.torque(t.command[sent], t.position[t.rows] - off, t.velocity[t.rows]))
         steps = [late(wait / self.step) for wait in delay]
 

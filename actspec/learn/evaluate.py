@@ -171,7 +171,7 @@ def evaluate(
         bias = actuator.encoder_bias.value or 0.0
         for name, base in baseline_laws(actuator).items():
             parts = [
-                base.torque(t.command[t.rows], t.position[t.rows] - bias, t.velocity[t.rows]) for t in tracks
+                base.torque(t.in_force[t.rows], t.position[t.rows] - bias, t.velocity[t.rows]) for t in tracks
             ]
             found[name] = np.concatenate(parts)
         limit = None if math.isinf(bounds.limit) else bounds.limit

@@ -58,7 +58,8 @@ class Course:
 
         at = self.time[rows] - delay
         level = float(self.command.mean())
-        late = np.searchsorted(self.sent, at + 1e-9, side="right") - 1
+        # A torque is read before the command of its own row is sent.
+        late = np.searchsorted(self.sent, at - 1e-9, side="right") - 1
         now = self.command[np.maximum(late, 0)] - level
         # Of a command that is held, each integral is a polynomial between two rows.
         steps = np.diff(self.sent, append=self.sent[-1] + 1.0)

@@ -1,7 +1,8 @@
 """From logs to samples of a network: rows of each joint with the samples before them, none over a gap.
 
-A row is what was read at its time and the command sent then. A sample's inputs are command - position and velocity of
-its row and of rows a tap period apart before it; its torque is that of its row.
+A row is what was read at its time and the command sent then, so its torque answers to the command of the row before. A
+sample's inputs are command - position, of the command that had arrived, and velocity of its row and of rows a tap
+period apart before it; its torque is that of its row.
 """
 
 from __future__ import annotations
@@ -47,13 +48,14 @@ class Track:
         log: Where it comes from.
         joint: Its name.
         time: [s], shape (n,).
-        command: [rad or m], likewise.
+        command: Sent when the row was read [rad or m], likewise; NaN where there is none.
         position: As read [rad or m]; NaN where left out.
         velocity: [rad/s or m/s].
         torque: [N*m or N]; NaN where there is none.
         stride: Rows between two taps.
         rows: Rows with a whole history behind them.
         taps: Which past samples; 0 is the row's own.
+        arrived: Whether a sample's own command is that of its row, not that of the row before.
         slack: How far the torque may be from what `torque` says [N*m or N], shape (n,); None: not at all.
     """
 
@@ -67,7 +69,15 @@ class Track:
     stride: int
     rows: Rows
     taps: tuple[int, ...]
+    arrived: bool = False
     slack: Array | None = None
+
+    @property
+    def in_force(self) -> Array:
+        """The command that a drive had when the row was read [rad or m], shape (n,); NaN in the first row."""
+        import numpy as np
+
+        return np.concatenate([[np.nan], self.command[:-1]])
 
     @property
     def reach(self) -> int:
@@ -76,8 +86,8 @@ class Track:
 
     @property
     def error(self) -> Array:
-        """command - position [rad or m], shape (n,)."""
-        return self.command - self.position
+        """command - position of a sample [rad or m], shape (n,)."""
+        return (self.command if self.arrived else self.in_force) - self.position
 
     def inputs(self, rows: Rows) -> Array:
         """Errors, then velocities, from now back; shape (n_row, 2 n_tap)."""
@@ -180,8 +190,11 @@ def dataset(
     limits = {joint.joint: joint.position_range for joint in mine}
     recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, limits, out)
     out.raise_if_failed(LogError)
+    delays = {joint.joint: joint.delay.nominal.value or 0.0 for joint in mine if joint.delay is not None}
     tracks = [
-        _track(recording, taps, period, measured, out) for name in names for recording in recordings[name]
+        _track(recording, taps, period, delays.get(name, 0.0), measured, out)
+        for name in names
+        for recording in recordings[name]
     ]
     for track in tracks:
         if measured and not np.isfinite(track.torque).any():
@@ -294,9 +307,18 @@ def _fitting(actuators: ActuatorSet, period: float, *, given: bool, out: Collect
 
 
 def _track(
-    recording: Recording, taps: tuple[int, ...], period: float, measured: bool, out: Collector
+    recording: Recording,
+    taps: tuple[int, ...],
+    period: float,
+    delay: float,
+    measured: bool,
+    out: Collector,
 ) -> Track:
-    """A joint's rows; where the period is no whole number of rows, brought to it between them."""
+    """A joint's rows; where the period is no whole number of rows, brought to it between them.
+
+    Rows tell a delay to a row: to a drive that answers between two of them either command could be the one that has
+    arrived. The spec's delay says which is nearer; without one it answers at once.
+    """
     import numpy as np
 
     time, command = recording.time, recording.command
@@ -327,7 +349,9 @@ def _track(
             return np.where(sound, np.interp(fresh, time[good], signal[good]), np.nan)
 
         position, velocity, torque = between(position), between(velocity), between(torque)
-        time, command, step, stride = fresh, command[late], period, 1
+        # What is in force at a time was sent at the one before.
+        command = command[np.append(late[1:], late[-1])]
+        time, step, stride = fresh, period, 1
     track = Track(
         recording.log,
         recording.joint,
@@ -339,8 +363,15 @@ def _track(
         stride,
         np.empty(0, int),
         taps,
+        arrived=_is_nearer_above(delay, step),
     )
     return with_rows(track, torque, needed=measured)
+
+
+def _is_nearer_above(delay: float, step: float) -> bool:
+    """Whether a delay [s] is nearer to the whole number of rows above it than to the one below."""
+    over = delay / step - math.floor(delay / step + WHOLE)
+    return over > 0.5
 
 
 def with_rows(track: Track, torque: Array, *, needed: bool = True) -> Track:

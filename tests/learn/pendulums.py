@@ -1,4 +1,7 @@
-"""Logs of two pendulums whose drive is a formula: torque = 20 e(one row ago) - 0.5 velocity, at 5 ms."""
+"""Logs of two pendulums, rows of 5 ms; the drive gives 20 (command of a row ago - position) - 0.5 velocity at any time.
+
+A row reads its torque before its own command is sent: it answers to the command of two rows before.
+"""
 
 from __future__ import annotations
 
@@ -43,12 +46,10 @@ def course(name: str, rows: int, seed: int, size: float) -> JointLog:
     )
     inertia, weight = INERTIA[name] + 0.02, WEIGHT[name]
     q, qd, read = 0.0, 0.0, np.empty((rows, 3))
-    errors = np.empty(rows)
     for k in range(rows):
-        errors[k] = command[k] - q
-        tau = KP * errors[max(k - 1, 0)] - KD * qd
-        read[k] = q, qd, tau
+        read[k] = q, qd, KP * (command[max(k - 2, 0)] - q) - KD * qd
         for _ in range(FINE):
+            tau = KP * (command[max(k - 1, 0)] - q) - KD * qd
             qd += STEP / FINE * (tau - 0.1 * qd - weight * np.sin(q)) / inertia
             q += STEP / FINE * qd
     return JointLog(name, False, command, read[:, 0], read[:, 1], torque=read[:, 2])

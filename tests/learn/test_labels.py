@@ -160,7 +160,8 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
     (track,) = inferred(data, robot, [log], None, out).tracks
     said = [item.message for item in out if item.code == "LRN026"]
     assert said == [f"{int(touching.sum())} of 160 rows are in contact: they are left out"]
-    assert list(track.rows) == list(np.flatnonzero(~touching))
+    # Nothing says what the drive had at row 0.
+    assert list(track.rows) == [k for k in np.flatnonzero(~touching) if k]
     for lacking in ("orientation", "angular_velocity"):
         part = replace(log, base=replace(moved, **{lacking: None}))
         with pytest.raises(LogError, match=f"base.{lacking}"):

@@ -40,27 +40,30 @@ def samples(actuators: ActuatorSet, logs: list[Log], **more: object) -> Dataset:
 
 
 def test_rows_and_inputs(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """Three taps of 10 ms in rows of 5 ms: row 4 is the first, with rows 4, 2 and 0."""
+    """Three taps of 10 ms in rows of 5 ms: row 5 is the first, with rows 5, 3 and 1, and the commands of rows 4, 2, 0."""
     data = samples(actuators, logs[:1], taps=(0, 1, 2), period=0.01)
     track = data.tracks[0]
-    assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 4, 596)
+    assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 5, 595)
     hip = logs[0].joints["hip"]
     assert hip.command is not None and hip.position is not None and hip.velocity is not None
-    error = hip.command - hip.position
-    expected = [error[4], error[2], error[0], hip.velocity[4], hip.velocity[2], hip.velocity[0]]
+    expected = [hip.command[k - 1] - hip.position[k] for k in (5, 3, 1)]
+    expected += [hip.velocity[5], hip.velocity[3], hip.velocity[1]]
     assert track.inputs(track.rows[:1])[0] == pytest.approx(expected)
     assert data.kind == "drive" and data.group == "legs"
 
 
 def test_no_sample_goes_over_a_gap(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """After 1 s without rows the history begins anew: with three taps the rows 0, 1 and 300, 301 have none."""
+    """After 1 s without rows the history begins anew: with three taps the rows 0, 1 and 300, 301 have none.
+
+    Nor has row 2, as nothing says what the drive had at row 0; at row 300 it had the command of row 299.
+    """
     late = replace(logs[0], time=logs[0].time + np.where(np.arange(600) >= 300, 1.0, 0.0))
     rows = samples(actuators, [late], taps=(0, 1, 2)).tracks[0].rows
-    assert sorted(set(range(600)) - set(rows.tolist())) == [0, 1, 300, 301]
+    assert sorted(set(range(600)) - set(rows.tolist())) == [0, 1, 2, 300, 301]
 
 
 def test_a_period_between_rows_is_interpolated(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """Rows of 4 ms, brought to 5 ms: row 2 is at 10 ms, between rows 2 and 3; the command is that of 8 ms."""
+    """Rows of 4 ms, brought to 5 ms: row 2 is at 10 ms, between rows 2 and 3; the drive had the command of 8 ms."""
     fast = replace(logs[0], time=0.8 * logs[0].time)
     hip = fast.joints["hip"]
     joints = {
@@ -70,7 +73,7 @@ def test_a_period_between_rows_is_interpolated(actuators: ActuatorSet, logs: lis
     }
     track = samples(actuators, [replace(fast, joints=joints)], taps=(0,), period=0.005).tracks[0]
     assert track.time[2] == pytest.approx(0.01)
-    assert track.command[2] == hip.command[2]
+    assert track.in_force[2] == hip.command[2]
     assert track.position[2] == pytest.approx(0.5 * (hip.position[2] + hip.position[3]))
 
 
@@ -78,7 +81,7 @@ def test_split(actuators: ActuatorSet, logs: list[Log]) -> None:
     """Of two recordings the last is held out; of one its last fifth, a history apart."""
     two = split(samples(actuators, logs, taps=(0, 1, 2)))
     assert (two.whole, two.logs) == (True, (logs[1].path,))
-    assert [len(rows) for rows in two.train] == [598, 0, 598, 0]
+    assert [len(rows) for rows in two.train] == [597, 0, 597, 0]
     one = split(samples(actuators, logs[:1], taps=(0, 1, 2)))
     # Row 480 is the first of the last 120; rows 478 and 479 are in its history.
     assert (one.whole, one.train[0][-1], one.validate[0][0]) == (False, 477, 480)
