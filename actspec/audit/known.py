@@ -38,12 +38,14 @@ class KnownJoint:
         armature: [kg*m^2]; None where nobody publishes it.
         velocity: Limit [rad/s]; None where nobody publishes it.
         source: Title of the source of the torque.
+        maker: Whether the maker of the robot states torque and velocity.
     """
 
     effort: float
     armature: float | None
     velocity: float | None
     source: str
+    maker: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +84,13 @@ def known_robots() -> tuple[KnownRobot, ...]:
             tuple(entry.get("prefixes", ("",))),
             {
                 variant: {
-                    joint: KnownJoint(row["effort"], row.get("armature"), row.get("velocity"), row["source"])
+                    joint: KnownJoint(
+                        row["effort"],
+                        row.get("armature"),
+                        row.get("velocity"),
+                        row["source"],
+                        row.get("maker", False),
+                    )
                     for row in rows
                     for joint in row["joints"]
                 }

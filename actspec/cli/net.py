@@ -79,11 +79,7 @@ def _add_train(command: argparse.ArgumentParser) -> None:
         default="measured",
         help="as logged, or as the model needs it for the logged motion; default measured",
     )
-    command.add_argument(
-        "--base",
-        choices=("fixed",),
-        help="the base was held: needed to infer the torque of a robot whose base is free",
-    )
+    _add_base(command)
     command.add_argument("--kind", choices=("mlp", "lstm"), default="mlp", help="of the network; default mlp")
     command.add_argument(
         "--hidden", metavar="N,...", help="hidden layers; default 128,128, and 32 of an LSTM"
@@ -99,18 +95,27 @@ def _add_train(command: argparse.ArgumentParser) -> None:
     add_format(command)
 
 
+def _add_base(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--base",
+        choices=("fixed",),
+        help="the base was held: needed to infer the torque of a robot whose base is free",
+    )
+
+
 def _add_evaluate(command: argparse.ArgumentParser) -> None:
     describe(
         command,
         "Judge a network on logs that it was not trained on: torque errors beside the spec's laws, positions of "
         "rollouts in MuJoCo over 1 s, and how much lies outside of what it was trained on.",
         "actspec net evaluate robots/a1.yaml other.csv --network nets/legs.json",
-        "0 good or fair; 1 poor; 2 could not run",
+        "0 good or fair; 1 poor, or in motion twice as far from the logs as the spec's law; 2 could not run",
     )
     add_logs(command)
     command.add_argument("--network", required=True, metavar="MANIFEST", help="NAME.json")
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
     command.add_argument("--policy", action="append", default=[], metavar="LOG", help="log of a policy")
+    _add_base(command)
     command.add_argument("--html", metavar="PAGE", help="write it as a page too")
     add_force(command)
     add_format(command)
@@ -339,7 +344,7 @@ def _convert(arguments: argparse.Namespace) -> int:
 
 
 def _evaluate(arguments: argparse.Namespace) -> int:
-    from actspec.learn.evaluate import evaluate, network_of
+    from actspec.learn.evaluate import evaluate, network_of, worse_in_motion
     from actspec.learn.libraries import require
     from actspec.learn.windows import dataset
     from actspec.logs import LogError
@@ -364,9 +369,20 @@ def _evaluate(arguments: argparse.Namespace) -> int:
 
         options["taps"] = TAPS
     kind = manifest.torque if manifest.torque in ("drive", "joint") else None
-    data = dataset(actuators, logs, out, **options, torque_of=kind)
-    _check_kind(manifest, logs, out)
+    # A network of inferred torques needs no sensor here either.
+    sensed = manifest.torque != "inferred" or any(
+        j.torque is not None for log in logs for j in log.joints.values()
+    )
+    data = dataset(actuators, logs, out, **options, torque_of=kind, measured=sensed)
+    if sensed:
+        _check_kind(manifest, logs, out)
     out.raise_if_failed(LogError)
+    if not sensed:
+        from actspec.learn.labels import inferred
+
+        data = inferred(data, robot, logs, arguments.base, out)
+        message = "no torque is in the logs: the network is compared with what the model needs for the motion"
+        out.info("LRN032", message)
     policy = None
     if policies:
         options["group"] = data.group
@@ -374,6 +390,8 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     step = actuators.physics_dt.require()
     with Progress("rolling out") as progress:
         found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
+    for finding in worse_in_motion(found):
+        out.add(finding)
     if arguments.html is not None:
         from actspec.output import write_text
         from actspec.report.net_page import evaluate_page
@@ -385,7 +403,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     else:
         print_diagnostics(out.sorted())
         print_lines(evaluate_lines(found))
-    return EXIT_FINDINGS if found.grade == "poor" else EXIT_CLEAN
+    return EXIT_FINDINGS if found.grade == "poor" or any(worse_in_motion(found)) else EXIT_CLEAN
 
 
 def _check_kind(manifest: Any, logs: list[Any], out: Collector) -> None:

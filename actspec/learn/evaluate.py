@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector
+from actspec.diagnostics import Collector, Diagnostic, Severity
 from actspec.ir import JointActuator, Level
 from actspec.laws.network import NetworkLaw
-from actspec.learn.closed_loop import BASELINES, ROLLED, RollImpossible, baseline_laws, closed_loop
+from actspec.learn.closed_loop import BASELINES, HORIZON, ROLLED, RollImpossible, baseline_laws, closed_loop
 from actspec.learn.windows import Dataset, Track
 from actspec.readings.onnx_network import read_onnx
 from actspec.robot.view import RobotView
@@ -27,6 +27,8 @@ GOOD = (0.015, 0.95)
 """Largest share of the effort limit and least R² of a good network. Source: 0.5 N*m at 33.5 N*m."""
 FAIR = (0.03, 0.85)
 """Likewise of a fair one. Source: 1 N*m at 33.5 N*m."""
+WORSE = 2.0
+"""Chosen: a network that is so many times as far from the logs' motion as the spec's own law is of no use."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -205,6 +207,22 @@ def evaluate(
         why,
         outside(policy or data, manifest),
     )
+
+
+def worse_in_motion(found: Evaluation) -> Iterator[Diagnostic]:
+    """A network with which the model moves less like the logs than with the spec's own laws, whatever its torques."""
+    if found.closed_loop is None:
+        return
+    own = found.closed_loop["network"]
+    laws = {name: value for name in BASELINES if (value := found.closed_loop[name]) is not None}
+    best = min(laws, key=laws.__getitem__, default="")
+    if own is not None and best and own > WORSE * laws[best]:
+        message = (
+            f"in motion the network is {own / laws[best]:.3g} times as far from the logs as {best}: {own:.3g} and "
+            f"{laws[best]:.3g} rad over {HORIZON:g} s"
+        )
+        help = "use the spec's law, or log faster: rows tell a delay to a row"
+        yield Diagnostic("LRN033", Severity.WARNING, message, help=help)
 
 
 def outside(data: Dataset, manifest: NetworkManifest) -> dict[str, float] | None:

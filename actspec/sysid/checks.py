@@ -61,6 +61,8 @@ AGAIN = 3
 """Times that a joint, or a command, must come to an end at the same place. Chosen: twice may be chance."""
 APART = 0.1
 """Least difference of the commands there, as a share of the command's range."""
+ABSURD = 20.0
+"""Ranges of a joint that its position goes over, from which it is no angle. Chosen: no zero explains it."""
 OUTSIDE = 0.2
 """Share of the joint's range by which a position may be outside of it. Chosen: stops give way, and zeros are off."""
 WINDOW = 0.03
@@ -249,6 +251,10 @@ def _within(recording: Recording, limits: tuple[float, float] | None, out: Colle
     if high - low > limits[1] - limits[0] and low / factor > limits[0] and high / factor < limits[1]:
         shown = "[deg], and the speeds [deg/s]," if unit == "rad" else "[mm], and the speeds [mm/s],"
         help = f"write {shown} in the header, of the command too, if that is what they are"
+        out.error("SYS047", message, where=recording.joint, span=place, help=help)
+        return
+    if high - low > ABSURD * (limits[1] - limits[0]):
+        help = "write the unit that it has in the header, or the joint's own angle in place of counts"
         out.error("SYS047", message, where=recording.joint, span=place, help=help)
         return
     help = "is it the joint's own angle, with the model's sign and zero?"

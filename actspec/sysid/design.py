@@ -179,7 +179,7 @@ def _shapes(
             elif kind == "multisine":
                 shape = _multisine(count, rate, last, offset, stride, own)
             elif kind == "steps":
-                shape = _steps(count, rate, own)
+                shape = _steps(count, rate, own, mixed=together and i > 0)
             elif kind == "friction":
                 shape = _ramps(count, offset + attempt)
             else:
@@ -241,15 +241,16 @@ def _multisine(count: int, rate: float, last: float, offset: int, stride: int, s
     return found
 
 
-def _steps(count: int, rate: float, seed: int) -> Array:
-    """Levels in turn on both sides, each held; the first and the last are 0."""
+def _steps(count: int, rate: float, seed: int, *, mixed: bool) -> Array:
+    """Levels in turn on both sides, each held; the first and the last are 0. Mixed: the sides in an order by chance."""
     import numpy as np
 
     random = np.random.default_rng(seed)
     held = max(round(HOLD * rate), 4)
     levels = max(count // held, 3)
-    sizes = random.permutation(np.linspace(0.25, 1.0, levels)) * np.where(
-        np.arange(levels) % 2 == 0, 1.0, -1.0
+    sides = np.where(np.arange(levels) % 2 == 0, 1.0, -1.0)
+    sizes = random.permutation(np.linspace(0.25, 1.0, levels)) * (
+        random.permutation(sides) if mixed else sides
     )
     sizes[[0, -1]] = 0.0
     found: Array = sizes[np.minimum(np.arange(count) // held, levels - 1)]

@@ -139,8 +139,14 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
     measured = {name: np.where(off, np.nan, signal) for name, signal in whole.items()}
     bad = int(np.isnan(measured["position"]).sum() - off.sum())
     if bad > 0:
-        message = f"{bad} rows have no position: they are left out"
-        out.info("SYS013", message, where=joint.name, span=place)
+        first = log.span(int(np.flatnonzero(np.isnan(measured["position"]) & ~off)[0]))
+        out.info("SYS013", f"{bad} rows have no position: they are left out", where=joint.name, span=first)
+    for name in sorted(measured.keys() - {"position"}):
+        lost = np.isnan(measured[name]) & ~off & ~np.isnan(measured["position"])
+        if lost.any() and not lost.all():
+            first = log.span(int(np.flatnonzero(lost)[0]))
+            message = f"{int(lost.sum())} rows have no {name}: they are left out of it"
+            out.info("SYS013", message, where=joint.name, span=first)
     given = np.interp(log.time, log.time[told], joint.command[told])
     measured = _sound(log, joint.name, given, measured, out)
     released = {name: np.where(off, whole[name], np.nan) for name in measured if name != "torque"}

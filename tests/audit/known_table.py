@@ -51,7 +51,7 @@ def table() -> str:
                 }
                 if speed is not None:
                     row["velocity"] = float(f"{math.radians(speed):.9g}")
-                groups.append({**row, "source": source})
+                groups.append({**row, "source": source, "maker": True})
         robots[name] = {"words": arm["words"], "variants": {"": groups}}
         if "prefixes" in arm:
             robots[name]["prefixes"] = arm["prefixes"]
@@ -72,15 +72,11 @@ def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
     titles = {source.key: source.title for source in actuators.sources}
     found: dict[tuple[float | None, ...], list[JointActuator]] = {}
     for joint in actuators.joints:
-        found.setdefault(
-            (_value(_largest(joint)), _value(joint.armature), _value(joint.velocity_limit)), []
-        ).append(joint)
-    for (effort, armature, velocity), joints in found.items():
+        found.setdefault((_value(_largest(joint)), _value(joint.armature)), []).append(joint)
+    for (effort, armature), joints in found.items():
         row: dict[str, Any] = {"joints": [joint.joint for joint in joints], "effort": effort}
         if armature:
             row["armature"] = armature
-        if velocity:
-            row["velocity"] = velocity
         row["source"] = titles[str(_largest(joints[0]).source)]
         yield row
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +12,8 @@ import pytest
 
 from actspec.cli.main import main
 from actspec.laws.network import NetworkLaw
-from actspec.learn.evaluate import errors_of, graded
+from actspec.learn.evaluate import Evaluation, errors_of, graded, worse_in_motion
+from actspec.logs import load_log, write_log
 from actspec.owned import kind_of
 from actspec.readings.onnx_network import read_onnx
 from tests.learn.pendulums import KD, KP, SPEC, folder, log
@@ -190,6 +192,44 @@ def test_inferred_torques_are_those_of_the_drive(
     )
     found = checked("net-evaluate", capsys.readouterr().out)
     assert found["overall"]["r2"] > 0.99
+
+
+def test_a_network_without_a_torque_sensor_is_judged(
+    trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """Its logs have no torque: it is compared with what the model needs, and rolled out; one of a sensor is refused."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    known = load_log("3.npz")
+    write_log(
+        replace(known, path="4.npz", joints={n: replace(j, torque=None) for n, j in known.joints.items()})
+    )
+    options = ["--taps", "3", "--hidden", "24", "--epochs", "20", "--torque", "inferred", "--force"]
+    assert main(["net", "train", "spec.yaml", "1.npz", "2.npz", "-o", "nets/silent", *options]) == 0
+    capsys.readouterr()
+    judge = ["net", "evaluate", "spec.yaml", "4.npz", "--output-format", "json", "--network"]
+    main([*judge, "nets/silent.json"])
+    found = checked("net-evaluate", capsys.readouterr().out)
+    assert found["overall"]["r2"] > 0.99 and found["closed_loop"]["network"] is not None
+    assert "LRN032" in {item["code"] for item in found["findings"]}
+    assert main([*judge, "nets/legs.json"]) == 2
+    assert "LRN006" in capsys.readouterr().out
+
+
+def test_worse_in_motion() -> None:
+    """0.03 rad beside 0.01 of the better law are 3 times, 0.019 are not twice; without a rollout nothing is said."""
+    errors = errors_of(np.zeros(2), np.ones(2))
+
+    def of(closed: dict[str, float | None] | None) -> Evaluation:
+        return Evaluation(errors, "good", (), {}, closed, {}, None, None)
+
+    (one,) = worse_in_motion(of({"network": 0.03, "ideal_pd": 0.05, "dc_motor": 0.01}))
+    assert (one.code, one.severity.value) == ("LRN033", "warning")
+    assert one.message.startswith(
+        "in motion the network is 3 times as far from the logs as dc_motor: 0.03 and 0.01 rad"
+    )
+    assert not list(worse_in_motion(of({"network": 0.019, "ideal_pd": 0.01, "dc_motor": None})))
+    assert not list(worse_in_motion(of(None)))
 
 
 def test_a_trained_network_compiles(trained: tuple[Path, dict[str, Any]], monkeypatch: Any) -> None:

@@ -137,6 +137,19 @@ def test_design_keeps_to_the_joint(
     capsys.readouterr()
 
 
+def test_steps_together_are_no_copies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
+    """Three joints of a leg step to sides of their own: commands that went together could not tell the joints apart."""
+    monkeypatch.chdir(tmp_path)
+    spec = str(data_path("robots", "a1.yaml"))
+    design = ["sysid", "design", spec, "-o", "c.csv", "--experiment", "steps", "--together"]
+    joints = ["FR_hip_joint", "FR_thigh_joint", "FR_calf_joint"]
+    assert main([*design, "--joint", *joints, "--duration", "20 s", "--rate", "200 Hz"]) == 0
+    commands = [load_log("c.csv").joints[name].command for name in joints]
+    apart = np.abs(np.corrcoef(commands)[np.triu_indices(3, 1)])
+    assert apart.max() < 0.5
+    capsys.readouterr()
+
+
 def test_joints_in_turn(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     """Each moves in its own part, takes most of what the spec allows, and does what the virtual robot does."""
     monkeypatch.chdir(tmp_path)

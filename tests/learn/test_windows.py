@@ -40,7 +40,7 @@ def samples(actuators: ActuatorSet, logs: list[Log], **more: object) -> Dataset:
 
 
 def test_rows_and_inputs(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """Three taps of 10 ms in rows of 5 ms: row 5 is the first, with rows 5, 3 and 1, and the commands of rows 4, 2, 0."""
+    """Three taps of 10 ms in rows of 5 ms: row 5 is the first, with rows 5, 3, 1 and the commands of 4, 2, 0."""
     data = samples(actuators, logs[:1], taps=(0, 1, 2), period=0.01)
     track = data.tracks[0]
     assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 5, 595)

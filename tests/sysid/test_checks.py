@@ -53,6 +53,23 @@ def test_a_position_of_another_zero_is_only_doubted(log: Log) -> None:
     assert (one.code, one.severity.value) == ("SYS047", "warning")
 
 
+def test_counts_are_no_angle(log: Log) -> None:
+    """Readings of an encoder with 4096 counts a turn: more than 20 times the joint's range of 3 rad."""
+    joint = log.joints["hip"]
+    counts = 4096 / (2 * np.pi)
+    out = said(log, **{name: counts * getattr(joint, name) for name in ("command", "position", "velocity")})
+    assert ("SYS047", "error") in {(one.code, one.severity.value) for one in out}
+
+
+def test_readings_that_are_lost_are_counted_where_they_begin(log: Log) -> None:
+    """No number in 100 rows of the velocity, from row 500: line 502 of the file, behind the header."""
+    velocity = log.joints["hip"].velocity.copy()
+    velocity[500:600] = np.nan
+    (one,) = said(log, velocity=velocity)
+    assert (one.code, one.message) == ("SYS013", "100 rows have no velocity: they are left out of it")
+    assert one.span == log.span(500)
+
+
 def test_a_joint_that_stops_wherever_its_command_goes(log: Log) -> None:
     """An end at 0.25 rad for a command of up to 0.6 rad either way."""
     joint = log.joints["hip"]

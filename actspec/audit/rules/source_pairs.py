@@ -39,12 +39,12 @@ GRAVE = 2.0
 _SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
 
-_REVISION = re.compile(r"(?<![a-z])(?:v|rev|version|mode)[_-]?\d+(?:[._]\d+)*|limit")
-"""A hardware's version in a name, as of `atlas_v4` and `g1_29dof_mode_13`, or limits that are others on purpose, as of
-`t1_softlimit`."""
+_REVISION = re.compile(r"(?:(?<![A-Za-z])(?i:v|rev|version|mode)|(?<=[a-z])V)[_-]?\d+(?:[._]\d+)*|(?i:limit)")
+"""A hardware's version in a name, as of `atlas_v4`, `naoV33` and `g1_29dof_mode_13`, or limits that are others on
+purpose, as of `t1_softlimit`."""
 
-_PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity", "armature": "armature"}
-"""Figures that are published of known robots, and what they are in their table."""
+_PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity"}
+"""Figures that makers publish of their robots, and what they are in the table of known ones."""
 
 _FOLDERS = 4
 """Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
@@ -127,7 +127,7 @@ def disagreements(
 
 
 def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
-    """Turned where the departing file has the figure that is published for its robot, and the other one has not."""
+    """Turned where the departing file has the figure that the robot's maker publishes, and the other one has not."""
     attribute = _PUBLISHED.get(found.field)
     if attribute is None or found.field not in found.others[0].stated:
         return found
@@ -139,6 +139,7 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
         if row.joint == found.rows[0].joint
         for name in names
         for variant in known.variants
+        if known.robot.variants[variant][name].maker
     }
     # One figure, and known of each joint and variant that the row may be: else nobody is right or wrong by it.
     if len(figures) != 1:
@@ -432,7 +433,7 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
 def _revision(case: Case, artifact: int) -> frozenset[str]:
     """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
     parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
-    return frozenset(_REVISION.findall("/".join(parts[-_FOLDERS:]).lower()))
+    return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
 
 
 def _is_grave(ratio: float | None) -> bool:
