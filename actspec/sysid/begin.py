@@ -31,13 +31,11 @@ class Beginning:
         values: `armature`, `coulomb`, `viscous`, `delay`.
         gains: kp and kd of every set of logs.
         lag: The delay in rows: the torque tells the command of so many rows before.
-        against: Whether the torque pulls away from the command.
     """
 
     values: Mapping[str, float]
     gains: Sequence[tuple[float, float]]
     lag: int
-    against: bool = False
 
 
 def begin(
@@ -67,15 +65,14 @@ def begin(
     if found is None:
         zero = {"armature": 0.0, "coulomb": 0.0, "viscous": 0.0, "delay": 0.0}
         return Beginning(zero, gains or [(1.0, 0.1)] * (max(used) + 1), 0)
-    values, pairs, left, lag = found
-    against = min(kp for kp, _ in pairs) < 0.0 and left < 0.5
+    values, pairs, _, lag = found
     pairs = [(max(kp, 1e-3), max(kd, 0.0)) for kp, kd in pairs]
     inertia = float(np.mean([course.inertia.mean() for course in courses]))
     values["armature"] = max(values["armature"], 0.01 * inertia)
     for name in ("coulomb", "viscous"):
         values[name] = max(values[name], 0.0)
     values["delay"] = max(lag - 0.5, 0.25) * step
-    return Beginning(values, pairs, lag, against)
+    return Beginning(values, pairs, lag)
 
 
 def _tried(
@@ -107,20 +104,20 @@ def _tried(
             torque = bounds.clip(kp * error + kd * against, recording.velocity)
             known = np.isfinite(recording.measured["position"])
         sides.append((motion[fast & known], (torque - needed)[fast & known]))
-    moved = _regress(sides)
+    moved = regress(sides)
     if moved is None:
         return None
     found = dict(zip(("armature", "viscous", "coulomb"), moved[0], strict=True))
     if gains is not None:
         return found, gains, moved[1]
-    solved = [_regress(parts) for parts in drives]
+    solved = [regress(parts) for parts in drives]
     told = [one for one in solved if one is not None]
     if len(told) < len(solved):
         return None
     return found, [(one[0][0], one[0][1]) for one in told], sum(one[1] for one in told) / len(told)
 
 
-def _regress(parts: Sequence[tuple[Array, Array]]) -> tuple[list[float], float] | None:
+def regress(parts: Sequence[tuple[Array, Array]]) -> tuple[list[float], float] | None:
     """Least squares, and the share of the variance that is left; None where there is nothing to tell from."""
     import numpy as np
 

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Span
+from actspec.diagnostics import Collector
 from actspec.sysid.figures import Bounds
-from actspec.sysid.recording import Recording, smooth
+from actspec.sysid.recording import LEAST_ROWS, Recording, smooth, without_velocity
 from actspec.sysid.spoilt import EXCITED, texture
+from actspec.sysid.torques import check_torques
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -34,15 +34,6 @@ LATE = 1.5e-3
 and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
 CLIPPED = 0.03
 """Share of rows at the largest torque, from which on it is a limit. Chosen."""
-AT_MOST = 0.002
-"""Within this share of the largest torque a row is at it."""
-AROUND = 11
-"""Rows around one by which it is told whether the drive is asked for another torque."""
-FLAT = 0.6
-"""Share of the rows within ten times that of the largest torque that are at it, from which on it is clipped. Chosen:
-0.3 for a sine, and near 1 for a limit."""
-ABOVE = 1.2
-"""Times the spec's limit above which a logged torque contradicts it. Chosen: sensors are better."""
 OFTEN = 0.01
 """Share of the rows that must be above it."""
 SMALL = 5.0
@@ -53,8 +44,6 @@ LEAST_PIECES = 10
 """Fewest pieces of which that is asked; of fewer the whole log counts."""
 STILL = 3.0
 """Likewise below which no fit is tried: what is left of a joint in stiction is noise. Chosen."""
-LEAST_ROWS = 100
-"""Fewest rows that are judged by shares and correlations."""
 STANDS = 6.0
 """Noise or counts within which readings are of one place."""
 AGAIN = 3
@@ -63,6 +52,9 @@ APART = 0.1
 """Least difference of the commands there, as a share of the command's range."""
 ABSURD = 20.0
 """Ranges of a joint that its position goes over, from which it is no angle. Chosen: no zero explains it."""
+BEYOND = 3.0
+"""Likewise from which it may be one in degrees. Chosen: a twentieth of the range is that much in degrees, and a joint
+without stops at its resonance goes over twice its range."""
 OUTSIDE = 0.2
 """Share of the joint's range by which a position may be outside of it. Chosen: stops give way, and zeros are off."""
 WINDOW = 0.03
@@ -96,21 +88,10 @@ def check(
             if len(recording.time) >= LEAST_ROWS:
                 _follows(recording, recordings, out)
                 _clipped(recording, out)
-            _within(recording, ranges[name], out)
-            kept = _velocity(recording, out)
-            _torque(kept, bounds[name], out)
+            _within(recording, recordings, ranges, out)
+            kept = _velocity(recording, recordings, out)
             found[name].append(kept)
-    return found
-
-
-def _place(recording: Recording, row: int | None = None) -> Span:
-    """A row of the filled recording, in its file."""
-    import numpy as np
-
-    log = recording.log
-    if row is None:
-        return Span(log.path)
-    return log.span(int(np.searchsorted(log.time, recording.time[row], side="right")) - 1)
+    return check_torques(found, bounds, out)
 
 
 def _moves(recording: Recording, out: Collector) -> bool:
@@ -120,7 +101,7 @@ def _moves(recording: Recording, out: Collector) -> bool:
         return True
     message = f"the joint moves by {np.ptp(recording.position):.2g} in the whole log"
     help = "is the drive on, and the column that of this joint?"
-    out.error("SYS011", message, where=recording.joint, span=_place(recording), help=help)
+    out.error("SYS011", message, where=recording.joint, span=recording.place(), help=help)
     return False
 
 
@@ -158,7 +139,7 @@ def _shifted(recording: Recording, command: Array) -> tuple[float, float]:
 def _follows(recording: Recording, recordings: Mapping[str, Sequence[Recording]], out: Collector) -> None:
     """A joint follows its own command, in its own unit."""
     slope, sure = _shifted(recording, recording.command)
-    place, name = _place(recording), recording.joint
+    place, name = recording.place(), recording.joint
     if sure < -SURE:
         message = f"the position goes against the command (correlation {sure:.2f})"
         out.error("SYS014", message, where=name, span=place, help="one of the two columns has the wrong sign")
@@ -201,14 +182,14 @@ def _clipped(recording: Recording, out: Collector) -> None:
         ends = [(first, last) for first, last, peak in tops if peak > top + near]
         peaks = [peak for *_, peak in tops if peak > top + near]
         often = sum(last - first for first, last in ends) > OFTEN * len(command)
-        if len(peaks) >= AGAIN and often and max(peaks) - min(peaks) > APART * wide:
+        if len(peaks) >= AGAIN and often and max(peaks) - min(peaks) > max(APART * wide, 2.0 * near):
             row = ends[0][0]
             message = (
                 f"the joint stops at {way * top:.4g} {unit} {len(ends)} times, while its command goes on to "
                 f"{way * min(peaks):.4g} to {way * max(peaks):.4g} {unit}"
             )
             help = "a clamp behind the log, or an end stop: log what the drive gets, or command a smaller movement"
-            out.warning("SYS046", message, where=recording.joint, span=_place(recording, row), help=help)
+            out.warning("SYS046", message, where=recording.joint, span=recording.place(row), help=help)
         speed = np.abs(np.diff(command, prepend=command[0]))
         usual = float(np.quantile(speed, 0.9))
         edge = float((way * command).max())
@@ -221,7 +202,7 @@ def _clipped(recording: Recording, out: Collector) -> None:
         if len(flat) >= AGAIN and sum(last - first for first, last in flat) > CLIPPED * len(command):
             row = flat[0][0]
             message = f"the command is cut off at {way * edge:.4g} {unit} {len(flat)} times: it is fitted as it stands"
-            out.info("SYS046", message, where=recording.joint, span=_place(recording, row))
+            out.info("SYS046", message, where=recording.joint, span=recording.place(row))
 
 
 def _runs(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
@@ -232,23 +213,70 @@ def _runs(wanted: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [(first, last) for first, last in zip(edges[::2], edges[1::2], strict=True) if last - first >= 3]
 
 
-def _within(recording: Recording, limits: tuple[float, float] | None, out: Collector) -> None:
+def _reach(recording: Recording) -> tuple[float, float]:
+    """Where a joint's position is, but for a hundredth at either end [rad or m]."""
+    import numpy as np
+
+    low, high = np.nanquantile(recording.measured["position"], [0.01, 0.99])
+    return float(low), float(high)
+
+
+def _exchanged_with(
+    recording: Recording,
+    recordings: Mapping[str, Sequence[Recording]],
+    ranges: Mapping[str, tuple[float, float] | None],
+) -> str | None:
+    """The joint in whose range this one is, and which is in its own, where that lies wholly elsewhere; None: none."""
+
+    def inside(one: Recording, limits: tuple[float, float]) -> bool:
+        low, high = _reach(one)
+        return limits[0] <= low and high <= limits[1]
+
+    limits, (low, high) = ranges[recording.joint], _reach(recording)
+    if limits is None or (low <= limits[1] and high >= limits[0]):
+        return None
+    for other, theirs in recordings.items():
+        there = ranges[other]
+        if there is not None and inside(recording, there):
+            for one in theirs:
+                if one.log is recording.log and inside(one, limits):
+                    return other
+    return None
+
+
+def _within(
+    recording: Recording,
+    recordings: Mapping[str, Sequence[Recording]],
+    ranges: Mapping[str, tuple[float, float] | None],
+    out: Collector,
+) -> None:
     """Positions within the joint's range: where all columns are in degrees, none contradicts another."""
     import numpy as np
 
+    limits = ranges[recording.joint]
     if limits is None:
         return
     read = recording.measured["position"]
-    low, high = (float(v) for v in np.nanquantile(read, [0.01, 0.99]))
+    low, high = _reach(recording)
     margin = OUTSIDE * (limits[1] - limits[0])
     if low > limits[0] - margin and high < limits[1] + margin:
+        return
+    other = _exchanged_with(recording, recordings, ranges)
+    if other is not None:
+        message = f"the position lies within the range of {other}, and that of {other} within its own"
+        help = "columns of the two joints are exchanged"
+        out.error("SYS015", message, where=recording.joint, span=recording.place(), help=help)
         return
     unit = "m" if recording.log.joints[recording.joint].linear else "rad"
     row = int(np.nanargmax(np.maximum(read - limits[1], limits[0] - read)))
     shown = f"the position goes from {low:.4g} to {high:.4g} {unit}, the joint's range is "
     message = f"{shown}{format_number(limits[0], 4)} to {format_number(limits[1], 4)} {unit}"
-    place, factor = _place(recording, row), 180.0 / math.pi if unit == "rad" else 1e3
-    if high - low > limits[1] - limits[0] and low / factor > limits[0] and high / factor < limits[1]:
+    place, factor = recording.place(row), 180.0 / math.pi if unit == "rad" else 1e3
+    if (
+        high - low > BEYOND * (limits[1] - limits[0])
+        and low / factor > limits[0]
+        and high / factor < limits[1]
+    ):
         shown = "[deg], and the speeds [deg/s]," if unit == "rad" else "[mm], and the speeds [mm/s],"
         help = f"write {shown} in the header, of the command too, if that is what they are"
         out.error("SYS047", message, where=recording.joint, span=place, help=help)
@@ -265,7 +293,9 @@ def _written(unit: str) -> str:
     return {"degrees": "deg", "thousandths": "mrad"}.get(unit, unit)
 
 
-def _velocity(recording: Recording, out: Collector) -> Recording:
+def _velocity(
+    recording: Recording, recordings: Mapping[str, Sequence[Recording]], out: Collector
+) -> Recording:
     """The velocity against the position's derivative."""
     import numpy as np
 
@@ -277,7 +307,7 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
     course = smooth(recording.time, read, WINDOW)[known]
     read = read[known]
     slope, sure = _scale(course, slopes)
-    place, name = _place(recording), recording.joint
+    place, name = recording.place(), recording.joint
     if float(np.std(course)) < SEEN * float(np.nanstd(read - course)) * math.sqrt(recording.step / WINDOW):
         # Noise is all that one sees of so slow a joint: there is nothing to compare.
         return recording
@@ -298,16 +328,42 @@ def _velocity(recording: Recording, out: Collector) -> Recording:
         shown = {"degrees": "deg", "thousandths": "mrad", "turns": "rev"}[unit]
         out.error("SYS014", message, where=name, span=place, help=f"write [{shown}] in its header")
         return recording
-    measured = {key: value for key, value in recording.measured.items() if key != "velocity"}
     if at_lag < SURE:
+        if whose := _derivative_of(recording, recordings, course, known):
+            message = f"the velocity is the derivative of {whose}, not of its own position"
+            help = "columns are exchanged"
+            if whose == "the command":
+                help = "command and position are exchanged, or it is a commanded velocity"
+            out.error("SYS015", message, where=name, span=place, help=help)
+            return recording
         message = f"the velocity is not the position's derivative (correlation {at_lag:.2f}): it is left out"
         out.warning("SYS012", message, where=name, span=place)
-        return replace(recording, measured=measured)
+        return without_velocity(recording)
     if lag > LATE:
         message = f"the velocity is {lag * 1e3:.2g} ms late, as behind a filter: it is left out"
         out.info("SYS012", message, where=name, span=place)
-        return replace(recording, measured=measured)
+        return without_velocity(recording)
     return recording
+
+
+def _derivative_of(
+    recording: Recording,
+    recordings: Mapping[str, Sequence[Recording]],
+    course: Array,
+    known: NDArray[np.bool_],
+) -> str | None:
+    """What else of the log a velocity is the derivative of; None: nothing."""
+    signals = {"the command": recording.command} | {
+        f"the position of {joint}": other.position
+        for joint, theirs in recordings.items()
+        for other in theirs
+        if joint != recording.joint and other.log is recording.log and len(other.time) == len(recording.time)
+    }
+    for name, signal in signals.items():
+        lag, sure = _lag(course, smooth(recording.time, signal, WINDOW, 1)[known], recording.step)
+        if sure > SURE and abs(lag) < LATE:
+            return name
+    return None
 
 
 def _lag(late: Array, early: Array, step: float) -> tuple[float, float]:
@@ -350,56 +406,7 @@ def _large(recording: Recording, out: Collector) -> bool:
     help = "command a larger movement: `actspec sysid design` takes what range, speed and torque allow"
     if spread < STILL * grain:
         message += ": nothing can be fitted"
-        out.error("SYS011", message, where=recording.joint, span=_place(recording), help=help)
+        out.error("SYS011", message, where=recording.joint, span=recording.place(), help=help)
         return False
-    out.warning("SYS043", message, where=recording.joint, span=_place(recording), help=help)
+    out.warning("SYS043", message, where=recording.joint, span=recording.place(), help=help)
     return True
-
-
-def _asked(recording: Recording) -> NDArray[np.bool_]:
-    """Rows around which the position error changes, so that a drive without a limit gives another torque in each."""
-    import numpy as np
-    from scipy.ndimage import maximum_filter1d, minimum_filter1d
-
-    position = recording.measured["position"]
-    error = recording.command - np.where(np.isfinite(position), position, recording.position)
-    seen = texture(position)
-    changed = maximum_filter1d(error, AROUND) - minimum_filter1d(error, AROUND)
-    return np.asarray(changed > max(STANDS * seen.noise, 2.0 * seen.count, 1e-6), dtype=bool)
-
-
-def _torque(recording: Recording, bounds: Bounds, out: Collector) -> None:
-    """A torque that is clipped where the spec has no limit, or is above the limit that it has."""
-    import numpy as np
-
-    read = recording.measured.get("torque")
-    if read is None:
-        return
-    size = np.abs(read[np.isfinite(read)])
-    if len(size) < LEAST_ROWS:
-        return
-    most = float(size.max())
-    # What a drive gives where it holds a joint still is as even as a limit.
-    asked = np.abs(read[np.isfinite(read) & _asked(recording)])
-    at, near = (
-        float(np.sum(asked > (1.0 - share) * most)) / len(size) for share in (AT_MOST, 10.0 * AT_MOST)
-    )
-    unit = "N" if recording.log.joints[recording.joint].linear else "N*m"
-    limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
-    if at > CLIPPED and at > FLAT * near and most < 0.97 * bounds.limit:
-        row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * most)[0])
-        shown = f"the torque is clipped at {format_number(most, 4)} {unit} in {at:.0%} of the rows"
-        message = f"{shown}, the spec's limit is {limit}"
-        help = "state the drive's effort_limit in the spec, or log a smaller experiment"
-        out.error("SYS016", message, where=recording.joint, span=_place(recording, row), help=help)
-    above = np.abs(read) > ABOVE * bounds.limit
-    if recording.log.sidecar.torque != "joint" and above.sum() > OFTEN * len(size):
-        shown = f"the torque is above the spec's limit of {limit} in {int(above.sum())} rows, up to "
-        message = f"{shown}{format_number(most, 4)} {unit}"
-        help = (
-            "state the drive's effort_limit in the spec"
-            if most < 10.0 * bounds.limit
-            else f"is it in m{unit}?"
-        )
-        place = _place(recording, int(np.flatnonzero(above)[0]))
-        out.error("SYS016", message, where=recording.joint, span=place, help=help)

@@ -14,6 +14,7 @@ from actspec.diagnostics import Collector, Span
 from actspec.sysid.descent import System, simulated
 from actspec.sysid.drift import judge_drift
 from actspec.sysid.identified import Indicator, JointFit, State
+from actspec.sysid.judge import UNLIKE
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 
@@ -29,6 +30,12 @@ TOLD = 0.05
 """Standard deviation of a torque's scale above which nothing is reported of it. Chosen."""
 FAR = 0.03
 """How far from 1 a scale may be beside twice its standard deviation. Chosen: masses of a model are no better."""
+GROSS = (0.6, 1.5)
+"""Scales beyond which no figure of a fit means anything. Chosen: filtered readings alone make it 0.8 to 1.1."""
+GONE = 0.25
+"""Position error, as a share of the joint's motion, from which on the model moves otherwise. Measured: play, stiction
+and a torque twice too large leave less than 0.1; a command that the drive did not get, or columns of another joint,
+0.3 to 0.6."""
 SAME = 0.05
 """Likewise of a fitted gain from a stated one, beside its interval. Chosen."""
 NEAR = 0.06
@@ -68,10 +75,70 @@ def doubted(joint: JointInWork, found: JointFit, system: System, out: Collector)
             Indicator("torque_offset", scale.offset, None, unit),
         )
         found = replace(found, diagnostics=(*found.diagnostics, *read))
-        _judge_scale(joint, scale, unit, out)
+        _judge_scale(joint, scale, out)
     if joint.torque:
         _judge_gains(joint, found, scale, out)
+    _judge_motion(joint, found, out)
     return found
+
+
+def judge_torque(joint: JointInWork, out: Collector) -> None:
+    """The logged torque against the masses along the motion that was read, before a fit takes it at its word."""
+    import numpy as np
+
+    blocks = []
+    for recording, course in zip(joint.recordings, joint.courses, strict=True):
+        fastest = float(np.abs(recording.velocity).max())
+        for start in recording.starts:
+            rows = slice(start, start + recording.rows)
+            qd, acceleration = recording.velocity[rows], recording.acceleration[rows]
+            known = course.inertia[rows] * acceleration + course.load[rows]
+            blocks += _block(known, acceleration, qd, recording.measured["torque"][rows], fastest)
+    solved = _regressed(blocks)
+    if solved is not None and solved[1] < TOLD and not GROSS[0] < solved[0] < GROSS[1]:
+        _judge_scale(joint, Scale(*solved, 0.0), out)
+
+
+def _block(
+    known: Array, acceleration: Array, qd: Array, read: Array, fastest: float
+) -> list[tuple[Array, Array]]:
+    """A piece's terms and its torque, where the joint moves; none where it hardly does."""
+    import numpy as np
+
+    terms = np.stack([known, acceleration, np.sign(qd), qd, np.ones_like(qd)], axis=1)
+    used = np.isfinite(read) & (np.abs(qd) > MOVES * fastest)
+    return [(terms[used], read[used])] if used.sum() > 5 else []
+
+
+def _judge_motion(joint: JointInWork, found: JointFit, out: Collector) -> None:
+    """A fit that does not move as the robot does has no figures."""
+    import numpy as np
+
+    spread = math.sqrt(
+        float(
+            np.mean(
+                [
+                    np.nanvar(recording.measured["position"][start : start + recording.rows])
+                    for recording in joint.recordings
+                    for start in recording.starts
+                ]
+            )
+        )
+    )
+    off = found.position_rmse
+    if found.misfit is None or off is None or found.misfit < UNLIKE or off < GONE * spread:
+        return
+    unit = "m" if joint.recordings[0].log.joints[joint.actuator.joint].linear else "rad"
+    message = (
+        f"the best fit is off by {format_number(off, 2)} {unit}, and the joint moves by "
+        f"{format_number(spread, 2)} {unit} (standard deviation): no figures make the model move as the log does"
+    )
+    help = (
+        "is the command what the drive got, does each column belong to its joint, and is the base held as in "
+        "the model?"
+    )
+    place = Span(joint.recordings[0].log.path)
+    out.error("SYS031", message, where=joint.actuator.joint, span=place, help=help)
 
 
 def torque_scale(joint: JointInWork) -> Scale | None:
@@ -102,11 +169,7 @@ def torque_scale(joint: JointInWork) -> Scale | None:
             acceleration = (torque - friction - load) / (course.inertia[rows] + fit.values["armature"])
             known = course.inertia[rows] * acceleration + load
             read = recording.measured["torque"][rows]
-            one = np.ones_like(q)
-            terms = np.stack([known, acceleration, np.sign(qd), qd, one], axis=1)
-            used = np.isfinite(read) & (np.abs(qd) > MOVES * fastest)
-            if used.sum() > 5:
-                blocks.append((terms[used], read[used]))
+            blocks += _block(known, acceleration, qd, read, fastest)
             offsets.append((read - (torque - friction if behind else torque))[np.isfinite(read)])
     solved = _regressed(blocks)
     if solved is None or solved[1] > TOLD:
@@ -142,7 +205,7 @@ def _regressed(blocks: list[tuple[Array, Array]]) -> tuple[float, float] | None:
     return float(solved[0] / size[0]), math.sqrt(max(float(spread[0, 0]), plain)) / float(size[0])
 
 
-def _judge_scale(joint: JointInWork, scale: Scale, unit: str, out: Collector) -> None:
+def _judge_scale(joint: JointInWork, scale: Scale, out: Collector) -> None:
     stated = [recording.log.sidecar.accuracy for recording in joint.recordings]
     known = max(math.hypot(_ratio(one.torque), _ratio(one.masses)) for one in stated)
     off = abs(scale.value - 1.0)
@@ -150,11 +213,12 @@ def _judge_scale(joint: JointInWork, scale: Scale, unit: str, out: Collector) ->
         return
     name, place = joint.actuator.joint, Span(joint.recordings[0].log.path)
     shown = f"{format_number(scale.value, 3)} +- {format_number(2.0 * scale.std, 1)}"
+    say = out.warning if GROSS[0] < scale.value < GROSS[1] else out.error
     if scale.value <= 0.0:
         message = (
             f"the torque is {shown} times what the model's masses need: one of the two has the wrong sign"
         )
-        out.warning("SYS018", message, where=name, span=place, help="turn the torque's column, or gravity")
+        say("SYS018", message, where=name, span=place, help="turn the torque's column, or gravity")
         return
     message = (
         f"the torque is {shown} times what the model's masses need: kp, kd and friction may be as wrong as it"
@@ -167,7 +231,7 @@ def _judge_scale(joint: JointInWork, scale: Scale, unit: str, out: Collector) ->
             "check the torque constant, the gear's efficiency and the masses in the model; `accuracy: {torque: 3 %, "
             "masses: 5 %}` in the sidecar states how well they are known"
         )
-    out.warning("SYS018", message, where=name, span=place, help=help)
+    say("SYS018", message, where=name, span=place, help=help)
 
 
 def _ratio(value: object) -> float:

@@ -21,7 +21,7 @@ from actspec.sysid.checks import check
 from actspec.sysid.coupling import Path, course_of, dense, fitted, links_of, read
 from actspec.sysid.course import Course, told
 from actspec.sysid.descent import ROUNDS, Fit, Piecewise, Search, descend, simulated
-from actspec.sysid.doubts import doubted
+from actspec.sysid.doubts import doubted, judge_torque
 from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
@@ -96,6 +96,9 @@ def fit_logs(
     out.raise_if_failed(LogError)
     joints = prepared(actuators, robot, logs, names, options, out)
     unseen = recorded(actuators, validation, [name for name in tests if name in joints], out)
+    for joint in joints.values():
+        if joint.torque and joint.courses:
+            judge_torque(joint, out)
     out.raise_if_failed(LogError)
     roll(robot, logs, joints, options, out)
     for name, joint in joints.items():
@@ -398,7 +401,7 @@ def _descend(joint: JointInWork, options: FitOptions, out: Collector) -> None:
         assert joint.scale is not None
         scale = joint.scale
     else:
-        values = _begun(joint, free, out)
+        values = _begun(joint, free)
         scale = joint.scale = _scales(joint, values)
     _set_out(joint, values, free)
     # Where only ratios show, a gain that is held says nothing of friction, which may then be anything.
@@ -426,7 +429,7 @@ def _set_out(joint: JointInWork, values: dict[str, float], free: tuple[str, ...]
             values["delay"] = max(values["delay"] - values["lag"], 0.25 * joint.scale["delay"])
 
 
-def _begun(joint: JointInWork, free: tuple[str, ...], out: Collector) -> dict[str, float]:
+def _begun(joint: JointInWork, free: tuple[str, ...]) -> dict[str, float]:
     """Every value, where a descent begins."""
     spec = figures_of(joint.actuator)
     sets, held = joint.gains.sets, joint.gains.held
@@ -436,15 +439,6 @@ def _begun(joint: JointInWork, free: tuple[str, ...], out: Collector) -> dict[st
     first = begin(
         joint.recordings, joint.courses, joint.bounds, joint.gains.used, None if joint.torque else sent
     )
-    if joint.torque and first.against:
-        out.error(
-            "SYS014",
-            "the torque pulls away from the command",
-            where=joint.actuator.joint,
-            span=Span(joint.recordings[0].log.path),
-            help="turn the sign of the torque's column",
-        )
-        raise LogError(out.sorted())
     values = {**spec, **{name: value for name, value in first.values.items() if name in free}}
     for index, (mine, given) in enumerate(zip(first.gains, sent, strict=True)):
         for name, regressed, stated in zip(GAINS, mine, given, strict=True):
@@ -477,13 +471,7 @@ def _searched(
     tried = {math.floor(values["delay"] / step)}
     for _ in range(0 if smeared else 4):
         row = math.floor(best.values["delay"] / step)
-        near = best.values["delay"] / step - row
-        options = [row]
-        if near < 0.5 and row > 0:
-            options.append(row - 1)
-        if near >= 0.5:
-            options.append(row + 1)
-        fresh = [option for option in options if option not in tried]
+        fresh = [option for option in (row, row - 1, row + 1) if option >= 0 and option not in tried]
         if not fresh:
             break
         for option in fresh:

@@ -210,7 +210,9 @@ def _parameter(
     vague = {"delay": LATE, "bias": ASKEW}.get(name, VAGUE * scale[name])
     if name == "kp":
         vague = VAGUE * abs(value)
-    if not math.isfinite(std) or std > vague or std == 0.0:
+    if not math.isfinite(std) or std == 0.0:
+        return untold(State.UNIDENTIFIABLE, "nothing in this log depends on it")
+    if std > vague:
         partner = _partner(fit, name)
         why = f"its standard deviation would be {format_number(std, 2)} {unit}"
         if partner is not None:
@@ -268,7 +270,8 @@ def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool, linear: bool 
     shown = [fit.free.index(name) for name in ("kd", "viscous") if name in fit.free]
     std = math.sqrt(max(float(fit.covariance[np.ix_(shown, shown)].sum()), 0.0))
     if not unscaled:
-        return [Combination("+".join(SUM), damping, std, "N*s/m" if linear else "N*m*s/rad")]
+        whole = Combination("+".join(SUM), damping, std, "N*s/m" if linear else "N*m*s/rad")
+        return [whole] if std < VAGUE * abs(damping) else []
     inertia = float(np.mean([course.inertia.mean() for course in joint.courses])) + fit.values["armature"]
     acceleration = "m/s^2" if linear else "rad/s^2"
     found = []
@@ -284,7 +287,7 @@ def _combinations(joint: JointInWork, fit: Fit, *, unscaled: bool, linear: bool 
                 acceleration,
             )
         )
-    return found
+    return [one for one in found if one.std < VAGUE * abs(one.value)]
 
 
 def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:

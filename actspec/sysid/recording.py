@@ -43,6 +43,8 @@ LEAST_TIME = 0.2
 SWITCHED = 0.06
 """Time after the drive goes on or off that is in no piece [s]. Chosen: as long as the longest delay; a command that was
 sent before still acts, or does not yet."""
+LEAST_ROWS = 100
+"""Fewest rows that are judged by shares and correlations."""
 SMOOTH = 0.012
 """Width of the filter [s]. Chosen: it keeps what legs do, and the fit puts right what noise it leaves."""
 
@@ -88,6 +90,14 @@ class Recording:
         import numpy as np
 
         return float(np.median(np.diff(self.time)))
+
+    def place(self, row: int | None = None) -> Span:
+        """The file, or a row of it."""
+        import numpy as np
+
+        if row is None:
+            return Span(self.log.path)
+        return self.log.span(int(np.searchsorted(self.log.time, self.time[row], side="right")) - 1)
 
 
 def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
@@ -187,8 +197,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
             "SYS011", message, where=joint.name, span=place, help="log at least two seconds without a gap"
         )
         return None
-    every = {name: np.where(off, signal, measured[name]) for name, signal in released.items()}
-    position, velocity, acceleration = _smooth(time, every)
+    position, velocity, acceleration = _motion(time, measured, off, released)
     speed = np.interp(time, log.time, np.nan_to_num(speed))
     return Recording(
         log,
@@ -204,6 +213,32 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         acceleration,
         starts,
         rows,
+    )
+
+
+def _motion(
+    time: Array, measured: dict[str, Array], off: NDArray[np.bool_], released: dict[str, Array]
+) -> tuple[Array, Array, Array]:
+    """Position, velocity and acceleration without gaps, smoothed, with the drive on and off."""
+    import numpy as np
+
+    return _smooth(time, {name: np.where(off, signal, measured[name]) for name, signal in released.items()})
+
+
+def without_velocity(recording: Recording) -> Recording:
+    """The recording as if its velocity had not been logged."""
+    measured, released = (
+        {name: signal for name, signal in readings.items() if name != "velocity"}
+        for readings in (recording.measured, recording.released)
+    )
+    position, velocity, acceleration = _motion(recording.time, measured, recording.off, released)
+    return replace(
+        recording,
+        measured=measured,
+        released=released,
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
     )
 
 

@@ -1,4 +1,4 @@
-"""How large an experiment may be: half-amplitudes at which the spec's joints keep within speed and torque.
+"""How large an experiment may be: half-amplitudes at which the spec's joints keep within range, speed and torque.
 
 Joints that move together are coupled through the links, as the virtual robot moves them. Of joints that move one after
 the other, each is moved while the others stand, by several amplitudes at once.
@@ -106,8 +106,8 @@ def sized_together(wanted: Wanted) -> dict[str, Sized]:
         given = np.stack([wanted.middles[n] + sizes[n] * wanted.shapes[n] for n in names], axis=1)
         moved = expected(wanted.robot, wanted.actuators, wanted.time, given, wanted.orientation)
         over = []
-        for actuator, qd, torque in zip(wanted.actuators, moved[1].T, moved[2].T, strict=True):
-            why, share = _taken(actuator, qd, torque)
+        for actuator, *parts in zip(wanted.actuators, *(part.T for part in moved), strict=True):
+            why, share = _taken(actuator, wanted.middles[actuator.joint], *parts)
             if share > 1.0:
                 over.append(actuator.joint)
                 size = sizes[actuator.joint]
@@ -160,7 +160,7 @@ def _sized_group(wanted: Wanted, group: Sequence[int]) -> dict[str, Sized]:
         found = _moved_alone(wanted, links, tried)
         for j, sizes in tried.items():
             for size, sized in zip(sizes, found[j], strict=True):
-                why, share = _taken(wanted.actuators[j], sized[1], sized[2])
+                why, share = _taken(wanted.actuators[j], wanted.middles[wanted.actuators[j].joint], *sized)
                 if share <= 1.0:
                     limit = above[j]
                     best[j] = _whole(wanted, j, float(size), "range" if limit is None else limit[1], sized)
@@ -180,7 +180,7 @@ def _sized_group(wanted: Wanted, group: Sequence[int]) -> dict[str, Sized]:
     found = _moved_alone(wanted, links, tried) if tried else {}
     for j, sizes in tried.items():
         for size, sized in zip(sizes, found[j], strict=True):
-            why, share = _taken(wanted.actuators[j], sized[1], sized[2])
+            why, share = _taken(wanted.actuators[j], wanted.middles[wanted.actuators[j].joint], *sized)
             if share <= 1.0:
                 best[j] = _whole(wanted, j, float(size), best[j].limited_by, sized)
                 break
@@ -190,22 +190,32 @@ def _sized_group(wanted: Wanted, group: Sequence[int]) -> dict[str, Sized]:
 def _too_large(joints: Iterable[str]) -> LogError:
     return LogError.of(
         "SYS041",
-        f"no amplitude keeps speed and torque within {ROOM:.0%} of what the spec allows: {listed(joints)}",
+        f"no amplitude keeps speed and torque within {ROOM:.0%} of what the spec allows, and the joint "
+        f"within its range: {listed(joints)}",
         help="gravity alone may take the torque: choose another pose by default_pose, or a slower experiment",
     )
 
 
-def _taken(actuator: JointActuator, qd: Array, torque: Array) -> tuple[str, float]:
-    """What an experiment takes most of, `speed` or `torque`, and how much of what is allowed."""
+def _taken(actuator: JointActuator, middle: float, q: Array, qd: Array, torque: Array) -> tuple[str, float]:
+    """What an experiment takes most of, `range`, `speed` or `torque`, and how much of what is allowed.
+
+    The joint may go as far as its range does, however far its command goes: near a resonance it goes further.
+    """
     import numpy as np
 
     speeds = [actuator.velocity_limit.value, getattr(actuator.no_load_speed, "value", None)]
     fastest = min((s for s in speeds if s is not None and s < PLACEHOLDER), default=math.inf)
     limit = actuator.effort_limit.value
     taken = {
+        "range": 0.0,
         "speed": float(np.abs(qd).max()) / (ROOM * fastest),
         "torque": 0.0 if limit is None else float(np.abs(torque).max()) / (ROOM * limit),
     }
+    if actuator.position_range is not None:
+        low, high = actuator.position_range
+        taken["range"] = max(
+            float(q.max() - middle) / (high - middle), float(middle - q.min()) / (middle - low)
+        )
     why = max(taken, key=lambda name: taken[name])
     return why, taken[why]
 

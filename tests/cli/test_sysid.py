@@ -137,6 +137,25 @@ def test_design_keeps_to_the_joint(
     capsys.readouterr()
 
 
+@pytest.mark.parametrize("more", [[], ["--together"]])
+def test_design_keeps_a_joint_that_rings_within_its_range(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, more: list[str]
+) -> None:
+    """A command of 0.9 rad would swing it by 7 rad at its resonance, beyond its range of 1.5 either way."""
+    monkeypatch.chdir(tmp_path)
+    Path("bench.xml").write_text(MODEL.replace("AXIS", "0 1 0"))
+    weak = (
+        SPEC.replace("kd: 0.6", "kd: 0.02").replace("coulomb: 0.1", "coulomb: 0.02").replace("30 N", "300 N")
+    )
+    Path("spec.yaml").write_text(weak)
+    design = ["sysid", "design", "spec.yaml", "-o", "c.csv", "--experiment", "chirp", "--duration", "5 s"]
+    assert main([*design, *more]) == 0
+    log = load_log("c.csv")
+    position, command = log.joints["hip"].position, log.joints["hip"].command
+    assert position is not None and command is not None
+    assert 1.2 < np.abs(position).max() <= 1.5 and np.abs(command).max() > 0.05
+
+
 def test_steps_together_are_no_copies(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any) -> None:
     """Three joints of a leg step to sides of their own: commands that went together could not tell the joints apart."""
     monkeypatch.chdir(tmp_path)

@@ -53,6 +53,17 @@ def test_a_position_of_another_zero_is_only_doubted(log: Log) -> None:
     assert (one.code, one.severity.value) == ("SYS047", "warning")
 
 
+def test_a_joint_beyond_its_range_is_not_in_degrees(log: Log) -> None:
+    """Over 1.5 times the range of 3 rad, as at a resonance: 57.3 times smaller it would fit too, and is not meant."""
+    joint = log.joints["hip"]
+    assert joint.position is not None
+    factor = 4.8 / np.ptp(joint.position)
+    found = said(log, **{name: factor * getattr(joint, name) for name in ("command", "position", "velocity")})
+    assert [(one.code, one.severity.value) for one in found if one.code == "SYS047"] == [
+        ("SYS047", "warning")
+    ]
+
+
 def test_counts_are_no_angle(log: Log) -> None:
     """Readings of an encoder with 4096 counts a turn: more than 20 times the joint's range of 3 rad."""
     joint = log.joints["hip"]

@@ -69,18 +69,20 @@ def command() -> np.ndarray:
     return found
 
 
-def logged(gravity: bool, rows: int = ROWS, jitter: float = 0.0) -> Log:
+def logged(
+    gravity: bool, rows: int = ROWS, jitter: float = 0.0, share: float = 1.0, true: dict[str, float] = TRUE
+) -> Log:
     """What sensors read of the true joint: 0.5 mrad, 0.05 rad/s and 2 % of the torque's RMS of noise.
 
-    `jitter` is the standard deviation of a row's time, in rows.
+    `jitter` is the standard deviation of a row's time, in rows; `share` that of the command which is sent.
     """
     mgl = 0.8 * 9.81 * 0.15 if gravity else 0.0
     one = {
-        "J": LINK + TRUE["armature"], "kp": TRUE["kp"], "kd": TRUE["kd"], "tc": TRUE["friction.coulomb"],
-        "b": TRUE["friction.viscous"], "delay": TRUE["delay"], "limit": 30.0, "mgl": mgl,
-        "bias": TRUE["encoder_bias"] if gravity else 0.0,
+        "J": LINK + true["armature"], "kp": true["kp"], "kd": true["kd"], "tc": true["friction.coulomb"],
+        "b": true["friction.viscous"], "delay": true["delay"], "limit": 30.0, "mgl": mgl,
+        "bias": true["encoder_bias"] if gravity else 0.0,
     }  # fmt: skip
-    given = command()[:rows]
+    given = share * command()[:rows]
     random = np.random.default_rng(11)
     time = np.arange(rows) * PERIOD
     if jitter:
@@ -148,6 +150,19 @@ def test_a_clock_that_jitters(tmp_path: Path) -> None:
     found = fitted(tmp_path, logged(gravity=True, jitter=0.15))
     for field, goal in (("kp", 0.05e-2 * 32), ("kd", 0.05e-2 * 0.9), ("delay", 2e-5)):
         near(found, field, goal)
+
+
+def test_a_delay_of_whole_rows_where_the_joint_hardly_moves(tmp_path: Path) -> None:
+    """20 mrad either way: two rows of delay are found, not one row and a kp that makes up for it (19.4 of 20)."""
+    true = {
+        "kp": 20.0, "kd": 0.5, "armature": 0.01, "friction.coulomb": 0.1, "friction.viscous": 0.02, "delay": 0.004,
+        "encoder_bias": 0.0,
+    }  # fmt: skip
+    found = fitted(tmp_path, logged(gravity=True, share=1.0 / 30.0, true=true))
+    for field, allowed in (("delay", 2e-4), ("kp", 0.1)):
+        parameter = found.joints[0].parameter(field)
+        assert parameter.value == pytest.approx(true[field], abs=allowed), field
+    assert not found.findings
 
 
 def test_stated_gains_give_the_rest(tmp_path: Path, pendulum: Log) -> None:

@@ -1,0 +1,243 @@
+"""A torque against what a drive answers to: its limit, its sign, its lag, and whose it is.
+
+A position drive gives kp (command - position) - kd velocity, whatever its gains are, as far as its limit goes: a
+regression on the two says how much of a torque that explains, of this joint or of another, now or some rows ago.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from actspec.diagnostics import Collector
+from actspec.sysid.begin import CLIPPED, LONGEST, regress
+from actspec.sysid.figures import Bounds
+from actspec.sysid.recording import LEAST_ROWS, Recording
+from actspec.sysid.spoilt import texture
+from actspec.units import format_number
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Array = NDArray[np.float64]
+
+AT_LIMIT = 0.03
+"""Share of rows at the largest torque, from which on it is a limit. Chosen."""
+AT_MOST = 0.002
+"""Within this share of the largest torque a row is at it."""
+AROUND = 11
+"""Rows around one by which it is told whether the drive is asked for another torque."""
+FLAT = 0.6
+"""Share of the rows within ten times that of the largest torque that are at it, from which on it is clipped. Chosen:
+0.3 for a sine, and near 1 for a limit."""
+ABOVE = 1.2
+"""Times the spec's limit above which a logged torque contradicts it. Chosen: sensors are better."""
+OFTEN = 0.01
+"""Share of the rows that must be above it."""
+STANDS = 6.0
+"""Noise of an encoder within which an error is the same."""
+LATEST = 0.1
+"""Longest lag of a torque behind the motion that is looked for [s]. Chosen: a bus, or a filter, is faster."""
+BETTER = 0.85
+"""Share of what is left unexplained without a lag, below which what is left with one must be. Measured: without a lag
+0.95 at least in twenty virtual logs; one of 3 rows at 500 Hz leaves 0.7, of one row at 200 Hz 0.2 to 0.8."""
+EXPLAINED, STRANGE = 0.1, 0.5
+"""Share of a torque's variance below which what is left is noise, and above which the torque is of something else.
+Chosen: sound logs leave less than 0.02."""
+NEAR = 2
+"""Rows by which the command's delay is another from one lag of the torque to the next."""
+MOST_ROWS = 4000
+"""Rows by which that is told."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """How a torque answers to the error and the motion of a joint.
+
+    Attributes:
+        left: Share of its variance that they do not explain.
+        late: Rows by which it is behind the motion.
+        kp: By the regression [N*m/rad or N/m].
+        kd: Likewise [N*m*s/rad or N*s/m].
+    """
+
+    left: float
+    late: int
+    kp: float
+    kd: float
+
+
+def check_torques(
+    recordings: Mapping[str, Sequence[Recording]], bounds: Mapping[str, Bounds], out: Collector
+) -> dict[str, list[Recording]]:
+    """Judge the torques of all joints; one that is late is put right and reported, others are refused.
+
+    Args:
+        recordings: Joint to its part of every log.
+        bounds: Of the drives, by the spec.
+        out: Takes what is found.
+    """
+    found: dict[str, list[Recording]] = {}
+    for name, mine in recordings.items():
+        found[name] = []
+        for recording in mine:
+            read = recording.measured.get("torque")
+            if read is not None and int(_finite(read).sum()) >= LEAST_ROWS:
+                _limited(recording, bounds[name], out)
+                others = [
+                    other
+                    for joint, theirs in recordings.items()
+                    for other in theirs
+                    if joint != name and other.log is recording.log
+                ]
+                recording = _answering(recording, others, bounds[name], out)
+            found[name].append(recording)
+    return found
+
+
+def _finite(signal: Array) -> NDArray[np.bool_]:
+    import numpy as np
+
+    return np.asarray(np.isfinite(signal), dtype=bool)
+
+
+def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
+    """The regression of a torque on a joint's error and speed, at the lag at which it explains the most.
+
+    Args:
+        torque: At the rows of `cause`; NaN where it was not read.
+        cause: The joint.
+        limit: Of the drive [N*m or N]: what is near it does not count.
+    """
+    import numpy as np
+
+    step, n = cause.step, len(torque)
+    # As read: what a filter takes from fast motion looks like a lag.
+    position, velocity = cause.measured["position"], cause.measured.get("velocity", cause.velocity)
+    known = _finite(position) & _finite(velocity)
+    free = _finite(torque) & (np.abs(torque) < CLIPPED * limit)
+    rows = np.flatnonzero(free)
+    rows = rows[:: max(1, math.ceil(len(rows) / MOST_ROWS))]
+
+    def tried(late: int, lag: int) -> Answer | None:
+        """With a torque so many rows behind the motion, and so many behind the command."""
+        used = rows[rows >= max(late, lag)]
+        used = used[known[used - late]]
+        at = used - late
+        error = cause.command[used - lag] - position[at]
+        speed = cause.speed_command[used - lag] - velocity[at]
+        terms = np.stack([error, speed, np.sign(cause.velocity[at]), np.ones_like(error)], axis=1)
+        told = regress([(terms, torque[used])])
+        return None if told is None else Answer(told[1], late, told[0][0], told[0][1])
+
+    latest = min(round(LATEST / step), n // 4)
+    slowest = max(2, math.ceil(LONGEST / step))
+    begun = [(one, lag) for lag in range(slowest + 1) if (one := tried(0, lag)) is not None]
+    if not begun:
+        return None
+    prompt, lag = min(begun, key=lambda pair: pair[0].left)
+    best = prompt
+    for late in range(1, latest + 1):
+        # What the motion is behind by comes off the command's own delay, more or less.
+        near = [
+            (one, at)
+            for at in range(max(late, lag - NEAR), min(lag + NEAR, late + slowest) + 1)
+            if (one := tried(late, at)) is not None
+        ]
+        if not near:
+            break
+        found, lag = min(near, key=lambda pair: pair[0].left)
+        best = min(best, found, key=lambda one: one.left)
+    return best if best.left < min(BETTER * prompt.left, EXPLAINED) else prompt
+
+
+def _rows(number: int) -> str:
+    return "1 row" if number == 1 else f"{number} rows"
+
+
+def _answering(
+    recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector
+) -> Recording:
+    """The torque against its joint's error and motion, and against those of others."""
+    import numpy as np
+
+    torque, name, place = recording.measured["torque"], recording.joint, recording.place()
+    own = answer(torque, recording, bounds.limit)
+    if own is None:
+        return recording
+    if own.left > STRANGE:
+        for other in others:
+            if len(other.time) != len(torque):
+                continue
+            theirs = answer(torque, other, bounds.limit)
+            if theirs is not None and theirs.left < EXPLAINED and theirs.kp > 0.0:
+                message = f"the torque answers to the error of {other.joint}, not to its own"
+                out.error("SYS015", message, where=name, span=place, help="columns are exchanged")
+                return recording
+        return recording
+    if own.kp < 0.0:
+        if own.kd > 0.0:
+            message = "the torque pulls from the command to the position, and brakes"
+            out.error("SYS015", message, where=name, span=place, help="command and position are exchanged")
+        else:
+            help = "turn the sign of the torque's column"
+            out.error("SYS014", "the torque pulls away from the command", where=name, span=place, help=help)
+        return recording
+    if own.late:
+        message = (
+            f"the torque is {_rows(own.late)} ({format_number(1e3 * own.late * recording.step, 3)} ms) behind the "
+            "motion that it answers to: it is fitted as that of so much earlier"
+        )
+        help = "log what the drive reads in one message, or take the delay of its torque out of the column"
+        out.warning("SYS012", message, where=name, span=place, help=help)
+        earlier = np.concatenate([torque[own.late :], np.full(own.late, np.nan)])
+        return replace(recording, measured={**recording.measured, "torque": earlier})
+    return recording
+
+
+def _asked(recording: Recording) -> NDArray[np.bool_]:
+    """Rows around which the position error changes, so that a drive without a limit gives another torque in each."""
+    import numpy as np
+    from scipy.ndimage import maximum_filter1d, minimum_filter1d
+
+    position = recording.measured["position"]
+    error = recording.command - np.where(np.isfinite(position), position, recording.position)
+    seen = texture(position)
+    changed = maximum_filter1d(error, AROUND) - minimum_filter1d(error, AROUND)
+    return np.asarray(changed > max(STANDS * seen.noise, 2.0 * seen.count, 1e-6), dtype=bool)
+
+
+def _limited(recording: Recording, bounds: Bounds, out: Collector) -> None:
+    """A torque that is clipped where the spec has no limit, or is above the limit that it has."""
+    import numpy as np
+
+    read = recording.measured["torque"]
+    size = np.abs(read[np.isfinite(read)])
+    most = float(size.max())
+    # What a drive gives where it holds a joint still is as even as a limit.
+    asked = np.abs(read[np.isfinite(read) & _asked(recording)])
+    at, near = (
+        float(np.sum(asked > (1.0 - share) * most)) / len(size) for share in (AT_MOST, 10.0 * AT_MOST)
+    )
+    unit = "N" if recording.log.joints[recording.joint].linear else "N*m"
+    limit = "none" if math.isinf(bounds.limit) else f"{format_number(bounds.limit)} {unit}"
+    if at > AT_LIMIT and at > FLAT * near and most < 0.97 * bounds.limit:
+        row = int(np.flatnonzero(np.abs(read) > (1.0 - AT_MOST) * most)[0])
+        shown = f"the torque is clipped at {format_number(most, 4)} {unit} in {at:.0%} of the rows"
+        message = f"{shown}, the spec's limit is {limit}"
+        help = "state the drive's effort_limit in the spec, or log a smaller experiment"
+        out.error("SYS016", message, where=recording.joint, span=recording.place(row), help=help)
+    above = np.abs(read) > ABOVE * bounds.limit
+    if recording.log.sidecar.torque != "joint" and above.sum() > OFTEN * len(size):
+        shown = f"the torque is above the spec's limit of {limit} in {int(above.sum())} rows, up to "
+        message = f"{shown}{format_number(most, 4)} {unit}"
+        help = (
+            "state the drive's effort_limit in the spec"
+            if most < 10.0 * bounds.limit
+            else f"is it in m{unit}?"
+        )
+        place = recording.place(int(np.flatnonzero(above)[0]))
+        out.error("SYS016", message, where=recording.joint, span=place, help=help)

@@ -1,0 +1,171 @@
+"""Columns of another joint, of another signal or of another moment: named, or put right, before they become figures."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from actspec.diagnostics import Collector, Diagnostic, Severity
+from actspec.logs import JointLog, Log, LogError, Sidecar
+from actspec.sysid.checks import check
+from actspec.sysid.figures import Bounds
+from actspec.sysid.recording import Recording, record, without_velocity
+from actspec.sysid.torques import answer
+from tests.sysid.test_fit import PERIOD, ROWS, command, fitted, logged
+from tests.sysid.truth import truth
+
+pytest.importorskip("scipy")
+
+RANGES = {"hip": (-1.5, 1.5), "knee": (-1.5, 1.5)}
+
+
+@pytest.fixture(scope="module")
+def log() -> Log:
+    """Two pendulums of the same drive, the second with the first one's command backwards in time."""
+    given = np.stack([command(), command()[::-1]], axis=1)
+    one = {
+        "J": 0.03, "kp": 20.0, "kd": 0.5, "tc": 0.1, "b": 0.02, "delay": 0.0053, "limit": 30.0, "mgl": 1.2, "bias": 0.0,
+    }  # fmt: skip
+    q, qd, torque = truth({name: np.full(2, value) for name, value in one.items()}, given, PERIOD)
+    random = np.random.default_rng(3)
+    columns = {
+        name: JointLog(
+            name,
+            False,
+            command=given[:, j],
+            position=q[:, j] + 5e-4 * random.standard_normal(ROWS),
+            velocity=qd[:, j] + 0.05 * random.standard_normal(ROWS),
+            torque=torque[:, j] + 0.02 * torque[:, j].std() * random.standard_normal(ROWS),
+        )
+        for j, name in enumerate(RANGES)
+    }
+    return Log("leg.csv", "0" * 64, np.arange(ROWS) * PERIOD, columns, Sidecar())
+
+
+def checked(log: Log, **joints: JointLog) -> tuple[dict[str, list[Recording]], list[Diagnostic]]:
+    """What the checks make and say of the log with other joints."""
+    out = Collector()
+    log = replace(log, joints={**log.joints, **joints})
+    recordings = {name: [record(log, joint, out)] for name, joint in log.joints.items()}
+    sound = {name: [one for one in mine if one is not None] for name, mine in recordings.items()}
+    made = check(sound, dict.fromkeys(sound, Bounds(limit=30.0)), RANGES, out)
+    return made, list(out.sorted())
+
+
+def exchanged(log: Log, signal: str) -> dict[str, JointLog]:
+    """The two joints with each other's column."""
+    hip, knee = log.joints["hip"], log.joints["knee"]
+    return {
+        "hip": replace(hip, **{signal: getattr(knee, signal)}),
+        "knee": replace(knee, **{signal: getattr(hip, signal)}),
+    }
+
+
+def test_a_sound_log_has_no_flaw(log: Log) -> None:
+    assert checked(log)[1] == []
+
+
+@pytest.mark.parametrize(
+    ("signal", "hip"),
+    [
+        ("velocity", "the velocity is the derivative of the position of knee, not of its own position"),
+        ("torque", "the torque answers to the error of knee, not to its own"),
+    ],
+)
+def test_columns_of_two_joints_are_exchanged(log: Log, signal: str, hip: str) -> None:
+    found = checked(log, **exchanged(log, signal))[1]
+    assert [(one.code, one.severity, one.where) for one in found] == [
+        ("SYS015", Severity.ERROR, "hip"),
+        ("SYS015", Severity.ERROR, "knee"),
+    ]
+    assert found[0].message == hip
+
+
+def test_command_and_position_are_exchanged(log: Log) -> None:
+    """By the velocity; without one by the torque, which brakes as it should and pulls the wrong way."""
+    hip = log.joints["hip"]
+    turned = replace(hip, command=hip.position, position=hip.command)
+    found = checked(log, hip=turned)[1]
+    assert "the velocity is the derivative of the command" in found[0].message
+    assert all(one.code == "SYS015" and "exchanged" in (one.help or "") for one in found)
+
+
+def test_the_sign_of_a_torque(log: Log) -> None:
+    hip = log.joints["hip"]
+    assert hip.torque is not None
+    (one,) = checked(log, hip=replace(hip, torque=-hip.torque))[1]
+    assert (one.code, one.message) == ("SYS014", "the torque pulls away from the command")
+
+
+@pytest.mark.parametrize("rows", [3, 7, 20])
+def test_a_torque_that_is_late_is_taken_earlier(log: Log, rows: int) -> None:
+    """Beside a delay of 2.65 rows, which shifts the command alone; 20 rows are 40 ms."""
+    hip = log.joints["hip"]
+    assert hip.torque is not None
+    late = np.concatenate([np.full(rows, np.nan), hip.torque[:-rows]])
+    made, found = checked(log, hip=replace(hip, torque=late))
+    (one,) = (one for one in found if one.code != "SYS013")
+    assert (one.code, one.severity, one.where) == ("SYS012", Severity.WARNING, "hip")
+    assert one.message.startswith(f"the torque is {rows} rows ({2 * rows} ms) behind the motion")
+    torque = made["hip"][0].measured["torque"]
+    np.testing.assert_array_equal(torque[: ROWS - rows], hip.torque[: ROWS - rows])
+    assert np.isnan(torque[ROWS - rows :]).all()
+
+
+def test_gains_of_a_torque_by_regression(log: Log) -> None:
+    """kp 20 and kd 0.5 to a twentieth: the delay is no whole number of rows."""
+    (hip,) = checked(log)[0]["hip"]
+    found = answer(hip.measured["torque"], hip, 30.0)
+    assert found is not None and found.late == 0 and found.left < 0.02
+    assert (found.kp, found.kd) == (pytest.approx(20.0, rel=0.05), pytest.approx(0.5, rel=0.05))
+
+
+def test_all_columns_of_two_joints_are_exchanged(log: Log) -> None:
+    """Each is where only the other can be: the knee from 1 to 2.2 rad, the hip from -0.6 to 0.6."""
+    hip, knee = log.joints["hip"], log.joints["knee"]
+    bent = replace(knee, position=knee.position + 1.6, command=knee.command + 1.6)
+    turned = {"hip": replace(bent, name="hip"), "knee": replace(hip, name="knee")}
+    out = Collector()
+    log = replace(log, joints=turned)
+    recordings = {name: [record(log, joint, out)] for name, joint in turned.items()}
+    sound = {name: [one for one in mine if one is not None] for name, mine in recordings.items()}
+    check(sound, dict.fromkeys(sound, Bounds()), {"hip": (-0.8, 0.8), "knee": (0.9, 2.7)}, out)
+    assert [(one.code, one.where) for one in out.sorted()] == [("SYS015", "hip"), ("SYS015", "knee")]
+
+
+def test_motion_without_a_velocity_is_the_position_s(log: Log) -> None:
+    """A velocity that is left out may be wrong: the links must not follow it."""
+    out = Collector()
+    hip = log.joints["hip"]
+    assert hip.velocity is not None
+    wrong = record(log, replace(hip, velocity=hip.velocity + 3.0), out)
+    right = record(log, replace(hip, velocity=None), out)
+    assert wrong is not None and right is not None
+    made = without_velocity(wrong)
+    assert set(made.measured) == set(made.released) | {"torque"} == {"position", "torque"}
+    (checked_too,) = checked(log, hip=replace(hip, velocity=np.roll(hip.velocity, 500)))[0]["hip"]
+    for part in ("position", "velocity", "acceleration"):
+        np.testing.assert_array_equal(getattr(made, part), getattr(right, part))
+        np.testing.assert_array_equal(getattr(checked_too, part), getattr(right, part))
+
+
+@pytest.mark.slow
+def test_a_torque_of_another_scale_is_refused_before_the_fit(tmp_path: Path) -> None:
+    log = logged(gravity=True)
+    hip = log.joints["hip"]
+    assert hip.torque is not None
+    with pytest.raises(LogError, match=r"the torque is 1\.[89]\d* .* times what the model's masses need"):
+        fitted(tmp_path, replace(log, joints={"hip": replace(hip, torque=2.0 * hip.torque)}))
+
+
+@pytest.mark.slow
+def test_a_command_that_the_drive_did_not_get_has_no_figures(tmp_path: Path) -> None:
+    """What moved the joint went to 0.6 rad, the log has it cut off at a third."""
+    log = logged(gravity=True)
+    hip = log.joints["hip"]
+    cut = replace(hip, command=np.clip(hip.command, -0.2, 0.2))
+    with pytest.raises(LogError, match=r"no figures make the model move as the log does"):
+        fitted(tmp_path, replace(log, joints={"hip": cut}))
