@@ -16,13 +16,15 @@ from actspec.fields import LIMITS
 ORDER = (
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101"),
     *("DMP105", "DMP101", "DMP103"),
+    *("FRC101", "SRC105"),
 )
 """Rules about a figure, the nearest to its cause first: a gear says by what a limit or a gain is off, a file that
 contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
-not the published one; damping that is counted twice, in two files or in one, why a joint is slow. Chosen: from the
-findings of docs/survey.md that were true and told a second time."""
+not the published one; damping that is counted twice, in two files or in one, why a joint is slow; friction that no
+motor overcomes why another file has less. Chosen: from the findings of docs/survey.md that were true and told a second
+time."""
 
-_GEAR, _SIDES = "GEA101", "SYM101"
+_GEAR, _SIDES, _FRICTION = "GEA101", "SYM101", "FRC101"
 
 
 def by_cause(
@@ -112,6 +114,9 @@ class _Findings:
         if one.code == _GEAR and _files(other) <= _files(one) - {one.span.path}:
             # The file that the gear is taken from is right.
             return False
+        if one.code == _FRICTION:
+            # Beside the friction stands the limit, which may be another file's.
+            return one.joint == other.joint and one.span.path in _files(other)
         if one.code == _SIDES:
             # Where both sides differ from another file, that is another fault.
             both = (one.span, *one.related)

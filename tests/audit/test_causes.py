@@ -97,6 +97,14 @@ def test_another_fault_stands_for_itself(one: Finding, other: Finding) -> None:
     assert all(cause == "" for _, _, cause in _after(one, other))
 
 
+def test_friction_that_no_motor_overcomes_explains_the_other_file() -> None:
+    """A URDF with 1000 N of friction, and an MJCF with 0.2; not two files of which neither has the 1000."""
+    stuck = _of("FRC101", path="b.urdf", held="c.xml", fields=("frictionloss",))
+    less = _of("SRC105", held="b.urdf", fields=("frictionloss",))
+    assert _after(less, stuck) == [("SRC105", "info", "FRC101"), ("FRC101", "warning", "")]
+    assert _after(_of("SRC105", held="c.xml", fields=("frictionloss",)), stuck)[0][2] == ""
+
+
 def test_what_is_not_reported_explains_nothing() -> None:
     """A note, or what the settings leave out; and a severity that they state is kept."""
     assert _after((GEAR, INFO), KNOWN)[1] == ("KNW101", "warning", "")

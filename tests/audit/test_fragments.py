@@ -28,10 +28,10 @@ def _in_tmp_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-def audited(*paths: str) -> Report:
+def audited(*paths: str, rule: str = "LIM101") -> Report:
     """The report on files."""
     with pending_files(paths) as pending:
-        return audit(pending, Settings(select=("LIM101",)))
+        return audit(pending, Settings(select=(rule,)))
 
 
 @pytest.mark.parametrize("paths", [(".",), ("leg_actuators.xml", "./leg.xml")], ids=["folder", "named"])
@@ -54,6 +54,28 @@ def test_what_stays() -> None:
     report = audited("alone.xml", "model.xml", "scene.xml")
     assert [file.path for file in report.case.files] == ["alone.xml", "model.xml", "scene.xml"]
     assert [item.code for item in report.diagnostics()] == ["AUD013"]
+
+
+def test_a_scene_has_the_step_of_its_model() -> None:
+    """A model without options, which a scene runs with its own: what MuJoCo's defaults would do is a note."""
+    robot = """<mujoco>
+  <compiler angle="radian"/>
+  <worldbody>
+    <body><joint name="knee"/><inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body>
+  </worldbody>
+  <actuator><position joint="knee" kp="1000" kv="100"/></actuator>
+</mujoco>"""
+    scene = """<mujoco>
+  <option integrator="implicitfast"/>
+  <include file="leg.xml"/>
+</mujoco>"""
+    Path("leg.xml").write_text(robot)
+    assert [item.severity.value for item in audited("leg.xml", rule="STB101").findings] == ["error"]
+    Path("scene.xml").write_text(scene)
+    assert [item.severity.value for item in audited(".", rule="STB101").findings] == ["info"]
+    Path("scene.xml").write_text(scene.replace('<option integrator="implicitfast"/>', ""))
+    severities = {item.severity.value for item in audited(".", rule="STB101").findings}
+    assert severities == {"error"}
 
 
 def test_a_broken_model_keeps_its_word() -> None:

@@ -136,9 +136,10 @@ def top_speed(row: LedgerRow) -> float | None:
 def is_exporters(row: LedgerRow) -> bool:
     """Whether effort and speed of a joint are those that an exporter writes to every joint where nobody stated any.
 
-    Source: onshape-to-robot writes 10 and 10, 1 and 20 in earlier releases.
+    Source: onshape-to-robot writes 10 and 10, 1 and 20 in earlier releases; fusion2urdf 100 and 100.
     """
-    return (row.effort_limit, row.velocity_limit) in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0))
+    limits = row.effort_limit, row.velocity_limit
+    return limits in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0), (100.0, 100.0))
 
 
 def is_undriven(case: Case, row: LedgerRow) -> bool:

@@ -179,7 +179,13 @@ class NoEffectiveLimit(RuleInParts):
         )
 
     def _exporters(self, case: Case, row: LedgerRow) -> Iterator[Finding]:
-        """Limits that nobody stated, where another file of the robot has the motor's."""
+        """Limits that nobody stated, where another file of the robot has the motor's.
+
+        Not in a file that gives another joint of that speed another effort: somebody wrote efforts there.
+        """
+        speed_alike = (one for one in case.rows_of(row.artifact) if one.velocity_limit == row.velocity_limit)
+        if any(one.effort_limit not in (None, row.effort_limit) for one in speed_alike):
+            return
         others = (
             other for other in partner_rows(case, row) if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
         )
@@ -273,6 +279,8 @@ def _is_passive(case: Case, row: LedgerRow) -> bool:
 
 def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:
     """Whether the voltage of a dcmotor or an activation bounds its torque, or the actuator gives none of its own."""
+    if view is not None and view.gear == 0.0:
+        return True
     # Only a dcmotor whose control is its voltage has back-EMF beside no other gain.
     voltage = row.stall_torque is not None or (bool(row.back_emf) and row.command_range is not None)
     if view is not None and view.control == "intvelocity":

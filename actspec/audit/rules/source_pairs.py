@@ -39,9 +39,11 @@ GRAVE = 2.0
 _SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
 
-_REVISION = re.compile(r"(?:(?<![A-Za-z])(?i:v|rev|version|mode)|(?<=[a-z])V)[_-]?\d+(?:[._]\d+)*|(?i:limit)")
-"""A hardware's version in a name, as of `atlas_v4`, `naoV33` and `g1_29dof_mode_13`, or limits that are others on
-purpose, as of `t1_softlimit`."""
+_REVISION = re.compile(
+    r"(?:(?<![A-Za-z])(?i:v|rev|version|mode|mark|mk)|(?<=[a-z])V)[_-]?\d+(?:[._]\d+)*|(?i:limit|stronger|weaker)"
+)
+"""A hardware's version in a name, as of `atlas_v4`, `naoV33`, `mini_mark2` and `g1_29dof_mode_13`, or limits that are
+others on purpose, as of `t1_softlimit` and `robot_stronger_ankle`."""
 
 _PUBLISHED = {"effort_limit": "effort", "velocity_limit": "velocity"}
 """Figures that makers publish of their robots, and what they are in the table of known ones."""

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -53,7 +54,9 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
             found = self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
             artifact = case.artifacts[rows[0].artifact]
-            if artifact.is_part and not artifact.states(b"<option"):
+            if not artifact.states(b"<option") and (
+                artifact.is_part or rows[0].artifact in case.once(_with_options_of_others)
+            ):
                 # Step, integrator and what it carries are those of the model that includes or mounts it.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
             yield found
@@ -107,6 +110,19 @@ def _reference(robot: RobotView, joint: str) -> float | None:
     """Free inertia in the reference pose."""
     found = (robot.joint_inertia or {}).get(joint)
     return None if found is None else found.free.reference
+
+
+def _with_options_of_others(case: Case) -> frozenset[int]:
+    """Models that another one includes, which has the step and the integrator."""
+    models = list(case.of_kind(FileKind.MJCF))
+    included = {
+        os.path.realpath(file.path)
+        for _, artifact in models
+        if artifact.robot is not None and artifact.states(b"<option")
+        for file in artifact.robot.files
+        if file.include
+    }
+    return frozenset(index for index, artifact in models if os.path.realpath(artifact.path) in included)
 
 
 def _runs_in_mjlab(case: Case, row: LedgerRow) -> bool:

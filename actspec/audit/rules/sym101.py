@@ -62,6 +62,10 @@ _ROUGH = 0.1
 _DERIVED = 0.05
 """Share of a gain up to which two are one. Chosen: a damping ratio makes such gains of the masses of two sides."""
 
+_NEAR = 1.0 / 15.0
+"""Share of a speed limit up to which two are one. Chosen: nobody acts on 8.37 and 8.9 rad/s; the least difference of
+limits that anybody has reported is 1/15."""
+
 _AXES = 4
 """Names that differ in a letter alone, from which it is an axis'. Chosen: sides are two, or three with a middle."""
 
@@ -168,12 +172,15 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
-    """Whether it makes no difference: nearly equal friction or gains, a speed out of reach, limits no motor meets."""
+    """Whether it makes no difference: nearly equal friction, gains or speeds, a speed out of reach, an unmet limit."""
     if field in ("kp", "kd"):
         return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
     if field == "frictionloss":
         return abs(one - other) <= _ROUGH * max(abs(one), abs(other))
-    if field == "velocity_limit" and min(abs(one), abs(other)) >= PLACEHOLDER_SPEED:
+    if field == "velocity_limit" and (
+        min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
+        or abs(one - other) <= _NEAR * max(abs(one), abs(other))
+    ):
         return True
     # Of a pair of fingers often one follows the other.
     return field.endswith("limit") and any(is_undriven(case, row) or _follows(case, row) for row in sides)
