@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 
 SLIDES = 0.05
 """Speed from which a joint slides [rad/s or m/s]. Chosen: near what sensors resolve."""
+MOST_TOUCHING = 0.5
+"""Share of rows in contact from which on it is said what else they may be. Chosen: half."""
 
 
 def inferred(
@@ -44,7 +46,7 @@ def inferred(
         out: Takes what is assumed.
 
     Raises:
-        LogError: the base is free.
+        LogError: the base is free, or no row tells a torque.
         RobotError: the model does not tell the links' inertia.
     """
     import numpy as np
@@ -56,6 +58,7 @@ def inferred(
         out.warning("LRN023", message, help="a network learned with it makes up for it in this model alone")
     by_name = {actuator.joint: actuator for actuator in data.actuators}
     labels: dict[tuple[str, str], tuple[Array, Array]] = {}
+    in_contact = 0
     courses: dict[str, dict[str, Course]] = {}
     for path in dict.fromkeys(track.log.path for track in data.tracks):
         parts = [r for found in data.recordings.values() for r in found if r.log.path == path]
@@ -79,8 +82,13 @@ def inferred(
         if moves:
             torque, touching = floating(robot, names, log, time, q, qd, qdd)
             torque[touching] = np.nan
+            in_contact += int(touching.sum())
             message = f"{int(touching.sum())} of {len(time)} rows are in contact: they are left out"
-            out.info("LRN026", message, span=Span(path))
+            # Whatever carries a robot is told by its base; what hangs it up is no floor.
+            help = "by the columns base.*: where the robot was hung up, --base fixed leaves those out"
+            out.info(
+                "LRN026", message, span=Span(path), help=help if touching.mean() > MOST_TOUCHING else None
+            )
         else:
             links = links_along(robot, names, q, qd, None if held is None else held.orientation)
             torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
@@ -112,6 +120,14 @@ def inferred(
         time, slack = labels[track.log.path, track.joint]
         track = with_rows(track, np.interp(track.time, time, told_at[track.log.path, track.joint]))
         tracks.append(replace(track, slack=np.interp(track.time, time, slack)))
+    if not any(len(track.rows) for track in tracks):
+        message = "no row is left whose motion tells a torque, with a whole history behind it"
+        help = "log longer, or take fewer --taps"
+        if in_contact:
+            message += f": {in_contact} rows are in contact, as the columns base.* tell"
+            help = "of a robot that was hung up: --base fixed; one that walks has such rows in flight alone"
+        out.error("LRN005", message, span=Span(tracks[0].log.path), help=help)
+        out.raise_if_failed(LogError)
     return replace(data, tracks=tuple(tracks))
 
 

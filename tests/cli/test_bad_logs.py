@@ -101,7 +101,7 @@ BAD: dict[str, tuple[Lines | bytes, str, str, str]] = {
         changed(1, lambda a: 0 * a + 0.3),
         ".csv",
         "",
-        "SYS011 hip: the command is 0.3 in every row",
+        "SYS011 hip: the command is 0.3 rad in every row",
     ),
     "clipped torque": (
         changed(4, lambda a: a.clip(-0.3, 0.3)),

@@ -162,6 +162,17 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
     assert said == [f"{int(touching.sum())} of 160 rows are in contact: they are left out"]
     # Nothing says what the drive had at row 0.
     assert list(track.rows) == [k for k in np.flatnonzero(~touching) if k]
+    # Hung up, something else carries all of it: why no row is left is said, and what helps.
+    still = replace(moved, orientation=np.tile([1.0, 0, 0, 0], (160, 1)), linear_velocity=np.zeros((160, 3)))
+    hung = replace(log, base=replace(still, angular_velocity=np.zeros((160, 3))))
+    out = Collector()
+    data = dataset(actuators, [hung], out, taps=(0,), measured=False)
+    with pytest.raises(LogError) as caught:
+        inferred(data, robot, [hung], None, out)
+    (error,) = (item for item in caught.value.diagnostics if item.severity.value == "error")
+    assert error.code == "LRN005" and "160 rows are in contact, as the columns base.* tell" in error.message
+    assert error.span is not None and error.span.path == hung.path and "--base fixed" in str(error.help)
+    assert len(inferred(data, robot, [hung], "fixed", Collector()).tracks[0].rows) == 159
     for lacking in ("orientation", "angular_velocity"):
         part = replace(log, base=replace(moved, **{lacking: None}))
         with pytest.raises(LogError, match=f"base.{lacking}"):
