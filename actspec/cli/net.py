@@ -218,7 +218,8 @@ def _train(arguments: argparse.Namespace) -> int:
         from actspec.learn.dynamics import dynamics_entries
         from actspec.learn.labels import inferred
 
-        data = inferred(data, robot, logs, arguments.base, out)
+        with Progress("inferring torques") as progress:
+            data = inferred(data, robot, logs, arguments.base, out, progress.step)
         model = dynamics_entries(robot, data.actuators)
     parts = split(data)
     if not sum(map(len, parts.train)) or not sum(map(len, parts.validate)):
@@ -415,7 +416,8 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     if not sensed:
         from actspec.learn.labels import inferred
 
-        data = inferred(data, robot, logs, arguments.base, out)
+        with Progress("inferring torques") as progress:
+            data = inferred(data, robot, logs, arguments.base, out, progress.step)
         message = "no torque is in the logs: the network is compared with what the model needs for the motion"
         out.info("LRN032", message)
     policy = None
