@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -160,6 +161,9 @@ def test_data(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: An
     # 4200 rows of 5 ms less the first six: five of history, before which a command had to arrive.
     assert found["joints"][0]["minutes"] == pytest.approx(4194 * 0.005 / 60)
     assert found["joints"][0]["rate"] == pytest.approx(200.0)
+    assert main(["net", "data", "spec.yaml", "1.npz"]) == 0
+    # 0.3495 minutes, in three digits.
+    assert re.search(r"hip +0\.3(49|5) +200 Hz", capsys.readouterr().out)
     assert main(["net", "data", "spec.yaml", "2.npz", "--policy", "3.npz", "--output-format", "json"]) == 1
     found = checked("net-data", capsys.readouterr().out)
     assert "LRN020" in {item["code"] for item in found["findings"]}
