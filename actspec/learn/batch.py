@@ -267,9 +267,9 @@ class Clamp:
         )
 
     def __call__(self, xp: Any, tau: Any, qd: Any) -> Any:
-        from actspec.laws import clip_asymmetric
-
         if self.curved:
+            from actspec.laws import clip_asymmetric
+
             tau = tau + 0.0
             for i, (drive, brake, knee, no_load), limit in self.curved:
                 tau[:, i] = clip_asymmetric(
