@@ -269,7 +269,7 @@ class Test:
 
     def network(self, manifest: str) -> tuple[float, float]:
         """Both, of a network."""
-        law, _ = network_of(manifest, self.actuators.joints)
+        law, _ = network_of(manifest, self.actuators.joints, self.bench.step)
         taps = self.data.taps if law.layers.recurrent else law.taps
         tracks = [dataclasses.replace(track, taps=taps) for track in self.data.tracks]
         bounds = [Bounds.of(actuator) for actuator in self.bench.actuators]

@@ -10,9 +10,12 @@ from actspec.cli.options import Lines, add_force, add_format, describe
 from actspec.cli.recordings import add_logs, read_all, seconds_of, warned
 from actspec.diagnostics import EXIT_CLEAN, EXIT_FINDINGS, Collector, Span, shortened
 from actspec.report.terminal import Progress, print_diagnostics, print_json, print_lines
+from actspec.units import format_number
 
 MOST_HIDDEN = 4096
 """Largest hidden layer. Chosen: an actuator network runs for thousands of joints in each physics step."""
+DEFAULT_TAPS = 6
+"""Samples of a history. Measured by benchmarks/learn.py: more tell little more of a drive without wide play."""
 
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
@@ -37,7 +40,9 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
 
 def _add_samples(command: argparse.ArgumentParser) -> None:
     command.add_argument("--group", metavar="GROUP", help="of the spec; default: that of the logs' joints")
-    command.add_argument("--taps", type=int, default=6, metavar="N", help="samples of a history; default 6")
+    command.add_argument(
+        "--taps", type=int, metavar="N", help=f"samples of a history; default {DEFAULT_TAPS}"
+    )
     command.add_argument(
         "--tap-period", metavar="TIME", help="between two samples; default: the logs' time between rows"
     )
@@ -84,7 +89,7 @@ def _add_train(command: argparse.ArgumentParser) -> None:
     command.add_argument(
         "--hidden", metavar="N,...", help="hidden layers; default 128,128, and 32 of an LSTM"
     )
-    command.add_argument("--activation", choices=ACTIVATIONS, default="elu", help="default elu")
+    command.add_argument("--activation", choices=ACTIVATIONS, help="of hidden layers; default elu")
     command.add_argument("--seed", type=int, default=0, metavar="K", help="of weights and batches; default 0")
     command.add_argument("--seeds", type=int, default=1, metavar="N", help="train N networks, keep the best")
     command.add_argument(
@@ -137,11 +142,12 @@ def _samples(arguments: argparse.Namespace) -> dict[str, Any]:
     """Options of the samples."""
     from actspec.logs import LogError
 
-    if not 1 <= arguments.taps <= 100:
-        raise LogError.of("LRN015", f"--taps must be 1 to 100, got {arguments.taps}", where="--taps")
+    taps = DEFAULT_TAPS if arguments.taps is None else arguments.taps
+    if not 1 <= taps <= 100:
+        raise LogError.of("LRN015", f"--taps must be 1 to 100, got {taps}", where="--taps")
     return {
         "group": arguments.group,
-        "taps": tuple(range(arguments.taps)),
+        "taps": tuple(range(taps)),
         "period": seconds_of(arguments.tap_period, "--tap-period"),
         "torque_of": arguments.torque_of,
     }
@@ -185,8 +191,8 @@ def _train(arguments: argparse.Namespace) -> int:
     lstm = arguments.kind == "lstm"
     trained_by = TrainOptions(
         arguments.kind,
-        _hidden(arguments.hidden or ("32" if lstm else "128,128")),
-        arguments.activation,
+        _hidden(("32" if lstm else "128,128") if arguments.hidden is None else arguments.hidden),
+        arguments.activation or "elu",
         arguments.seed,
         arguments.seeds,
         arguments.epochs,
@@ -197,9 +203,8 @@ def _train(arguments: argparse.Namespace) -> int:
         if value is not None and not least <= value <= 2**31:
             message = f"--{name} must be at least {least} and at most {2**31}, got {shortened(str(value))}"
             raise LogError.of("LRN015", message, where=f"--{name}")
-    if lstm and len(set(trained_by.hidden)) > 1:
-        message = f"the layers of an LSTM are of one size, got {arguments.hidden}"
-        raise LogError.of("LRN025", message, where="--hidden", help="write --hidden 32,32")
+    if lstm:
+        _check_lstm(arguments, trained_by.hidden)
     check_output(arguments.output, force=arguments.force)
     require("scipy", "torch", "onnx")
     logs, actuators, robot = read_all(arguments)
@@ -213,12 +218,15 @@ def _train(arguments: argparse.Namespace) -> int:
         from actspec.learn.dynamics import dynamics_entries
         from actspec.learn.labels import inferred
 
-        data = inferred(data, robot, logs, arguments.base, out)
+        with Progress("inferring torques") as progress:
+            data = inferred(data, robot, logs, arguments.base, out, progress.step)
         model = dynamics_entries(robot, data.actuators)
     parts = split(data)
     if not sum(map(len, parts.train)) or not sum(map(len, parts.validate)):
         message = "too few rows with a whole history to train and to validate on"
-        raise LogError.of("LRN005", message, Span(logs[0].path), help="log longer, or take fewer --taps")
+        out.error("LRN005", message, span=Span(logs[0].path), help="log longer, or take fewer --taps")
+        # With what was left out, and why.
+        out.raise_if_failed(LogError)
     with Progress("training") as progress:
         trained = train(data, parts, trained_by, progress.step)
     entries, judged = manifest_entries(data, parts, trained, logs, model)
@@ -232,6 +240,25 @@ def _train(arguments: argparse.Namespace) -> int:
     return warned(out)
 
 
+def _check_lstm(arguments: argparse.Namespace, hidden: tuple[int, ...]) -> None:
+    """Options that an LSTM does not take."""
+    from actspec.logs import LogError
+
+    out = Collector()
+    if len(set(hidden)) > 1:
+        message = f"the layers of an LSTM are of one size, got {arguments.hidden}"
+        out.error("LRN025", message, where="--hidden", help="write --hidden 32,32")
+    for name, what in (
+        ("taps", "an LSTM takes the row alone and keeps a state, not a history"),
+        ("activation", "an LSTM's cells are tanh and sigmoid"),
+    ):
+        given = getattr(arguments, name)
+        if given is not None:
+            help = "leave it out, or take --kind mlp"
+            out.error("LRN025", f"{what}, got --{name} {given}", where=f"--{name}", help=help)
+    out.raise_if_failed(LogError)
+
+
 def _of_lstm(actuators: Any, period: str | None) -> dict[str, Any]:
     """Samples of an LSTM: one a physics step, with those behind them that settle its state."""
     from actspec.learn.recurrent import TAPS
@@ -239,7 +266,9 @@ def _of_lstm(actuators: Any, period: str | None) -> dict[str, Any]:
 
     step = actuators.physics_dt.require()
     if period is not None and abs((seconds_of(period, "--tap-period") or step) - step) > 1e-3 * step:
-        message = f"an LSTM takes a sample in each physics step of {step * 1e3:g} ms, got {period}"
+        message = (
+            f"an LSTM takes a sample in each physics step of {format_number(step * 1e3)} ms, got {period}"
+        )
         raise LogError.of("LRN025", message, where="--tap-period", help="leave it out")
     return {"taps": TAPS, "period": step}
 
@@ -311,7 +340,7 @@ def _inspect(arguments: argparse.Namespace) -> int:
 
     require("onnx", *(["torch"] if arguments.trust else []))
     manifest = None if arguments.manifest is None else _manifest_of(arguments.manifest, arguments.file)
-    found = inspect(read_network_file(arguments.file, trust=arguments.trust), manifest)
+    found = inspect(read_network_file(arguments.file, trust=arguments.trust), manifest, arguments.file)
     if arguments.output_format == "json":
         print_json(inspect_record(found, arguments.file))
     else:
@@ -331,7 +360,12 @@ def _convert(arguments: argparse.Namespace) -> int:
     require("torch", "onnx")
     check_output(arguments.output, force=arguments.force)
     manifest = _manifest_of(arguments.manifest, arguments.file)
-    layers, entries = converted(read_network_file(arguments.file, trust=arguments.trust), manifest)
+    layers, entries = converted(
+        read_network_file(arguments.file, trust=arguments.trust),
+        manifest,
+        arguments.file,
+        arguments.manifest,
+    )
     try:
         paths = write_network(arguments.output, layers, entries, force=arguments.force)
     except NetworkFileError as err:
@@ -349,6 +383,7 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     from actspec.learn.windows import dataset
     from actspec.logs import LogError
     from actspec.report.net import evaluate_lines, evaluate_record
+    from actspec.targets.kit.network import check_joints
 
     require("scipy", "onnx")
     if arguments.html is not None:
@@ -360,7 +395,8 @@ def _evaluate(arguments: argparse.Namespace) -> int:
         raise LogError.of(
             "LRN013", "there is no such file", Span(arguments.network), help="--network NAME.json"
         )
-    law, manifest = network_of(arguments.network, actuators.joints)
+    step = actuators.physics_dt.require()
+    law, manifest = network_of(arguments.network, actuators.joints, step)
     logs, policies = logs[: len(arguments.log)], logs[len(arguments.log) :]
     out = Collector()
     options: dict[str, Any] = {"group": arguments.group, "taps": law.taps, "period": law.tap_period}
@@ -380,14 +416,15 @@ def _evaluate(arguments: argparse.Namespace) -> int:
     if not sensed:
         from actspec.learn.labels import inferred
 
-        data = inferred(data, robot, logs, arguments.base, out)
+        with Progress("inferring torques") as progress:
+            data = inferred(data, robot, logs, arguments.base, out, progress.step)
         message = "no torque is in the logs: the network is compared with what the model needs for the motion"
         out.info("LRN032", message)
     policy = None
     if policies:
         options["group"] = data.group
         policy = dataset(actuators, policies, out, **options, measured=False, every_joint=False)
-    step = actuators.physics_dt.require()
+    check_joints(manifest, [a.joint for a in data.actuators], out.at("--network", Span(arguments.network)))
     with Progress("rolling out") as progress:
         found = evaluate(data, law, manifest, robot, step, policy=policy, progress=progress.step)
     for finding in worse_in_motion(found):

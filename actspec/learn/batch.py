@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from actspec.diagnostics import listed
 from actspec.laws.arrays import array_namespace
 from actspec.laws.network import Layers
 from actspec.learn.bundle import Bundle, DrivenGroup, RuntimeFault, read_bundle
@@ -79,9 +80,39 @@ class Networks:
         return found[0] if len(found) == 1 else xp.concatenate(found, axis=1)
 
     def reset(self, envs: Any = None) -> None:
-        """Forget the history of some environments, by index or mask; None: of all."""
+        """Forget the history of some environments, by index or mask of (envs,); None: of all.
+
+        Raises:
+            RuntimeFault: there is no such environment, or the mask is of another length.
+        """
+        if envs is not None:
+            envs = self._chosen(envs)
         for state in self._state or ():
             state.reset(envs)
+
+    def _chosen(self, envs: Any) -> Any:
+        """Environments as an array that indexes; one that is not there is refused before any history is changed."""
+        import numpy as np
+
+        if not hasattr(envs, "dtype"):
+            envs = np.array(envs)
+            # An empty list is no list of floats.
+            envs = envs.astype(int) if not envs.size else envs
+        last, kind = self.envs - 1, str(envs.dtype)
+        help = f"envs are indices from 0 to {last}, or a mask of {self.envs} truth values"
+        if kind.endswith("bool"):
+            if tuple(envs.shape) != (self.envs,):
+                message = (
+                    f"the mask envs has the shape {tuple(envs.shape)}, there are {self.envs} environments"
+                )
+                raise RuntimeFault.of("LRN042", message, help=help)
+        elif "int" not in kind:
+            raise RuntimeFault.of("LRN042", f"envs are of type {kind}, neither indices nor a mask", help=help)
+        elif bool(((envs < 0) | (envs > last)).any()):
+            strange = envs[(envs < 0) | (envs > last)].reshape(-1).tolist()
+            message = f"envs has {listed(map(str, strange), 5)}, there are {self.envs} environments"
+            raise RuntimeFault.of("LRN042", message, help=help)
+        return envs
 
 
 class _State:
@@ -236,9 +267,9 @@ class Clamp:
         )
 
     def __call__(self, xp: Any, tau: Any, qd: Any) -> Any:
-        from actspec.laws import clip_asymmetric
-
         if self.curved:
+            from actspec.laws import clip_asymmetric
+
             tau = tau + 0.0
             for i, (drive, brake, knee, no_load), limit in self.curved:
                 tau[:, i] = clip_asymmetric(

@@ -27,7 +27,7 @@ MAX_BYTES = 64 * 1024 * 1024
 """Largest file [bytes]. Chosen: actuator networks have some tens of kilobytes."""
 
 
-class RuntimeFault(ActspecError):
+class RuntimeFault(ActspecError, ValueError):
     """A folder is not what `compile` writes for MuJoCo, or does not fit the model or the arrays."""
 
 

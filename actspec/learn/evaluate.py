@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, Diagnostic, Severity
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span
 from actspec.ir import JointActuator, Level
 from actspec.laws.network import NetworkLaw
 from actspec.learn.closed_loop import BASELINES, HORIZON, ROLLED, RollImpossible, baseline_laws, closed_loop
@@ -240,8 +240,15 @@ def outside(data: Dataset, manifest: NetworkManifest) -> dict[str, float] | None
     return {**shares, "any": float(np.mean(parts["error"] | parts["velocity"]))}
 
 
-def network_of(path: str, actuators: Sequence[JointActuator]) -> tuple[NetworkLaw, NetworkManifest]:
-    """The network that a manifest names, read as data.
+def network_of(
+    path: str, actuators: Sequence[JointActuator], step: float
+) -> tuple[NetworkLaw, NetworkManifest]:
+    """The network that a manifest names, read as data; its taps are those of the manifest.
+
+    Args:
+        path: Of the manifest.
+        actuators: Of the spec.
+        step: Physics step, of which the time between two taps must be a whole number [s].
 
     Raises:
         LogError: the manifest or its ONNX file cannot be read, or they do not fit.
@@ -253,13 +260,15 @@ def network_of(path: str, actuators: Sequence[JointActuator]) -> tuple[NetworkLa
 
     out = Collector()
     named = replace(actuators[0], level=Level.ACTUATOR_NET, network=Network(None, path), span=None)
-    found = read_network(named, "onnx", out)
+    found = read_network(named, "onnx", out, out.at("--network", Span(path)))
+    if found is not None:
+        found.stride(step)
     out.raise_if_failed(LogError)
     assert found is not None
     try:
         return found.manifest.law(read_onnx(found.data)), found.manifest
     except OnnxMissing as err:
         message = "a network is read by onnx, which is not installed"
-        raise LogError.of("LRN012", message, help="pip install 'actspec[learn]'") from err
+        raise LogError.of("LRN012", message, Span(path), help="pip install 'actspec[learn]'") from err
     except NetworkFileError as err:
-        raise LogError.of("LRN013", f"the network cannot be read: {err}", where=path) from err
+        raise LogError.of("LRN013", f"'{found.name}' cannot be read: {err}", Span(path)) from err

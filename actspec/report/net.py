@@ -53,7 +53,7 @@ def data_lines(data: Dataset, found: Sequence[JointData]) -> Iterator[str]:
         rows.append(
             [
                 one_line(joint.joint),
-                format_number(joint.minutes, 3),
+                f"{joint.minutes:.3g}",
                 f"{joint.rate:.4g} Hz",
                 str(joint.gaps),
                 _share(joint.saturation),

@@ -16,7 +16,7 @@ from actspec.ir import JointActuator
 from actspec.logs import JointLog, Log
 from actspec.sysid.descent import EXACT
 from actspec.sysid.spoilt import MOST, frozen, jumps, wild
-from actspec.units import format_number
+from actspec.units import format_number, format_quantity
 
 if TYPE_CHECKING:
     import numpy as np
@@ -123,7 +123,8 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
         out.error("SYS010", message, where=joint.name, span=place, help="log the command in every row")
         return None
     if np.ptp(joint.command[told]) == 0.0:
-        message = f"the command is {joint.command[told][0]:.6g} in every row: nothing moves the joint"
+        shown = format_quantity(float(joint.command[told][0]), "m" if joint.linear else "rad", 4)
+        message = f"the command is {shown} in every row: nothing moves the joint"
         out.error(
             "SYS011", message, where=joint.name, span=place, help="`actspec sysid design` writes commands"
         )
@@ -312,11 +313,11 @@ def _unusable(signal: Array) -> str | None:
     if len(finite) < 0.5 * len(signal):
         return f"is not a number in {len(signal) - len(finite)} of {len(signal)} rows"
     if np.ptp(finite) == 0.0:
-        return f"is {finite[0]:.6g} in every row"
+        return f"is {format_number(float(finite[0]), 4)} in every row"
     return None
 
 
-def _usual(gaps: Array) -> Array:
+def usual(gaps: Array) -> Array:
     """The usual time between two rows, as it is around each [s]: a loop may go faster while the drive is off."""
     from scipy.ndimage import median_filter
 
@@ -332,7 +333,7 @@ def longest_step(time: Array) -> Array:
     import numpy as np
 
     most = min(max(GAP, 1.0 + UNEVEN * unevenness(time)), MOST_GAP)
-    return np.asarray(most * _usual(np.diff(time)), dtype=float)
+    return np.asarray(most * usual(np.diff(time)), dtype=float)
 
 
 def unevenness(time: Array) -> float:
@@ -340,7 +341,7 @@ def unevenness(time: Array) -> float:
     import numpy as np
 
     gaps = np.diff(time)
-    return 1.4826 * float(np.median(np.abs(gaps / _usual(gaps) - 1.0)))
+    return 1.4826 * float(np.median(np.abs(gaps / usual(gaps) - 1.0)))
 
 
 def _filled(time: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
@@ -348,7 +349,7 @@ def _filled(time: Array) -> tuple[Array, NDArray[np.intp], NDArray[np.bool_]]:
     import numpy as np
 
     gaps = np.diff(time)
-    missing = np.where(gaps > longest_step(time), np.round(gaps / _usual(gaps)) - 1, 0).astype(int)
+    missing = np.where(gaps > longest_step(time), np.round(gaps / usual(gaps)) - 1, 0).astype(int)
     missing[missing > FILLED] = 0
     index = np.repeat(np.arange(len(time)), np.append(missing, 0) + 1)
     rank = np.arange(len(index)) - np.searchsorted(index, index)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -160,6 +161,9 @@ def test_data(trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: An
     # 4200 rows of 5 ms less the first six: five of history, before which a command had to arrive.
     assert found["joints"][0]["minutes"] == pytest.approx(4194 * 0.005 / 60)
     assert found["joints"][0]["rate"] == pytest.approx(200.0)
+    assert main(["net", "data", "spec.yaml", "1.npz"]) == 0
+    # 0.3495 minutes, in three digits.
+    assert re.search(r"hip +0\.3(49|5) +200 Hz", capsys.readouterr().out)
     assert main(["net", "data", "spec.yaml", "2.npz", "--policy", "3.npz", "--output-format", "json"]) == 1
     found = checked("net-data", capsys.readouterr().out)
     assert "LRN020" in {item["code"] for item in found["findings"]}
@@ -251,7 +255,14 @@ def test_a_trained_network_compiles(trained: tuple[Path, dict[str, Any]], monkey
     [
         (["train", "spec.yaml", "2.npz", "-o", "mine"], "OUT003"),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--hidden", "0"], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--hidden", ""], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--kind", "lstm", "--hidden", ""], "LRN015"),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--taps", "0"], "LRN015"),
+        (["train", "spec.yaml", "2.npz", "-o", "new", "--kind", "lstm", "--taps", "6"], "LRN025 --taps"),
+        (
+            ["train", "spec.yaml", "2.npz", "-o", "new", "--kind", "lstm", "--activation", "elu"],
+            "LRN025 --activation",
+        ),
         (["train", "spec.yaml", "2.npz", "-o", "new", "--max-time", "5 m"], "LRN015"),
         (["train", "spec.yaml", "2.npz", "2.npz", "-o", "new"], "LRN014"),
         (["train", "spec.yaml", "pickle.npz", "-o", "new"], "LOG"),
@@ -285,6 +296,93 @@ def test_what_is_refused(
     shown = capsys.readouterr().err
     assert code in shown and "Traceback" not in shown
     assert {file: file.read_bytes() for file in Path().rglob("*") if file.is_file()} == before
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (
+            {"taps": [0, 1]},
+            "NET010 --network: 'legs.onnx' is not what its manifest describes: it has 6 inputs",
+        ),
+        (
+            {"kind": "lstm"},
+            "NET010 --network: 'legs.onnx' is not what its manifest describes: it is of kind mlp",
+        ),
+        (
+            {"tap_period": "7 ms"},
+            "NET007 --network: tap_period 7 ms is not a whole number of physics steps of 5 ms",
+        ),
+        ({"tap_period": "unknown"}, "NET007 --network: tap_period is unknown"),
+        (
+            {"files": {"onnx": {"path": "gone.onnx", "sha256": 64 * "0"}}},
+            "NET003 --network: there is no file 'gone.onnx'",
+        ),
+        (
+            {"files": {"onnx": {"path": "legs.onnx", "sha256": 64 * "0"}}},
+            "NET005 --network: the network is not the one",
+        ),
+    ],
+    ids=lambda part: next(iter(part)) if isinstance(part, dict) else "",
+)
+def test_a_broken_manifest_is_named(
+    change: dict[str, Any], message: str, trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """Of all files that a command reads, the one that is wrong stands before the message."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    manifest = json.loads(Path("nets/legs.json").read_text("utf-8"))
+    Path("nets/broken.json").write_text(json.dumps({**manifest, **change}), "utf-8")
+    assert main(["net", "evaluate", "spec.yaml", "3.npz", "--network", "nets/broken.json"]) == 2
+    assert capsys.readouterr().err.startswith(f"nets/broken.json: {message}")
+
+
+def test_joints_that_a_network_was_not_trained_on(
+    trained: tuple[Path, dict[str, Any]], monkeypatch: Any, capsys: Any
+) -> None:
+    """Its manifest names other joints: both are told, with the manifest."""
+    path, _ = trained
+    monkeypatch.chdir(path)
+    manifest = json.loads(Path("nets/legs.json").read_text("utf-8"))
+    Path("nets/others.json").write_text(json.dumps({**manifest, "joints": ["hip", "knee"]}), "utf-8")
+    main(["net", "evaluate", "spec.yaml", "3.npz", "--network", "nets/others.json"])
+    shown = capsys.readouterr().err
+    assert "nets/others.json: NET008 [warning] --network: the network was not trained on arm\n" in shown
+    assert "its manifest names hip, knee" in shown
+    main(["net", "evaluate", "spec.yaml", "3.npz", "--network", "nets/legs.json"])
+    assert "NET008" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"hidden_size": 7}, "its hidden_size is 3, the manifest says 7"),
+        ({"num_layers": 2}, "its num_layers is 1, the manifest says 2"),
+        ({"kind": "mlp"}, "it is of kind lstm, the manifest says mlp"),
+        ({"taps": [0, 1]}, "it has 2 inputs, and position errors and velocities at 2 taps are 4"),
+    ],
+)
+def test_sizes_that_are_not_the_networks(
+    change: dict[str, Any], message: str, tmp_path: Path, monkeypatch: Any, capsys: Any
+) -> None:
+    """An LSTM of 3 by another's manifest: `inspect` lists it as a contradiction, `convert` writes nothing."""
+    from actspec.learn.files import write_network
+    from tests.learn.test_files import MANIFEST, lstm
+
+    monkeypatch.chdir(tmp_path)
+    write_network("net", lstm(1), {**MANIFEST, "taps": [0]})
+    manifest = json.loads(Path("net.json").read_text("utf-8"))
+    Path("other.json").write_text(json.dumps({**manifest, **change}), "utf-8")
+    assert main(["net", "inspect", "net.onnx", "--manifest", "other.json"]) == 1
+    assert f"contradiction: {message}" in capsys.readouterr().out
+    before = sorted(Path().iterdir())
+    assert main(["net", "convert", "net.onnx", "--manifest", "other.json", "-o", "new"]) == 2
+    assert (
+        f"net.onnx: LRN013: the network is not what other.json describes: {message}"
+        in capsys.readouterr().err
+    )
+    assert sorted(Path().iterdir()) == before
+    assert main(["net", "convert", "net.onnx", "--manifest", "net.json", "-o", "new"]) == 0
 
 
 def test_errors_by_hand() -> None:

@@ -109,9 +109,9 @@ def test_what_a_limit_can_remove(tmp_path: Path) -> None:
     bare = samples.errors()
     rows = np.arange(5, 55)
     assert np.abs(samples.errors(np.tile([0.05, 0.0], (58, 1)))[rows]).max() < 1e-8
-    whole = judged(bare[rows], removable(samples, rows, bare[rows], 0.1)).improvement
+    whole = judged(bare[rows], removable(samples, rows, bare[rows], 0.1)[1]).improvement
     assert whole.position > 0.999 and whole.velocity > 0.999
-    part = judged(bare[rows], removable(samples, rows, bare[rows], 0.02)).improvement
+    part = judged(bare[rows], removable(samples, rows, bare[rows], 0.02)[1]).improvement
     assert (part.position, part.velocity) == pytest.approx((0.4, 0.4), abs=1e-3)
 
     def right(columns: Any) -> Any:
@@ -124,6 +124,52 @@ def test_what_a_limit_can_remove(tmp_path: Path) -> None:
     # 58 rows hold one replay of 50; the correct commands go where the robot went.
     share, count = replay(samples, right)
     assert count == 1 and share is not None and share > 0.99
+
+
+def test_the_best_correction_is_best_in_both_together(tmp_path: Path) -> None:
+    """Two pendulums, one physics step: each correction changes a joint's own errors, along a straight line.
+
+    Noise makes the errors of the arm larger and of the position and the velocity contradict each other. The least sum
+    of what is left of both is found by trying corrections in steps of 1/500 of the limit.
+    """
+    path = folder(tmp_path, SPEC.replace("decimation: 4", "decimation: 1"))
+    samples = samples_of(path, walk(path, "log.npz", lambda q, qd, c: np.array([0.05, 0.0]), rows=120))
+    noise = np.random.default_rng(0).standard_normal(samples.after.shape) * [1e-5, 2e-4, 8e-3, 2e-2]
+    samples = replace(samples, after=samples.after + noise)
+    rows, limit = np.arange(len(samples)), 0.06
+    bare = samples.errors()
+
+    def left_of(errors: Any) -> float:
+        found = judged(bare, errors).improvement
+        return (1.0 - found.position) ** 2 + (1.0 - found.velocity) ** 2
+
+    slopes = (samples.errors(0.01) - bare) / 0.01
+    assert (samples.errors(-limit) - bare) == pytest.approx(-limit * slopes, abs=1e-9)
+    tried = np.linspace(-limit, limit, 1001)[:, None]
+    size = np.sqrt([np.mean(bare[:, :2] ** 2), np.mean(bare[:, 2:] ** 2)])
+    best = bare.copy()
+    for row in rows:
+        for j in (0, 1):
+            errors = bare[row, [j, 2 + j]] + tried * slopes[row, [j, 2 + j]]
+            best[row, [j, 2 + j]] = errors[np.argmin(np.sum((errors / size) ** 2, axis=1))]
+    delta, found = removable(samples, rows, bare, limit)
+    assert left_of(found) == pytest.approx(left_of(best), rel=1e-4)
+    assert np.abs(delta).max() <= limit and samples.errors(delta) == pytest.approx(found)
+
+
+@pytest.mark.parametrize("known", [0.08, 0.02])
+def test_no_correction_that_is_known_is_better_than_the_best(known: float, tmp_path: Path) -> None:
+    """1.5 N*m of dry friction hold what 20 N*m/rad make of a quarter of 0.1 rad: slopes at rest tell nothing there."""
+    path = folder(tmp_path, SPEC.replace("coulomb: 0 N*m", "coulomb: 1.5 N*m"))
+    samples = samples_of(path, walk(path, "log.npz", lambda q, qd, c: np.array([known, 0.0]), rows=80))
+
+    def right(columns: Any) -> Any:
+        return np.tile([known, 0.0], (len(columns), 1))
+
+    found = validate(samples, right, 0.1)
+    shares = [found.errors.improvement, found.at_limit, found.at_twice]
+    left = [(1.0 - share.position) ** 2 + (1.0 - share.velocity) ** 2 for share in shares]
+    assert left[0] >= left[1] >= left[2] and left[0] < 0.1
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -36,6 +37,41 @@ def test_a_spline_is_as_stiff_as_the_noise_allows() -> None:
     assert (
         np.abs((spline(time, holed, stiffness(time, holed)).derivative()(time) - slope)[middle]).max() < 0.05
     )
+
+
+@pytest.mark.parametrize("rows", [3, 4, 5, 50, 400])
+@pytest.mark.parametrize("stiff", [1e-13, 1e-6, 1e-2, 10.0])
+def test_the_spline_is_scipys(rows: int, stiff: float) -> None:
+    """The natural spline with the least squares and bends is one; scipy makes it by B-splines, from five rows on.
+
+    Of fewer the sum itself is least: moved a little at any row, it is larger.
+    """
+    from scipy.integrate import quad
+    from scipy.interpolate import CubicSpline, make_smoothing_spline
+
+    random = np.random.default_rng(rows)
+    time = np.cumsum(0.005 * random.uniform(0.6, 1.4, rows))
+    signal = 3.0 * np.sin(20.0 * time) + 0.1 * random.standard_normal(rows)
+    found = spline(time, signal, stiff)
+    if rows >= 5:
+        other = make_smoothing_spline(time, signal, lam=stiff)
+        beyond_the_ends = np.concatenate([[time[0] - 0.01], time, [time[-1] + 0.01]])
+        for order in (0, 1, 2):
+            size = max(1.0, np.abs(other(time, order)).max())
+            assert found(beyond_the_ends, order) == pytest.approx(
+                other(beyond_the_ends, order), abs=1e-6 * size
+            )
+        return
+
+    def cost(values: np.ndarray) -> float:
+        bent = CubicSpline(time, values, bc_type="natural")
+        bends = sum(quad(lambda t: bent(t, 2) ** 2, *ends)[0] for ends in pairwise(time))
+        return float(np.sum((values - signal) ** 2) + stiff * bends)
+
+    least = cost(found(time))
+    for row in range(rows):
+        for way in (-1e-2, 1e-2):
+            assert cost(found(time) + way * np.eye(rows)[row]) > least
 
 
 def test_friction_is_told_where_a_joint_slides(tmp_path: Path) -> None:
@@ -162,6 +198,21 @@ def test_a_base_that_flies_and_lands(tmp_path: Path) -> None:
     assert said == [f"{int(touching.sum())} of 160 rows are in contact: they are left out"]
     # Nothing says what the drive had at row 0.
     assert list(track.rows) == [k for k in np.flatnonzero(~touching) if k]
+    # Hung up, something else carries all of it: why no row is left is said, and what helps.
+    still = replace(moved, orientation=np.tile([1.0, 0, 0, 0], (160, 1)), linear_velocity=np.zeros((160, 3)))
+    hung = replace(log, base=replace(still, angular_velocity=np.zeros((160, 3))))
+    out = Collector()
+    data = dataset(actuators, [hung], out, taps=(0,), measured=False)
+    with pytest.raises(LogError) as caught:
+        inferred(data, robot, [hung], None, out)
+    (error,) = (item for item in caught.value.diagnostics if item.severity.value == "error")
+    assert error.code == "LRN005" and "160 rows are in contact, as the columns base.* tell" in error.message
+    assert error.span is not None and error.span.path == hung.path and "--base fixed" in str(error.help)
+    heard: list[tuple[int, int]] = []
+    fixed = inferred(data, robot, [hung], "fixed", Collector(), lambda *part: heard.append(part))
+    assert len(fixed.tracks[0].rows) == 159
+    # The motion of one joint, the links along one log, the steps of the commands.
+    assert heard == [(1, 3), (2, 3), (3, 3)]
     for lacking in ("orientation", "angular_velocity"):
         part = replace(log, base=replace(moved, **{lacking: None}))
         with pytest.raises(LogError, match=f"base.{lacking}"):

@@ -215,3 +215,40 @@ def test_delay_of_the_spec_is_said(tmp_path: Path) -> None:
     made = api.compile(str(tmp_path / "spec.yaml"))
     lost = [(a.joint, a.field, a.asked) for a in made.emissions[0].approximations if a.field == "delay"]
     assert lost == [("hip", "delay", "8 ms"), ("knee", "delay", "8 ms")]
+
+
+@pytest.mark.parametrize("library", ["list", "numpy", "torch"])
+def test_environments_that_are_not_there(library: str, folder: Path) -> None:
+    """Of four environments 4 and -1 are none, three truth values no mask and 0.5 no index; nothing is forgotten."""
+    import torch
+
+    def made(values: list[Any]) -> Any:
+        return {"list": list, "numpy": np.array, "torch": torch.tensor}[library](values)
+
+    nets, other = (runtime.networks(folder, envs=4) for _ in "ab")
+    rows = [[0.1, -0.2]] * 4
+    arrays = [torch.tensor(rows) if library == "torch" else np.array(rows) for _ in range(3)]
+    for begun in (False, True):
+        for wrong, message in (
+            ([5], "envs has 5, there are 4 environments"),
+            ([0, -1, 4], "envs has -1, 4, there are 4 environments"),
+            ([True] * 3, r"the mask envs has the shape \(3,\), there are 4 environments"),
+            ([0.5], "neither indices nor a mask"),
+        ):
+            with pytest.raises(ValueError, match=message) as caught:
+                nets.reset(made(wrong))
+            assert isinstance(caught.value, RuntimeFault) and caught.value.diagnostics[0].code == "LRN042"
+        if not begun:
+            # A history, from which a reset could be seen.
+            for part in (nets, other):
+                part.torque(*arrays)
+    moved = [2.0 * arrays[0], *arrays[1:]]
+    assert np.array_equal(np.asarray(nets.torque(*moved)), np.asarray(other.torque(*moved)))
+    # Of those that are there: an index, a mask, and none.
+    nets.reset(made([1]))
+    other.reset(made([False, True, False, False]))
+    assert np.array_equal(np.asarray(nets.torque(*moved)), np.asarray(other.torque(*moved)))
+    nets.reset(
+        {"list": [], "numpy": np.array([], int), "torch": torch.tensor([], dtype=torch.int64)}[library]
+    )
+    assert np.array_equal(np.asarray(nets.torque(*moved)), np.asarray(other.torque(*moved)))

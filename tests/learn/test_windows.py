@@ -116,6 +116,89 @@ def test_columns_that_are_refused(change: object, code: str, actuators: Actuator
     assert item.span is not None and item.span.path == logs[0].path
 
 
+@pytest.mark.parametrize(
+    ("second", "shown"),
+    [
+        pytest.param(3.0, "5 and 15 ms", id="a third of the rate"),
+        pytest.param(4.0 / 3.0, "5 and 6.667 ms", id="three quarters"),
+        pytest.param(0.5, "2.5 and 5 ms", id="twice"),
+    ],
+)
+def test_two_rates_one_after_the_other(
+    second: float, shown: str, actuators: ActuatorSet, logs: list[Log]
+) -> None:
+    """Row 400 of 600 is the first after another time: the log and its line are named, whichever stretch is longer."""
+    steps = np.where(np.arange(599) >= 399, 0.005 * second, 0.005)
+    log = replace(logs[0], time=np.concatenate([[0.0], np.cumsum(steps)]), first_row=2)
+    with pytest.raises(LogError) as caught:
+        dataset(actuators, [log], Collector(), taps=(0,))
+    (item,) = (i for i in caught.value.diagnostics if i.severity.value == "error")
+    assert (item.code, item.message) == ("LRN008", f"the rows come at two rates, {shown} apart")
+    # A step is told from those of four rows around it.
+    assert item.span is not None and item.span.path == log.path and abs(item.span.line - 402) <= 2
+
+
+def test_one_rate(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """A tenth of the rows missing here and there, a clock that jitters, rows of 2.5 ms with stamps in milliseconds, and
+    a rate that is another one while the drives are off."""
+    random = np.random.default_rng(3)
+    kept = np.flatnonzero(random.random(600) > 0.1)
+    joints = {
+        name: replace(joint, **{key: values[kept] for key, values in joint.signals.items()})
+        for name, joint in logs[0].joints.items()
+    }
+    on = np.where(np.arange(600) < 400, 1.0, 0.0)
+    off = {name: replace(joint, enabled=on) for name, joint in logs[0].joints.items()}
+    steps = 0.005 * np.where(np.arange(600) > 400, 0.2, 1.0)
+    fast = {name: replace(joint, velocity=2.0 * joint.velocity) for name, joint in logs[0].joints.items()}
+    for case in (
+        replace(logs[0], time=logs[0].time[kept], joints=joints),
+        replace(logs[0], time=logs[0].time + random.uniform(0.0, 0.0015, 600)),
+        replace(logs[0], time=np.round(0.5 * logs[0].time + 1e-9, 3), joints=fast),
+        replace(logs[0], time=np.cumsum(steps), joints=off),
+    ):
+        out = Collector()
+        data = dataset(actuators, [case], out, taps=(0,), period=0.005)
+        assert "LRN008" not in {item.code for item in out} and len(data.tracks[0].rows) > 100
+
+
+def test_rows_without_a_torque_are_counted(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """60 readings that are none, of rows 100 to 159: counted at the first, in line 102, and not learned."""
+    hip = logs[0].joints["hip"]
+    assert hip.torque is not None
+    lost = np.where((np.arange(600) >= 100) & (np.arange(600) < 160), np.nan, hip.torque)
+    log = replace(logs[0], joints={**logs[0].joints, "hip": replace(hip, torque=lost)}, first_row=2)
+    out = Collector()
+    data = dataset(actuators, [log], out, taps=(0,))
+    (item,) = (item for item in out if item.code == "SYS013")
+    assert (item.where, item.message) == ("hip", "60 rows have no torque: they are left out of it")
+    assert item.span is not None and (item.span.path, item.span.line) == (log.path, 102)
+    assert set(data.tracks[0].rows.tolist()) == set(range(1, 600)) - set(range(100, 160))
+
+
+def test_the_log_is_named_whose_rate_does_not_fit(actuators: ActuatorSet, logs: list[Log]) -> None:
+    """Rows of 2 ms, physics steps of 5 ms: the log. A tap period of 12.5 ms: the spec, where the step stands."""
+    for given, more, path, message in (
+        (
+            replace(logs[0], time=0.4 * logs[0].time),
+            {},
+            logs[0].path,
+            "a row comes every 2 ms, no whole number",
+        ),
+        (
+            logs[0],
+            {"period": 0.0125},
+            "spec.yaml",
+            "the tap period is 12.5 ms, no whole number of physics steps of 5 ms",
+        ),
+    ):
+        with pytest.raises(LogError) as caught:
+            dataset(actuators, [given], Collector(), **more)  # type: ignore[arg-type]
+        (item,) = (i for i in caught.value.diagnostics if i.severity.value == "error")
+        assert item.code == "LRN009" and item.message.startswith(message)
+        assert item.span is not None and item.span.path.endswith(path)
+
+
 def test_logs_that_are_refused(actuators: ActuatorSet, logs: list[Log]) -> None:
     """One joint for two, one joint's columns twice, two rates, a rate that does not fit, too few rows, other joints."""
     first = logs[0]

@@ -24,6 +24,7 @@ from actspec.robot.view import RobotView
 from actspec.spec.delta import DeltaManifest
 from actspec.spec.document import load_document
 from actspec.spec.validate import checked
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -231,7 +232,8 @@ def _check_graph(graph: Graph, manifest: DeltaManifest) -> None:
         )
     if not np.abs(y).max() <= manifest.max_delta * (1.0 + 1e-5):
         raise NetworkFileError(
-            f"it gives corrections above max_delta {manifest.max_delta:g}: {np.abs(y).max():.4g}"
+            f"it gives corrections above max_delta {format_number(manifest.max_delta, 3)}: "
+            f"{format_number(float(np.abs(y).max()), 4)}"
         )
 
 
@@ -314,7 +316,8 @@ def check_model(
         period = actuators.physics_dt.value * actuators.decimation
         if abs(manifest.period / period - 1.0) > 0.01:
             message = (
-                f"its period is {manifest.period * 1e3:g} ms, the spec's control period {period * 1e3:g} ms"
+                f"its period is {format_number(manifest.period * 1e3, 4)} ms, the spec's control period "
+                f"{format_number(period * 1e3, 4)} ms"
             )
             out.error(
                 "LRN059", message, where="delta_action", span=place, help="train it at the policy's rate"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
 from actspec.learn.delta.samples import Samples
+from actspec.units import format_number
 
 if TYPE_CHECKING:
     import numpy as np
@@ -79,7 +80,8 @@ class Validation:
     Attributes:
         errors: Of all joints.
         grade: `good`, `fair` or `poor`, by the smaller improvement.
-        at_limit, at_twice: What the best correction of each row, within the limit and within twice of it, takes away.
+        at_limit, at_twice: What the best correction of each row, within the limit and within twice of it, takes away;
+            see `removable`.
         share_at_limit: Share of corrections at their limit.
         replay: Improvement of the position over `HORIZON`; None: no stretch is long enough.
         replays: How many.
@@ -104,7 +106,8 @@ def check_limit(limit: float, out: Collector) -> None:
     """Warn of a wide limit [rad or m]."""
     if limit > WIDE:
         message = (
-            f"corrections of up to {limit:g} rad: more than {WIDE:g} rad hides a wrong model from the policy"
+            f"corrections of up to {format_number(limit, 3)} rad: more than {WIDE:g} rad hides a wrong model from the "
+            "policy"
         )
         help = "`delta validate` says under `removable` what a smaller limit would take away"
         out.warning("LRN058", message, where="max_delta", help=help)
@@ -175,9 +178,11 @@ def validate(
         for j, name in enumerate(samples.joints)
     )
     few = rows[np.linspace(0, len(rows) - 1, min(len(rows), MOST_ROWS)).astype(int)]
-    best = []
+    best, known = [], (found[few], left[few])
     for k, limit in enumerate((max_delta, 2.0 * max_delta)):
-        best.append(judged(bare[few], removable(samples, few, bare[few], limit)).improvement)
+        # What the network found, and what a smaller limit allowed, is allowed here too.
+        known = removable(samples, few, bare[few], limit, known)
+        best.append(judged(bare[few], known[1]).improvement)
         tell(2 + k, 4)
     share, replays = replay(samples, delta)
     tell(4, 4)
@@ -195,35 +200,44 @@ def validate(
     )
 
 
-def removable(samples: Samples, rows: Rows, bare: Array, limit: float) -> Array:
-    """Errors that are left with the best correction of each row alone, shape (n_row, 2 n_joint).
+def removable(
+    samples: Samples, rows: Rows, bare: Array, limit: float, known: tuple[Array, Array] | None = None
+) -> tuple[Array, Array]:
+    """The best correction of each row alone, and the errors that are left with it.
 
-    The best is that of least squares, each error over its own root mean square, by straight slopes that are taken anew
-    where they lead; a row keeps the best that was simulated.
+    One correction serves position and velocity, and what noise made of them agrees on none. The best is that of least
+    squares, positions over the root mean square of all joints' and velocities over theirs: the squares of what is left
+    of both, as `judged` has them, have the least sum, and of one of the two another correction may leave less. It is
+    found by straight slopes that are taken anew where they lead; a row keeps the best that was simulated.
 
     Args:
         samples: Of logs.
         rows: Which.
-        bare: Their errors without correction.
+        bare: Their errors without correction, shape (n_row, 2 n_joint).
         limit: Of a correction [rad or m].
+        known: Corrections within it, shape (n_row, n_joint), and the errors with them: what is found is no worse.
     """
     import numpy as np
 
-    size = np.sqrt(np.mean(bare**2, axis=0))
+    half = bare.shape[1] // 2
+    size = np.repeat([np.sqrt(np.mean(part**2)) for part in (bare[:, :half], bare[:, half:])], half)
     size = np.where(size > 0, size, 1.0)
 
     def cost(errors: Array) -> Array:
         found: Array = np.sum((np.nan_to_num(errors, nan=1e6) / size) ** 2, axis=1)
         return found
 
-    best, kept = bare.copy(), np.zeros((len(rows), len(samples.joints)))
+    kept, best = np.zeros((len(rows), len(samples.joints))), bare.copy()
+    if known is not None:
+        better = cost(known[1]) < cost(best)
+        kept[better], best[better] = known[0][better], known[1][better]
     for _ in range(SEARCHES):
         slopes = np.nan_to_num(samples.slopes(kept, best, 0.25 * limit, rows).astype(float) / size[:, None])
         fresh = _boxed(slopes, best / size, kept, limit)
         errors = samples.errors(fresh, rows)
         better = cost(errors) < cost(best)
         best[better], kept[better] = errors[better], fresh[better]
-    return best
+    return kept, best
 
 
 def _boxed(slopes: Array, errors: Array, start: Array, limit: float) -> Array:

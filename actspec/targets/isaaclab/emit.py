@@ -16,7 +16,7 @@ from actspec.targets.isaaclab import dialect_for
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
 from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
-from actspec.targets.kit.network import NetworkWithManifest, read_networks
+from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 
 CLASSES = ("auto", "implicit", "custom")
@@ -151,13 +151,7 @@ def _check_network(file: NetworkWithManifest, stride: int | None, members: Seque
                 f"{listed(wrong)}",
                 "put the scales into the network, and train at the physics step",
             )
-    strange = [a.joint for a in members if manifest.joints and a.joint not in manifest.joints]
-    if strange:
-        file.place.warning(
-            "NET008",
-            f"the network was not trained on {listed(strange)}",
-            f"its manifest names {listed(manifest.joints)}",
-        )
+    check_joints(manifest, [a.joint for a in members], file.place)
 
 
 def _warn(

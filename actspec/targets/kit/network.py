@@ -7,11 +7,11 @@ import io
 import math
 import os
 import zipfile
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
-from actspec.diagnostics import Collector, Place, SpecError, shortened
+from actspec.diagnostics import Collector, Place, SpecError, listed, shortened
 from actspec.files import NotRegular, TooLarge, is_imported, read_regular
 from actspec.ir import Command, JointActuator, Level, Network
 from actspec.readings.onnx_file import NotOnnx, check_onnx
@@ -137,7 +137,7 @@ def onnx_of(actuator: JointActuator) -> JointActuator | None:
 
 
 def read_network(
-    actuator: JointActuator, form: NetworkForm, collector: Collector
+    actuator: JointActuator, form: NetworkForm, collector: Collector, place: Place | None = None
 ) -> NetworkWithManifest | None:
     """Read a joint's network and its manifest; None after an error.
 
@@ -145,12 +145,13 @@ def read_network(
         actuator: Of level actuator_net; that it names no network is an error too.
         form: Which of the manifest's files; a spec's own `file` goes before.
         collector: Takes the errors.
+        place: Of what names it; None: the spec's.
     """
-    network, place = actuator.network, collector.at(f"actuators.{actuator.group}", actuator.span)
+    network, group = actuator.network, collector.at(f"actuators.{actuator.group}", actuator.span)
     if network is None:
-        place.error("NET001", "level actuator_net has no network", "write network: {manifest: ...}")
+        group.error("NET001", "level actuator_net has no network", "write network: {manifest: ...}")
         return None
-    place = replace(place, where=f"{place.where}.network", span=network.span or place.span)
+    place = place or replace(group, where=f"{group.where}.network", span=network.span or group.span)
     if network.manifest is None:
         place.error(
             "NET002",
@@ -254,6 +255,17 @@ def _fits(network: Network, path: str, data: bytes, manifest: NetworkManifest, p
     except NetworkFileError as err:
         place.error("NET011", f"'{shortened(os.path.basename(path))}' cannot be read: {err}")
         return False
+    wrong = misfits(layers, manifest)
+    if wrong:
+        message = (
+            f"'{shortened(os.path.basename(path))}' is not what its manifest describes: {'; '.join(wrong)}"
+        )
+        place.error("NET010", message, "name the manifest that was written with this network")
+    return not wrong
+
+
+def misfits(layers: Layers, manifest: NetworkManifest) -> list[str]:
+    """What a manifest says otherwise of a network's kind and sizes."""
     kind = "lstm" if layers.recurrent else "mlp"
     wrong = []
     if kind != manifest.kind:
@@ -274,12 +286,18 @@ def _fits(network: Network, path: str, data: bytes, manifest: NetworkManifest, p
         for own, said, name in sizes
         if layers.recurrent and said not in (None, own)
     ]
-    if wrong:
-        message = (
-            f"'{shortened(os.path.basename(path))}' is not what its manifest describes: {'; '.join(wrong)}"
+    return wrong
+
+
+def check_joints(manifest: NetworkManifest, joints: Sequence[str], place: Place) -> None:
+    """Warn of joints that the network was not trained on."""
+    strange = [joint for joint in joints if manifest.joints and joint not in manifest.joints]
+    if strange:
+        place.warning(
+            "NET008",
+            f"the network was not trained on {listed(strange)}",
+            f"its manifest names {listed(manifest.joints)}",
         )
-        place.error("NET010", message, "name the manifest that was written with this network")
-    return not wrong
 
 
 def _bytes(path: str, place: Place) -> bytes | None:
