@@ -205,8 +205,6 @@ def dataset(
         if measured and not np.isfinite(track.torque).any():
             message = "the torque tells nothing, as a warning says"
             out.error("LRN006", message, where=track.joint, span=Span(track.log.path))
-        elif measured:
-            _check_sign(track, out)
     out.raise_if_failed(LogError)
     for joint in mine:
         own = [track for track in tracks if track.joint == joint.joint]
@@ -420,33 +418,6 @@ def with_rows(track: Track, torque: Array, *, needed: bool = True) -> Track:
         length = track.time[reach:] - track.time[: n - reach]
         whole[reach:] &= np.abs(length - reach * step) < 0.5 * step * max(1, track.stride)
     return replace(track, torque=torque, rows=np.flatnonzero(whole))
-
-
-def _check_sign(track: Track, out: Collector) -> None:
-    """A torque that pulls away from the command has the wrong sign."""
-    import numpy as np
-
-    rows = track.rows
-    if len(rows) < 50:
-        return
-    step = float(np.median(np.diff(track.time)))
-    error, torque = track.error, track.torque[rows]
-    best = (0.0, 0.0)
-    for lag in range(max(2, math.ceil(LONGEST / step)) + 1):
-        late = error[np.maximum(rows - lag, 0)]
-        good = np.isfinite(late)
-        a = np.stack([late[good], track.velocity[rows][good], np.ones(int(good.sum()))], axis=1)
-        b = torque[good]
-        if len(b) < 50 or not np.var(b) > 0:
-            continue
-        solved = np.linalg.lstsq(a, b, rcond=None)[0]
-        told = 1.0 - float(np.sum((b - a @ solved) ** 2) / np.sum((b - b.mean()) ** 2))
-        if told > best[0]:
-            best = (told, float(solved[0]))
-    if best[0] > 0.5 and best[1] < 0.0:
-        message = "the torque pulls away from the command"
-        help = "turn the sign of the torque's column"
-        out.error("LRN011", message, where=track.joint, span=Span(track.log.path), help=help)
 
 
 def check_copies(positions: Iterable[tuple[str, str, Array]], out: Collector) -> None:

@@ -91,7 +91,8 @@ def check(
             _within(recording, recordings, ranges, out)
             kept = _velocity(recording, recordings, out)
             found[name].append(kept)
-    return check_torques(found, bounds, out)
+    check_torques(found, bounds, out)
+    return found
 
 
 def _moves(recording: Recording, out: Collector) -> bool:

@@ -29,6 +29,7 @@ from actspec.sysid.judge import judge_fit, judged
 from actspec.sysid.more import enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
+from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested
 from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
 
@@ -235,6 +236,12 @@ def prepared(
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
         _couple(robot, logs, joints, fits=False)
+        for joint in joints.values():
+            if joint.torque:
+                joint.recordings = [
+                    prompt(recording, course, joint.bounds, out)
+                    for recording, course in zip(joint.recordings, joint.courses, strict=True)
+                ]
     return joints
 
 

@@ -1,4 +1,4 @@
-"""A torque against what a drive answers to: its limit, its sign, its lag, and whose it is.
+"""A torque against what a drive answers to, and what it moves: its limit, its sign, its lag, and whose it is.
 
 A position drive gives kp (command - position) - kd velocity, whatever its gains are, as far as its limit goes: a
 regression on the two says how much of a torque that explains, of this joint or of another, now or some rows ago.
@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
 from actspec.sysid.begin import CLIPPED, LONGEST, regress
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import LEAST_ROWS, Recording
 from actspec.sysid.spoilt import texture
@@ -49,6 +50,8 @@ EXPLAINED, STRANGE = 0.1, 0.5
 Chosen: sound logs leave less than 0.02."""
 NEAR = 2
 """Rows by which the command's delay is another from one lag of the torque to the next."""
+MOVES = 0.05
+"""Share of the greatest speed above which friction has its sign."""
 MOST_ROWS = 4000
 """Rows by which that is told."""
 
@@ -72,30 +75,27 @@ class Answer:
 
 def check_torques(
     recordings: Mapping[str, Sequence[Recording]], bounds: Mapping[str, Bounds], out: Collector
-) -> dict[str, list[Recording]]:
-    """Judge the torques of all joints; one that is late is put right and reported, others are refused.
+) -> None:
+    """Judge the torques of all joints; what cannot be theirs is an error.
 
     Args:
         recordings: Joint to its part of every log.
         bounds: Of the drives, by the spec.
         out: Takes what is found.
     """
-    found: dict[str, list[Recording]] = {}
     for name, mine in recordings.items():
-        found[name] = []
         for recording in mine:
             read = recording.measured.get("torque")
-            if read is not None and int(_finite(read).sum()) >= LEAST_ROWS:
-                _limited(recording, bounds[name], out)
-                others = [
-                    other
-                    for joint, theirs in recordings.items()
-                    for other in theirs
-                    if joint != name and other.log is recording.log
-                ]
-                recording = _answering(recording, others, bounds[name], out)
-            found[name].append(recording)
-    return found
+            if read is None or int(_finite(read).sum()) < LEAST_ROWS:
+                continue
+            _limited(recording, bounds[name], out)
+            others = [
+                other
+                for joint, theirs in recordings.items()
+                for other in theirs
+                if joint != name and other.log is recording.log
+            ]
+            _answering(recording, others, bounds[name], out)
 
 
 def _finite(signal: Array) -> NDArray[np.bool_]:
@@ -158,16 +158,12 @@ def _rows(number: int) -> str:
     return "1 row" if number == 1 else f"{number} rows"
 
 
-def _answering(
-    recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector
-) -> Recording:
+def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector) -> None:
     """The torque against its joint's error and motion, and against those of others."""
-    import numpy as np
-
     torque, name, place = recording.measured["torque"], recording.joint, recording.place()
     own = answer(torque, recording, bounds.limit)
     if own is None:
-        return recording
+        return
     if own.left > STRANGE:
         for other in others:
             if len(other.time) != len(torque):
@@ -176,8 +172,8 @@ def _answering(
             if theirs is not None and theirs.left < EXPLAINED and theirs.kp > 0.0:
                 message = f"the torque answers to the error of {other.joint}, not to its own"
                 out.error("SYS015", message, where=name, span=place, help="columns are exchanged")
-                return recording
-        return recording
+                return
+        return
     if own.kp < 0.0:
         if own.kd > 0.0:
             message = "the torque pulls from the command to the position, and brakes"
@@ -185,17 +181,52 @@ def _answering(
         else:
             help = "turn the sign of the torque's column"
             out.error("SYS014", "the torque pulls away from the command", where=name, span=place, help=help)
+        return
+
+
+def prompt(recording: Recording, course: Course, bounds: Bounds, out: Collector) -> Recording:
+    """The recording with its torque earlier, and a warning, where that was logged late.
+
+    A torque that is late against error and speed may come from a slow drive. Where the joint's acceleration agrees
+    better with what was read some rows later, it is the log that is late.
+
+    Args:
+        recording: With a torque.
+        course: Links along it.
+        bounds: Of the drive.
+        out: Takes what is found.
+    """
+    import numpy as np
+
+    torque = recording.measured["torque"]
+    own = answer(torque, recording, bounds.limit)
+    if (
+        own is None
+        or own.late == 0
+        or _moved(torque, recording, course, own.late) > BETTER * _moved(torque, recording, course, 0)
+    ):
         return recording
-    if own.late:
-        message = (
-            f"the torque is {_rows(own.late)} ({format_number(1e3 * own.late * recording.step, 3)} ms) behind the "
-            "motion that it answers to: it is fitted as that of so much earlier"
-        )
-        help = "log what the drive reads in one message, or take the delay of its torque out of the column"
-        out.warning("SYS012", message, where=name, span=place, help=help)
-        earlier = np.concatenate([torque[own.late :], np.full(own.late, np.nan)])
-        return replace(recording, measured={**recording.measured, "torque": earlier})
-    return recording
+    message = (
+        f"the torque is {_rows(own.late)} ({format_number(1e3 * own.late * recording.step, 3)} ms) behind the "
+        "motion that it makes: it is fitted as that of so much earlier"
+    )
+    help = "log what the drive reads in one message, or take the lag out of the column"
+    out.warning("SYS012", message, where=recording.joint, span=recording.place(), help=help)
+    earlier = np.concatenate([torque[own.late :], np.full(own.late, np.nan)])
+    return replace(recording, measured={**recording.measured, "torque": earlier})
+
+
+def _moved(torque: Array, recording: Recording, course: Course, late: int) -> float:
+    """Variance that is left of a torque when links, inertia and friction are taken out of what it is rows later."""
+    import numpy as np
+
+    n, qd, acceleration = len(torque) - late, recording.velocity, recording.acceleration
+    needed = course.inertia * acceleration + course.load
+    rest = torque[late:] - needed[:n]
+    used = np.isfinite(rest) & (np.abs(qd[:n]) > MOVES * np.abs(qd).max())
+    terms = np.stack([acceleration, qd, np.sign(qd), np.ones_like(qd)], axis=1)[:n]
+    told = regress([(terms[used], rest[used])])
+    return math.inf if told is None else told[1] * float(np.var(rest[used]))
 
 
 def _asked(recording: Recording) -> NDArray[np.bool_]:

@@ -100,7 +100,7 @@ def test_a_recording_with_the_only_data_of_a_joint_is_not_held_out(
 @pytest.mark.parametrize(
     ("change", "code"),
     [
-        (lambda j: replace(j, torque=-j.torque), "LRN011"),
+        (lambda j: replace(j, torque=-j.torque), "SYS014"),
         (lambda j: replace(j, torque=None), "LRN006"),
         (lambda j: replace(j, torque=np.nan * j.torque), "LRN006"),
         (lambda j: replace(j, command=0.0 * j.command), "SYS011"),

@@ -11,9 +11,10 @@ import pytest
 from actspec.diagnostics import Collector, Diagnostic, Severity
 from actspec.logs import JointLog, Log, LogError, Sidecar
 from actspec.sysid.checks import check
+from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import Recording, record, without_velocity
-from actspec.sysid.torques import answer
+from actspec.sysid.torques import answer, prompt
 from tests.sysid.test_fit import PERIOD, ROWS, command, fitted, logged
 from tests.sysid.truth import truth
 
@@ -100,19 +101,54 @@ def test_the_sign_of_a_torque(log: Log) -> None:
     assert (one.code, one.message) == ("SYS014", "the torque pulls away from the command")
 
 
+def promptly(log: Log, torque: np.ndarray) -> tuple[Recording, list[Diagnostic]]:
+    """The hip with another torque, taken earlier if it is late, and what is said of that."""
+    made, _ = checked(log, hip=replace(log.joints["hip"], torque=torque))
+    (hip,) = made["hip"]
+    still = np.zeros(ROWS)
+    load, slope = 1.2 * np.sin(hip.position), 1.2 * np.cos(hip.position)
+    course = Course(hip.time, hip.command, still, still + 0.02, load, slope, hip.position)
+    out = Collector()
+    return prompt(hip, course, Bounds(limit=30.0), out), list(out.sorted())
+
+
 @pytest.mark.parametrize("rows", [3, 7, 20])
 def test_a_torque_that_is_late_is_taken_earlier(log: Log, rows: int) -> None:
     """Beside a delay of 2.65 rows, which shifts the command alone; 20 rows are 40 ms."""
-    hip = log.joints["hip"]
-    assert hip.torque is not None
-    late = np.concatenate([np.full(rows, np.nan), hip.torque[:-rows]])
-    made, found = checked(log, hip=replace(hip, torque=late))
-    (one,) = (one for one in found if one.code != "SYS013")
+    torque = log.joints["hip"].torque
+    assert torque is not None
+    made, (one,) = promptly(log, np.concatenate([np.full(rows, np.nan), torque[:-rows]]))
     assert (one.code, one.severity, one.where) == ("SYS012", Severity.WARNING, "hip")
     assert one.message.startswith(f"the torque is {rows} rows ({2 * rows} ms) behind the motion")
-    torque = made["hip"][0].measured["torque"]
-    np.testing.assert_array_equal(torque[: ROWS - rows], hip.torque[: ROWS - rows])
-    assert np.isnan(torque[ROWS - rows :]).all()
+    np.testing.assert_array_equal(made.measured["torque"][: ROWS - rows], torque[: ROWS - rows])
+    assert np.isnan(made.measured["torque"][ROWS - rows :]).all()
+    assert promptly(log, torque)[1] == []
+
+
+def test_a_drive_that_is_slow_itself_is_not_late(log: Log) -> None:
+    """Its torque follows error and speed by 10 ms, and moves the joint at once: J 0.03, kp 20, kd 0.5, mgl 1.2."""
+    given, parts = command(), 20
+    q, qd, torque = np.zeros(ROWS), np.zeros(ROWS), np.zeros(ROWS)
+    at, speed, drive = 0.0, 0.0, 0.0
+    for row in range(ROWS):
+        q[row], qd[row], torque[row] = at, speed, drive
+        for _ in range(parts):
+            h = PERIOD / parts
+            drive += h / 0.010 * (20.0 * (given[row] - at) - 0.5 * speed - drive)
+            speed += h / 0.03 * (drive - 0.02 * speed - 1.2 * np.sin(at))
+            at += h * speed
+    random = np.random.default_rng(4)
+    slow = replace(
+        log.joints["hip"],
+        position=q + 5e-4 * random.standard_normal(ROWS),
+        velocity=qd + 0.05 * random.standard_normal(ROWS),
+    )
+    log = replace(log, joints={**log.joints, "hip": slow})
+    noisy = torque + 0.02 * torque.std() * random.standard_normal(ROWS)
+    (hip,) = checked(log, hip=replace(slow, torque=noisy))[0]["hip"]
+    found = answer(noisy, hip, 30.0)
+    assert found is not None and found.late > 2
+    assert promptly(log, noisy)[1] == []
 
 
 def test_gains_of_a_torque_by_regression(log: Log) -> None:
