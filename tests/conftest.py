@@ -28,10 +28,16 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regen", action="store_true", help="write golden files and error texts anew")
 
 
-def pytest_collection_finish() -> None:
+def pytest_collection() -> None:
     """Ten thousand tests are no garbage: who looks for some need not walk through them each time."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """From here on there is some, but not among them."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session")
