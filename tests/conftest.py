@@ -14,13 +14,15 @@ import pytest
 from actspec.processes import IsolatedCall, Pool
 from actspec.robot.usda import read_usda
 from tests.frameworks.forking import forking
+from tests.frameworks.prepare import RELEASES
 from tests.in_process import in_process
+from tests.ordering import order
 from tests.remembering import remembering
 
 # Processes of the run share the cores: threads would wait for each other, and burn the time. Before numpy is there.
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-MJLAB = "1.6.0"
+MJLAB = RELEASES["mjlab"][0]
 """The release whose robots the tests read."""
 
 
@@ -28,10 +30,22 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--regen", action="store_true", help="write golden files and error texts anew")
 
 
-def pytest_collection_finish() -> None:
+@pytest.hookimpl(trylast=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Behind what leaves some out."""
+    order(items)
+
+
+def pytest_collection() -> None:
     """Ten thousand tests are no garbage: who looks for some need not walk through them each time."""
+    gc.disable()
+
+
+def pytest_collection_finish() -> None:
+    """From here on there is some, but not among them."""
     gc.collect()
     gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture(scope="session")

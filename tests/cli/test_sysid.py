@@ -162,7 +162,7 @@ def test_steps_together_are_no_copies(tmp_path: Path, monkeypatch: pytest.Monkey
     spec = str(data_path("robots", "a1.yaml"))
     design = ["sysid", "design", spec, "-o", "c.csv", "--experiment", "steps", "--together"]
     joints = ["FR_hip_joint", "FR_thigh_joint", "FR_calf_joint"]
-    assert main([*design, "--joint", *joints, "--duration", "20 s", "--rate", "200 Hz"]) == 0
+    assert main([*design, "--joint", *joints, "--duration", "10 s", "--rate", "200 Hz"]) == 0
     commands = [load_log("c.csv").joints[name].command for name in joints]
     apart = np.abs(np.corrcoef(commands)[np.triu_indices(3, 1)])
     assert apart.max() < 0.5
@@ -238,7 +238,7 @@ def test_joints_that_push_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyP
         "--joint",
         "FR_(thigh|calf)_joint",
     ]
-    assert main([*design, "--together", "--duration", "5 s"]) == 0
+    assert main([*design, "--together", "--duration", "5 s", "--rate", "250 Hz"]) == 0
     noise = ["--position-noise", "0.5 mrad", "--velocity-noise", "0.05 rad/s", "--torque-noise", "2 %"]
     assert main(["sysid", "simulate", spec, "--command", "c.csv", "-o", "l.csv", "--seed", "2", *noise]) == 0
     capsys.readouterr()

@@ -34,6 +34,8 @@ NEWTON = ("numpy", "warp", "newton")
 """Without torch: a probe of Newton runs as if there were none."""
 PACKAGES: dict[str, tuple[str, ...]] = {
     "isaaclab_probe.py": ISAACLAB,
+    "isaaclab_recorder_probe.py": ISAACLAB,
+    "mjlab_delta_probe.py": MJLAB,
     "mjlab_probe.py": MJLAB,
     "mjlab_versions_probe.py": ("torch", "mujoco", "mujoco_warp", "mediapy", "trimesh", "viser"),
     "newton_probe.py": NEWTON,

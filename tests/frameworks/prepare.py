@@ -7,6 +7,7 @@ said, arrays = frameworks.run_probe(Path("probe.py"), {"text": text}, {"q": q})
 from __future__ import annotations
 
 import hashlib
+from contextlib import suppress
 from pathlib import Path
 
 from actspec.verify.environments import (
@@ -14,10 +15,12 @@ from actspec.verify.environments import (
     ISAACLAB,
     NEWTON,
     PYTHONS,
+    EngineUnavailableError,
     Frameworks,
     ProbeAnswer,
     pip,
     prepare_frameworks,
+    prepare_release,
     quiet,
     run,
     whole,
@@ -76,5 +79,28 @@ def training(frameworks: Frameworks) -> Path:
     return whole(frameworks.folder.parent / f"training-{digest[:12]}", make, quiet)
 
 
+RELEASES = {
+    "mjlab": ("1.6.0", "1.0.0", "1.2.0", "1.3.0", "1.5.3"),
+    "mujoco-mjx": ("3.17.0",),
+}
+"""Beside the environment; of mjlab the one whose robots are read, and one on each side of every change of its table."""
+
+
+def everything() -> Path:
+    """Fetch what tests ask for, so that none of them waits for it; the folder of the environment.
+
+    Raises: EngineUnavailableError: a package of the environment cannot be had; tests say what else cannot.
+    """
+    from tests.agree.engines import VERSIONS
+
+    for project, versions in {"mujoco": VERSIONS, **RELEASES}.items():
+        for version in versions:
+            with suppress(EngineUnavailableError):
+                prepare_release(project, version)
+    frameworks = prepare()
+    training(frameworks)
+    return frameworks.folder
+
+
 if __name__ == "__main__":
-    print(prepare().folder)
+    print(everything())

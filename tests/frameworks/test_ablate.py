@@ -18,8 +18,13 @@ from tests.frameworks.prepare import Frameworks, training
 PROBE = Path(__file__).with_name("training_probe.py")
 GO1 = Path(__file__).resolve().parents[2] / "robots" / "go1.yaml"
 CUTOFF = 8.0
-SHORT = 0.3
+SHORT = 0.1
 """Length of an episode [s], so that some end within an iteration."""
+SMALLER = {
+    "  cfg.sim.mujoco.timestep = TIMESTEP\n": f"  cfg.episode_length_s = {SHORT}\n",
+    "  cfg.agent.max_iterations = iterations\n": "  cfg.agent.num_steps_per_env = 8\n",
+}
+"""Line of the script to what is put behind it: nothing is learned here."""
 
 
 @pytest.mark.slow
@@ -36,10 +41,11 @@ def test_training_in_mjlab(
     assert main(command) == 0
     script = tmp_path / "out/train.py"
     # Yours to edit.
-    line = "  cfg.sim.mujoco.timestep = TIMESTEP\n"
     text = script.read_text(encoding="utf-8")
-    assert text.count(line) == 1
-    script.write_text(text.replace(line, f"{line}  cfg.episode_length_s = {SHORT}\n"), encoding="utf-8")
+    for line, more in SMALLER.items():
+        assert text.count(line) == 1
+        text = text.replace(line, line + more)
+    script.write_text(text, encoding="utf-8")
     arguments = ["C_bandwidth", "--seed", "3", "--iterations", "1", "--envs", "4"]
     said, arrays = run_probe(
         frameworks.python(),

@@ -26,6 +26,7 @@ from tests.frameworks.mjlab_specs import (
     RICH,
     ROOT,
 )
+from tests.frameworks.prepare import RELEASES as FETCHED
 from tests.frameworks.prepare import Frameworks
 from tests.targets.mjlab.emitting import Written, written
 
@@ -33,7 +34,7 @@ pytestmark = pytest.mark.slow
 
 VERSIONS_PROBE = PROBE.with_name("mjlab_versions_probe.py")
 
-RELEASES = {"1.0": "1.0.0", "1.2": "1.2.0", "1.3": "1.3.0", "1.5": "1.5.3"}
+RELEASES = {version.rpartition(".")[0]: version for version in FETCHED["mjlab"][1:]}
 """One release on each side of every change that the table of versions names; 40 MB each."""
 
 VELOCITY_PD = """

@@ -11,11 +11,11 @@ import pytest
 from actspec.verify.environments import EngineUnavailableError, prepare_release
 from tests.frameworks.playground_asking import Run, dc_motor_faults, faults, job, motors, probed
 from tests.frameworks.playground_specs import FACTORS, FIELDS, GROUPS
-from tests.frameworks.prepare import Frameworks
+from tests.frameworks.prepare import RELEASES, Frameworks
 
 pytestmark = pytest.mark.slow
 
-TORQUE_MJX = "3.17.0"
+(TORQUE_MJX,) = RELEASES["mujoco-mjx"]
 """MJX of the torque dialect that runs on the environment's warp."""
 
 MUTATIONS: dict[str, tuple[str, tuple[str, str], str]] = {
@@ -47,8 +47,11 @@ MUTATIONS: dict[str, tuple[str, tuple[str, str], str]] = {
 
 @pytest.fixture(scope="module")
 def ran(frameworks: Frameworks) -> dict[str, Run]:
-    """Every function of this file that the environment's own MJX takes, in one process."""
-    jobs = {"fields": job(GROUPS % FIELDS), "factors": job(GROUPS % FACTORS)}
+    """Every function of this file that the environment's own MJX takes, in one process.
+
+    MJX steps FIELDS, whose batched fields are all that FACTORS has and more; the torque of FACTORS is MuJoCo's.
+    """
+    jobs = {"fields": job(GROUPS % FIELDS), "factors": job(GROUPS % FACTORS, step=False)}
     mutants = {
         key: replace(jobs[name], mutation=change, step=fault == "error")
         for key, (name, change, fault) in MUTATIONS.items()
@@ -58,7 +61,7 @@ def ran(frameworks: Frameworks) -> dict[str, Run]:
 
 @pytest.mark.parametrize("name", ["fields", "factors"])
 def test_drawn_numbers_and_torque(ran: dict[str, Run], name: str) -> None:
-    """Each number is in its range, the others are the model's, and the batched step has the law's torque."""
+    """Each number is in its range, the others are the model's, and the step has the law's torque."""
     assert faults(name, ran[name]) == []
 
 

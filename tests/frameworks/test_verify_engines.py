@@ -114,7 +114,6 @@ NEWTON_FAULTS: dict[str, tuple[Edit, str, str]] = {
         "VFY103",
         "armature",
     ),
-    "kp halved": (replaced("kp = 40.0", "kp = 20.0", 0), "VFY100", "torque"),
     "delay off by one": (replaced("delaySteps = 2", "delaySteps = 1", 0), "VFY100", "torque.step"),
     "limit lost": (replaced("maxEffort = 33.75", "maxEffort = 1e9", 0), "VFY100", "torque"),
 }
@@ -135,8 +134,9 @@ def test_fault_in_an_overlay_is_found(name: str, newton: Built) -> None:
     assert (code, quantity) in {(row.code, row.quantity) for row in agreement.faults}
 
 
-def test_kp_is_found_without_the_engine(newton: Built) -> None:
-    """A gain that the torque shows too is told as the field that it is, at its place."""
+def test_kp_is_found_with_and_without_the_engine(newton: Built) -> None:
+    """A gain shows in the torque, and is told as the field that it is, at its place."""
     agreement = newton.verified("newton", replaced("kp = 40.0", "kp = 20.0", 0), engines=True)
+    assert ("VFY100", "torque") in {(row.code, row.quantity) for row in agreement.faults}
     (row,) = [row for row in agreement.faults if row.quantity == "kp"]
     assert (row.code, row.engine, row.expected, row.got) == ("VFY110", None, 40.0, 20.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from functools import cache
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -54,37 +54,41 @@ FORBIDDEN = {"ir": HEAVY, "laws": HEAVY, "audit.rules": HEAVY}
 """What a part imports nowhere, functions included: these take what they are given."""
 
 
-def modules() -> dict[str, ast.Module]:
-    """Every module of the package by its name below `actspec`; "" is the package itself."""
+def modules() -> dict[str, Path]:
+    """File of every module of the package by its name below `actspec`; "" is the package itself."""
     found = {}
     for path in sorted(PACKAGE.rglob("*.py")):
         parts = path.relative_to(PACKAGE).with_suffix("").parts
         # Probes are no modules: they run in the simulators' environments.
         if parts[0] != "_data" and parts[:2] != ("verify", "probes"):
             name = ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
-            found[name] = ast.parse(path.read_text(encoding="utf-8"), str(path))
+            found[name] = path
     return found
 
 
-def imports(name: str, tree: ast.Module, known: set[str]) -> Iterator[tuple[int, str]]:
+MODULES = modules()
+
+
+@cache
+def imports(name: str) -> list[tuple[int, str]]:
     """Line and full name of everything a module imports anywhere, relative imports made absolute."""
-    is_package = name == "" or any(other.startswith(name + ".") for other in known)
+    is_package = name == "" or any(other.startswith(name + ".") for other in MODULES)
     here = ["actspec", *name.split(".")] if name else ["actspec"]
     package = here if is_package else here[:-1]
-    for node in ast.walk(tree):
+    found = []
+    path = MODULES[name]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"), str(path))):
         if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name) for alias in node.names)
+            found += [(node.lineno, alias.name) for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = package[: len(package) - node.level + 1] if node.level else []
             source = ".".join([*base, *([node.module] if node.module else [])])
             for alias in node.names:
                 inner = f"{source}.{alias.name}"
                 # `from actspec import ir` names a module, `from actspec.ir import Quantity` does not.
-                yield node.lineno, inner if inner.removeprefix("actspec.") in known else source
-
-
-MODULES = modules()
-IMPORTS = {name: list(imports(name, tree, set(MODULES))) for name, tree in MODULES.items()}
+                own_module = inner.removeprefix("actspec.") in MODULES
+                found.append((node.lineno, inner if own_module else source))
+    return found
 
 
 def part(name: str) -> str:
@@ -104,7 +108,7 @@ def test_imports_point_down(name: str) -> None:
     """A module imports only its own layer and lower ones, wherever in the file the import stands."""
     assert part(name) in RANK, f"actspec/{part(name)} is in no layer: give it one in LAYERS"
     wrong = []
-    for line, target in IMPORTS[name]:
+    for line, target in imports(name):
         mine = own(target)
         # The version is all that lower layers may take from the package itself.
         if mine and RANK.get(part(mine), len(LAYERS)) > RANK[part(name)]:
@@ -115,8 +119,8 @@ def test_imports_point_down(name: str) -> None:
 def test_parts_form_no_circle() -> None:
     """Parts of one layer may use each other in one direction only."""
     graph: dict[str, set[str]] = {}
-    for name, found in IMPORTS.items():
-        targets = (own(target) for _, target in found)
+    for name in MODULES:
+        targets = (own(target) for _, target in imports(name))
         graph.setdefault(part(name), set()).update(part(t) for t in targets if t and part(t) != part(name))
     try:
         TopologicalSorter(graph).prepare()
@@ -133,7 +137,7 @@ def test_pure_parts_import_no_engine(where: str) -> None:
     wrong = [
         f"{name}:{line}: {target}"
         for name in mine
-        for line, target in IMPORTS[name]
+        for line, target in imports(name)
         if target.split(".")[0] in FORBIDDEN[where]
     ]
     assert not wrong
@@ -146,9 +150,9 @@ def test_a_library_stays_in_one_place(library: str, home: str) -> None:
     """Everybody else takes the arrays or views that they are given."""
     wrong = [
         f"{name}:{line}"
-        for name, found in IMPORTS.items()
+        for name in MODULES
         if name != home and not name.startswith(home + ".")
-        for line, target in found
+        for line, target in imports(name)
         if target.split(".")[0] == library
     ]
     assert not wrong

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import os
+from functools import cache
 from importlib import metadata
 from pathlib import Path
 
@@ -424,6 +425,7 @@ def test_rows_of_a_spec() -> None:
     assert {"kp", "kd", "effort_limit"} <= first.stated
 
 
+@cache
 def _real() -> list[Path]:
     found = sorted(CORPUS.rglob("*.xml"))
     try:
