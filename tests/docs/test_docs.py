@@ -35,7 +35,6 @@ import stat
 import subprocess
 import sys
 import sysconfig
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -57,7 +56,6 @@ from actspec.simulators.newton import newton_dialect
 from actspec.spec.document import load_document
 from actspec.spec.results import validate_results
 from actspec.verify.environments import EngineUnavailableError
-from tests.docs.shell import shell
 from tests.frameworks.prepare import prepare
 
 ROOT = Path(__file__).parents[2]
@@ -300,23 +298,24 @@ def test_commands_are_understood(command: str) -> None:
     assert parser().parse_args(arguments).command
 
 
-@pytest.fixture(scope="module")
-def shims(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, str]]:
+def _shims(folder: Path) -> dict[str, str]:
     """An environment in which `actspec` and `pytest` are these."""
-    bin_ = tmp_path_factory.mktemp("bin")
-    pytests = bin_ / "pytest"
-    pytests.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m pytest "$@"\n')
-    pytests.chmod(pytests.stat().st_mode | stat.S_IXUSR)
-    with shell(bin_, _environment()):
-        yield {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
+    bin_ = folder / "bin"
+    bin_.mkdir()
+    for command, module in (("actspec", "actspec"), ("pytest", "pytest")):
+        shim = bin_ / command
+        shim.write_text(f'#!/bin/sh\nexec {shlex.quote(sys.executable)} -m {module} "$@"\n')
+        shim.chmod(shim.stat().st_mode | stat.S_IXUSR)
+    return {**_environment(), "PATH": f"{bin_}{os.pathsep}{os.environ['PATH']}"}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "page", [p for p in PAGES if any(b.page == p for b in _of("console"))], ids=lambda p: p.name
 )
-def test_consoles_show_real_output(page: Path, folder: Path, shims: dict[str, str]) -> None:
+def test_consoles_show_real_output(page: Path, folder: Path) -> None:
     """The console blocks of a page, run in their order in a shell, print what the page shows."""
+    env = _shims(folder)
     for block in (b for b in _of("console") if b.page == page):
         shown: list[tuple[str, list[str]]] = []
         for line in block.text.splitlines():
@@ -329,7 +328,7 @@ def test_consoles_show_real_output(page: Path, folder: Path, shims: dict[str, st
             done = subprocess.run(
                 ["bash", "-c", command],
                 cwd=folder,
-                env=shims,
+                env=env,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
                 text=True,
@@ -499,12 +498,12 @@ WORKFLOWS = [b for b in PROJECT if b.title.startswith((".github/workflows/", ".g
 
 @pytest.mark.slow
 @pytest.mark.parametrize("block", WORKFLOWS, ids=lambda b: b.id)
-def test_workflows_run(block: Block, folder: Path, shims: dict[str, str]) -> None:
+def test_workflows_run(block: Block, folder: Path) -> None:
     """The steps that call actspec, run in a shell on the example, find what is wrong with it and write their files."""
     shutil.copytree(ROOT / "docs" / "example", folder / "example")
     (job,) = yaml.safe_load(block.text).get("jobs", {0: yaml.safe_load(block.text).get("audit")}).values()
     lines = job["script"] if "script" in job else [step.get("run", "") for step in job["steps"]]
-    env = {**shims, "GITHUB_STEP_SUMMARY": "summary.md"}
+    env = {**_shims(folder), "GITHUB_STEP_SUMMARY": "summary.md"}
     codes = {
         line: subprocess.run(
             ["bash", "-c", line.replace("audit robots", "audit example")],
