@@ -159,9 +159,10 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
     # Which copy of a file it is held to is no matter.
     for span in held:
         texts = [text.replace(span.path, "#") for text in texts]
-    if not finding.joint or item.severity is Severity.INFO:
+    if not finding.joint or item.severity is Severity.INFO or finding.value == 0.0:
         yield (*about, *texts)
-    # A warning or error of other joints is another one: each file has its line.
+    # A warning or error of other joints is another one: each file has its line. A limit of 0 nobody filled in, whatever
+    # the joints.
     if not finding.joint:
         return
     if finding.expected is None or not held:

@@ -75,6 +75,14 @@ def test_what_several_files_have_is_reported_once() -> None:
     assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
 
 
+def test_what_nobody_filled_in_is_reported_once() -> None:
+    """Limits of 0 in the files of several robots are one thing that was left out; a figure is another one each."""
+    zeros = [_one(1, "the effort is 0", joint, path=f"{joint}.urdf", value=0.0) for joint in "abc"]
+    (group,) = _groups(*zeros)
+    assert group.headline() == "a: the effort is 0 (the same for other joints in b.urdf, c.urdf)"
+    assert len(_groups(*(replace(item, value=1e6) for item in zeros))) == 3
+
+
 def test_few_about_no_joint_are_shown_one_by_one() -> None:
     """As many as `MOST_ALIKE` say something each; joints are named where one stands for all."""
     found = _groups(*(_one(i, f"gets {i} N*m") for i in range(MOST_ALIKE)))
