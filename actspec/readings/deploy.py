@@ -379,12 +379,16 @@ class _Reader:
                 for joint, (value, at) in zip(joints, values, strict=True)
                 if value is not None
             }
+        first = values[0][0] if values else None
         if joints is not None:
             message = f"{key} has {len(values)} values for {len(joints)} joint names"
             help = f"the names are {listed(joints)}"
+            if first is not None and len(values) > len(joints) and all(value == first for value, _ in values):
+                # Whoever reads it takes the right one for each joint.
+                out.info("DEPLOY001", f"{message}, all {first:g}", where=key, span=span, help=help)
+                return {joint: Setting(first, span) for joint in joints}
             out.warning("DEPLOY001", message, where=key, span=span, help=help)
             return {}
-        first = values[0][0] if values else None
         if first is not None and all(value == first for value, _ in values):
             return {".*": Setting(first, span)}
         if values:

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 
 from actspec.audit.outcome import Reported
 from actspec.diagnostics import SEVERITIES, Severity, Span, listed
+from actspec.fields import LIMITS, is_placeholder
 from actspec.readings.read import FAULT
 
 MOST_ALIKE = 3
@@ -161,7 +162,11 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
         texts = [text.replace(span.path, "#") for text in texts]
     if not finding.joint or item.severity is Severity.INFO:
         yield (*about, *texts)
-    # A warning or error of other joints is another one: each file has its line.
+    # A warning or error of other joints is another one: each file has its line. A limit that nobody filled in is one
+    # thing that was left out, whatever the joints.
+    value = finding.value if LIMITS.intersection(finding.fields[:1]) else None
+    if value is not None and (value == 0.0 or is_placeholder(value)):
+        yield (*about, _plain(texts[0]))
     if not finding.joint:
         return
     if finding.expected is None or not held:

@@ -56,6 +56,13 @@ def test_a_list_of_another_length_is_told(tmp_path: Path) -> None:
     assert said == ["kp has 3 values for 2 joint names"]
 
 
+def test_a_list_that_is_too_long_and_of_one_value_is_a_note(tmp_path: Path) -> None:
+    """Whichever of its values are read, each joint gets the right one; of a list that is too short one gets none."""
+    _, found, said = _read(tmp_path, "joint_names: [knee, hip]\nkp: [80, 80, 80]\nkd: [3]\n")
+    assert found == {"knee": {"kp": 80.0}, "hip": {"kp": 80.0}}
+    assert said == ["kp has 3 values for 2 joint names, all 80", "kd has 1 values for 2 joint names"]
+
+
 def test_a_key_is_a_part_of_the_name(tmp_path: Path) -> None:
     """Names above the block; a key that is no name is part of names, and limits come from beside."""
     text = (

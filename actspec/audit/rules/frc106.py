@@ -41,6 +41,7 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
                 or not ("joint_damping" in row.stated or keeps_for_model(case, row))
                 or limiting is None
                 or speed is None
+                or (limiting is not row and _has_solvers_limit(case, row))
             ):
                 continue
             limit = limiting.effort_limit
@@ -65,6 +66,17 @@ class ViscousTakesTheLimit(RuleOver[_Subject]):
             "torque-speed line belongs to the motor, not to friction",
             related=(limiting.place("effort_limit"),),
         )
+
+
+def _has_solvers_limit(case: Case, row: LedgerRow) -> bool:
+    """Whether a group limits the solver alone: which versions of Isaac Lab clip at that, CFG104 says."""
+    config = case.artifacts[row.artifact].config
+    groups = () if config is None else config.groups
+    return any(
+        {"effort_limit_sim", "joint_effort_limit"} & set(group.settings)
+        for group in groups
+        if (group.name, group.span) == (row.actuator, row.span)
+    )
 
 
 def _end_of_curve(case: Case, row: LedgerRow) -> float | None:

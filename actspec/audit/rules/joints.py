@@ -8,6 +8,7 @@ from itertools import product
 
 from actspec.audit.case import Case
 from actspec.fields import PLACEHOLDER_SPEED, unit_of
+from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
@@ -150,6 +151,18 @@ def is_undriven(case: Case, row: LedgerRow) -> bool:
     if row.control != "none" or case.artifacts[row.artifact].kind is not FileKind.MJCF:
         return False
     return any(other.control != "none" for other in case.rows_of(row.artifact))
+
+
+_HELD = 0.01
+"""Range up to which a hinge is held where it is [rad]. Chosen: half a degree, less than the play of most gears."""
+
+
+def is_held(row: LedgerRow) -> bool:
+    """Whether a hinge's range leaves it no room: its limits are of no consequence."""
+    if row.kind is not JointKind.HINGE or row.position_range is None:
+        return False
+    low, high = row.position_range
+    return 0.0 < high - low <= _HELD
 
 
 def limiting_row(case: Case, row: LedgerRow) -> LedgerRow | None:

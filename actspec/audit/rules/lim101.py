@@ -31,11 +31,12 @@ _BOTH_ZERO = (
     "joint that can give nothing and is held"
 )
 _UNDRIVEN = re.compile(
-    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|roller|knuckle|inner_finger|spring|dummy|virtual|passive|fake",
+    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|roller|knuckle|inner_finger|spring|dummy|virtual|passive|fake|"
+    r"not_?used?(?:_|\b)|unused",
     re.IGNORECASE,
 )
 """Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust, the links of
-a gripper by one of its fingers."""
+a gripper by one of its fingers, and a motor's place in an order that nothing has is not used."""
 
 _TIMES = 2.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone."""
@@ -75,11 +76,8 @@ class NoEffectiveLimit(RuleInParts):
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
                     missing = self._missing(case, row, view, written.get(row.span)) if looked else ()
-                    yield (
-                        (replace(one, severity=Severity.INFO) for one in missing)
-                        if meant and row.span not in written
-                        else missing
-                    )
+                    quiet = (meant and row.span not in written) or _UNDRIVEN.search(row.joint) is not None
+                    yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         mimics = _mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
@@ -278,8 +276,11 @@ def _is_passive(case: Case, row: LedgerRow) -> bool:
 
 
 def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:
-    """Whether the voltage of a dcmotor or an activation bounds its torque, or the actuator gives none of its own."""
-    if view is not None and view.gear == 0.0:
+    """Whether the voltage of a dcmotor or an activation bounds its torque, or the actuator gives none of its own.
+
+    Of several actuators on one joint that has no limit, each is looked at alone.
+    """
+    if view is not None and (view.gear == 0.0 or _is_limited_alone(row, view)):
         return True
     # Only a dcmotor whose control is its voltage has back-EMF beside no other gain.
     voltage = row.stall_torque is not None or (bool(row.back_emf) and row.command_range is not None)
@@ -287,6 +288,13 @@ def _is_bounded(row: LedgerRow, view: ActuatorView | None) -> bool:
         # MuJoCo takes it only with a clamped activation, which is its target.
         return True
     return voltage if row.control == "dcmotor" else row.control == "other" and row.kd is None
+
+
+def _is_limited_alone(row: LedgerRow, view: ActuatorView) -> bool:
+    """Whether an actuator has a range of its own for what it gives, or gives nothing at all."""
+    nothing = view.gain == view.offset == 0.0 and "gain" not in view.unknown and not (row.kp or row.kd)
+    of_control = view.control == "motor" and view.control_range is not None
+    return nothing or of_control or view.force_range is not None
 
 
 def _bound(row: LedgerRow, view: ActuatorView) -> tuple[float | None, str]:

@@ -6,7 +6,7 @@ from dataclasses import replace
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
-from actspec.audit.rules.joints import is_undriven
+from actspec.audit.rules.joints import is_held, is_undriven
 from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
@@ -82,7 +82,7 @@ class EffortLimit(SourceRule):
         ]
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A limit that no actuator meets is a note, and one of 1 that the range of a control makes: a scale."""
+        """A limit that nothing meets is a note, and one of 1 that the range of a control makes: a scale."""
         scale = any(
             is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
         )
@@ -102,8 +102,8 @@ class EffortLimit(SourceRule):
 
 
 def _limits_nothing(case: Case, found: Disagreement) -> bool:
-    """Whether one of the limits is of a joint that no actuator of its file drives."""
-    return any(is_undriven(case, rows[0]) for rows in (found.rows, found.others))
+    """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it."""
+    return any(is_undriven(case, rows[0]) or is_held(rows[0]) for rows in (found.rows, found.others))
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:

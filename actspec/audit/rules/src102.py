@@ -11,6 +11,7 @@ from actspec.audit.rules.source_pairs import (
 )
 from actspec.diagnostics import Severity
 from actspec.fields import PLACEHOLDER_SPEED
+from actspec.readings.artifact import FileKind
 from actspec.readings.compare import angle_slip
 
 _STILL = 0.01
@@ -24,8 +25,13 @@ class VelocityLimit(SourceRule):
     needs = "a speed limit of one joint"
 
     def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder, or degrees; speeds that no joint reaches, both of them."""
-        return is_no_limit(found) or angle_slip(found.ratio, tolerance) or _least(found) >= PLACEHOLDER_SPEED
+        """A placeholder, or degrees; speeds that no joint reaches, both of them; a motor's speed beside a solver's."""
+        return (
+            is_no_limit(found)
+            or angle_slip(found.ratio, tolerance)
+            or _least(found) >= PLACEHOLDER_SPEED
+            or _is_line_beside_solver(case, found)
+        )
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A joint that one file holds still is a note."""
@@ -42,6 +48,18 @@ class VelocityLimit(SourceRule):
             return f"the joint is {found.ratio:.3g} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
+
+
+def _is_line_beside_solver(case: Case, found: Disagreement) -> bool:
+    """Whether of two configurations one has the end of a torque-speed line, the other a limit of the solver below
+    which it changes nothing.
+    """
+    sides = (found.rows[0], found.others[0])
+    if any(case.artifacts[row.artifact].kind is not FileKind.CFG for row in sides):
+        return False
+    solver = ["velocity_limit" in row.stated for row in sides]
+    line, cap = (found.mine, found.theirs) if solver[1] else (found.theirs, found.mine)
+    return solver[0] is not solver[1] and (line.value or 0.0) <= (cap.value or 0.0)
 
 
 def _least(found: Disagreement) -> float:

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
@@ -9,9 +10,12 @@ from typing import ClassVar
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown
 from actspec.laws.stability import LIMIT, StepDrive
-from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.artifact import Artifact, FileKind, Framework, without_comments
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import RobotView
+
+_EMPTY_BODY = re.compile(rb"<body\b(?![^<>]*\bmocap\b)[^<>]*(?:/>|(?<!/)>\s*</body>)")
+"""A body with nothing in it: where a hand or a tool is mounted, whose mass the joints before it move."""
 
 RUNGE_KUTTA = 2.785
 """h kd/I at which the fourth-order Runge-Kutta step diverges: |1 - z + z^2/2 - z^3/6 + z^4/24| = 1.
@@ -55,7 +59,9 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             found = self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
             artifact = case.artifacts[rows[0].artifact]
             if not artifact.states(b"<option") and (
-                artifact.is_part or rows[0].artifact in case.once(_with_options_of_others)
+                artifact.is_part
+                or rows[0].artifact in case.once(_with_options_of_others)
+                or _is_a_mount(artifact)
             ):
                 # Step, integrator and what it carries are those of the model that includes or mounts it.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
@@ -110,6 +116,12 @@ def _reference(robot: RobotView, joint: str) -> float | None:
     """Free inertia in the reference pose."""
     found = (robot.joint_inertia or {}).get(joint)
     return None if found is None else found.free.reference
+
+
+def _is_a_mount(artifact: Artifact) -> bool:
+    """Whether a body of a model is empty: a robot is put together there, with the options of what it becomes."""
+    files = () if artifact.robot is None else artifact.robot.files
+    return any(_EMPTY_BODY.search(without_comments(file.data)) for file in files)
 
 
 def _with_options_of_others(case: Case) -> frozenset[int]:

@@ -9,7 +9,7 @@ from operator import attrgetter, eq
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import is_undriven, shown
+from actspec.audit.rules.joints import is_held, is_undriven, shown
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
 from actspec.readings.ledger import LedgerRow
@@ -129,10 +129,9 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         field, a, b = differing[0] if differing else ("", 1.0, 1.0)
         odd, other = (left[0], right[0]) if a == 0.0 else (right[0], left[0])
         dead = 0.0 in (a, b) and field == "effort_limit"
-        identified = (
-            not kinds
-            and all(name in _PASSIVE for name, _, _ in differing)
-            and left[0].artifact in case.once(_identified)
+        identified = not kinds and (
+            (all(name in _PASSIVE for name, _, _ in differing) and left[0].artifact in case.once(_identified))
+            or all(_is_a_line_of_each(left[0], right[0], name) for name, _, _ in differing)
         )
         unfelt = not kinds and all(_is_unfelt(case, (left[0], right[0]), *one) for one in differing)
         quiet = identified or unfelt
@@ -171,6 +170,11 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         )
 
 
+def _is_a_line_of_each(left: LedgerRow, right: LedgerRow, field: str) -> bool:
+    """Whether one setting gives each side its own end of a torque-speed line: somebody measured them."""
+    return field == "no_load_speed" and left.place(field) == right.place(field)
+
+
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
     """Whether it makes no difference: nearly equal friction, gains or speeds, a speed out of reach, an unmet limit."""
     if field in ("kp", "kd"):
@@ -183,7 +187,9 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     ):
         return True
     # Of a pair of fingers often one follows the other.
-    return field.endswith("limit") and any(is_undriven(case, row) or _follows(case, row) for row in sides)
+    return field.endswith("limit") and any(
+        is_undriven(case, row) or _follows(case, row) or is_held(row) for row in sides
+    )
 
 
 def _follows(case: Case, row: LedgerRow) -> bool:

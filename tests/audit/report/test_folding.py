@@ -75,6 +75,21 @@ def test_what_several_files_have_is_reported_once() -> None:
     assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
 
 
+def test_what_nobody_filled_in_is_reported_once() -> None:
+    """Zeros of several robots are one thing that was left out, as placeholders are; other figures are not."""
+    zeros = [
+        _one(1, "the effort is 0", j, path=f"{j}.urdf", value=0.0, fields=("effort_limit",)) for j in "abc"
+    ]
+    (group,) = _groups(*zeros)
+    assert group.headline() == "a: the effort is 0 (the same for other joints in b.urdf, c.urdf)"
+    (group,) = _groups(
+        *(replace(item, message=f"1e{n} N*m", value=10.0**n) for n, item in enumerate(zeros, 5))
+    )
+    assert len(group.copies) == 2
+    assert len(_groups(*(replace(item, value=10.0) for item in zeros))) == 3
+    assert len(_groups(*(replace(item, value=None) for item in zeros))) == 3
+
+
 def test_few_about_no_joint_are_shown_one_by_one() -> None:
     """As many as `MOST_ALIKE` say something each; joints are named where one stands for all."""
     found = _groups(*(_one(i, f"gets {i} N*m") for i in range(MOST_ALIKE)))
