@@ -75,8 +75,7 @@ ROBOTS = {"published": 0.22, "half": 0.5}
 figures: README.md."""
 FITTED = {
     "    kp: {value: 25 N*m/rad, source: isaaclab_a1}": "    identified: fit.yaml\n    kp: identified",
-    "    kd: {value: 0.5 N*m*s/rad, source: isaaclab_a1}": "    kd: identified\n    delay: identified\n"
-    "    encoder_bias: identified",
+    "    kd: {value: 0.5 N*m*s/rad, source: isaaclab_a1}": "    kd: identified\n    delay: identified",
 }
 BENCH = {
     "    effort_limit: {value: 33.5 N*m": "    identified: fit.yaml\n    effort_limit: {value: 33.5 N*m",

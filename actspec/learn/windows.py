@@ -32,6 +32,8 @@ SAME_RATE = 0.01
 """Share by which steps of logs may differ and still be one rate. Chosen: clocks are better."""
 WHOLE = 1e-3
 """How near a ratio of times must be to a whole number."""
+USUAL = 4e-3
+"""Delay of a drive of which none is known, beyond whole rows [s]. Chosen: of a bus and a control loop."""
 HELD_OUT = 0.2
 """Share of the rows to validate on."""
 LONGEST = 0.06
@@ -195,9 +197,10 @@ def dataset(
     limits = {joint.joint: joint.position_range for joint in mine}
     recordings = check(recorded, {joint.joint: Bounds.of(joint) for joint in mine}, limits, out)
     out.raise_if_failed(LogError)
-    delays = {joint.joint: joint.delay.nominal.value or 0.0 for joint in mine if joint.delay is not None}
+    delays = {joint.joint: joint.delay.nominal.value for joint in mine if joint.delay is not None}
+    physics = actuators.physics_dt.require()
     tracks = [
-        _track(recording, taps, period, delays.get(name, 0.0), measured, out)
+        _track(recording, taps, period, delays.get(name), physics, measured, out)
         for name in names
         for recording in recordings[name]
     ]
@@ -339,15 +342,12 @@ def _track(
     recording: Recording,
     taps: tuple[int, ...],
     period: float,
-    delay: float,
+    delay: float | None,
+    physics: float,
     measured: bool,
     out: Collector,
 ) -> Track:
-    """A joint's rows; where the period is no whole number of rows, brought to it between them.
-
-    Rows tell a delay to a row: to a drive that answers between two of them either command could be the one that has
-    arrived. The spec's delay says which is nearer; without one it answers at once.
-    """
+    """A joint's rows; where the period is no whole number of rows, brought to it between them."""
     import numpy as np
 
     time, command = recording.time, recording.command
@@ -392,15 +392,25 @@ def _track(
         stride,
         np.empty(0, int),
         taps,
-        arrived=_is_nearer_above(delay, step),
+        arrived=has_arrived(delay, step, physics),
     )
     return with_rows(track, torque, needed=measured)
 
 
-def _is_nearer_above(delay: float, step: float) -> bool:
-    """Whether a delay [s] is nearer to the whole number of rows above it than to the one below."""
-    over = delay / step - math.floor(delay / step + WHOLE)
-    return over > 0.5
+def has_arrived(delay: float | None, step: float, physics: float) -> bool:
+    """Whether a sample's own command is that of its row, so that the network learns one row more of delay.
+
+    Rows tell a delay to a row: a drive that answers between two of them may have any command of the row before. A
+    simulator steps speeds first, and moves a joint half a physics step before its torque would. What then comes nearer
+    to the drive's delay is taken.
+
+    Args:
+        delay: Of the drive by the spec [s]; None: it is not known.
+        step: Between two rows [s].
+        physics: Physics step [s].
+    """
+    over = min(USUAL, 0.5 * step) if delay is None else delay - step * math.floor(delay / step + WHOLE)
+    return over > 0.5 * (step - physics) + WHOLE * step
 
 
 def with_rows(track: Track, torque: Array, *, needed: bool = True) -> Track:

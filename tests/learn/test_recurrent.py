@@ -52,14 +52,14 @@ def test_pieces(data: Dataset) -> None:
     scales, own = np.array([0.5, 2.0]), np.array([1.0, 2.0])
     rows = [track.rows for track in data.tracks]
     x, y, weight, slack = (part.numpy() for part in _pieces(data, rows, scales, own, 4.0))
-    # Rows 21 to 149 and 171 to 299 of the hip, 21 to 299 of the arm: 3 + 3 + 5 pieces. Row 0 has no command yet.
+    # Rows 20 to 149 and 171 to 299 of the hip, 20 to 299 of the arm: 3 + 3 + 5 pieces.
     assert x.shape == (11, WARM + BODY, 2) and y.shape == weight.shape == slack.shape == (11, BODY)
-    assert (weight > 0).sum() == sum(map(len, rows)) == 129 + 129 + 279
+    assert (weight > 0).sum() == sum(map(len, rows)) == 130 + 129 + 280
     assert set(weight[:6][weight[:6] > 0]) == {16.0} and set(weight[6:][weight[6:] > 0]) == {4.0}
     arm = data.tracks[1]
     assert x[6, -1] == pytest.approx([arm.error[299] / 0.5, arm.velocity[299] / 2.0], rel=1e-5)
     assert x[6, 0] == pytest.approx([arm.error[220] / 0.5, arm.velocity[220] / 2.0], rel=1e-5)
     assert y[6] == pytest.approx(arm.torque[240:300] / 4.0, rel=1e-5)
-    # Of the 39 rows that are left the piece begins before the first: what is put there counts for nothing.
-    assert (weight[10] > 0).sum() == 39 and weight[10, 20] == 0.0
-    assert x[10, -39 - WARM :, 0] == pytest.approx(arm.error[1:60] / 0.5, rel=1e-5)
+    # Of the 40 rows that are left the piece begins before the first: what is put there counts for nothing.
+    assert (weight[10] > 0).sum() == 40 and weight[10, 19] == 0.0
+    assert x[10, -40 - WARM :, 0] == pytest.approx(arm.error[:60] / 0.5, rel=1e-5)

@@ -10,7 +10,7 @@ import pytest
 from actspec import api
 from actspec.diagnostics import Collector
 from actspec.ir import ActuatorSet
-from actspec.learn.windows import Dataset, dataset, split
+from actspec.learn.windows import Dataset, dataset, has_arrived, split, with_rows
 from actspec.logs import Log, LogError, load_log
 from tests.learn.pendulums import folder, log
 
@@ -40,26 +40,52 @@ def samples(actuators: ActuatorSet, logs: list[Log], **more: object) -> Dataset:
 
 
 def test_rows_and_inputs(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """Three taps of 10 ms in rows of 5 ms: row 5 is the first, with rows 5, 3, 1 and the commands of 4, 2, 0."""
+    """Three taps of 10 ms in rows of 5 ms: row 4 is the first, with rows 4, 2, 0 and their commands."""
     data = samples(actuators, logs[:1], taps=(0, 1, 2), period=0.01)
     track = data.tracks[0]
-    assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 5, 595)
+    assert (track.joint, track.stride, track.rows[0], len(track.rows)) == ("hip", 2, 4, 596)
     hip = logs[0].joints["hip"]
     assert hip.command is not None and hip.position is not None and hip.velocity is not None
-    expected = [hip.command[k - 1] - hip.position[k] for k in (5, 3, 1)]
-    expected += [hip.velocity[5], hip.velocity[3], hip.velocity[1]]
+    expected = [hip.command[k] - hip.position[k] for k in (4, 2, 0)]
+    expected += [hip.velocity[4], hip.velocity[2], hip.velocity[0]]
     assert track.inputs(track.rows[:1])[0] == pytest.approx(expected)
     assert data.kind == "drive" and data.group == "legs"
+    # Where a sample's own command has not arrived: row 5 is the first, with the commands of rows 4, 2, 0.
+    before = with_rows(replace(track, arrived=False), track.torque)
+    expected = [hip.command[k - 1] - hip.position[k] for k in (5, 3, 1)]
+    assert before.inputs(before.rows[:1])[0][:3] == pytest.approx(expected)
+
+
+@pytest.mark.parametrize(
+    ("delay", "step", "physics", "arrived"),
+    [
+        (7.0, 5.0, 5.0, True),
+        (0.0, 5.0, 5.0, False),
+        (10.0, 5.0, 5.0, False),
+        (7.0, 20.0, 5.0, False),
+        (8.0, 20.0, 5.0, True),
+        (None, 5.0, 5.0, True),
+        (None, 20.0, 5.0, False),
+        (1.0, 2.0, 4.0, True),
+    ],
+)
+def test_whether_a_command_has_arrived(
+    delay: float | None, step: float, physics: float, arrived: bool
+) -> None:
+    """7 ms in rows and steps of 5: one row acts after 5 - 2.5 ms, two after 10 - 2.5, which is nearer [ms].
+
+    In rows of 20 ms none acts after -2.5 ms, one after 17.5: the middle is 7.5. Of no known delay 4 ms are taken, or
+    half a row.
+    """
+    known = None if delay is None else 1e-3 * delay
+    assert has_arrived(known, 1e-3 * step, 1e-3 * physics) is arrived
 
 
 def test_no_sample_goes_over_a_gap(actuators: ActuatorSet, logs: list[Log]) -> None:
-    """After 1 s without rows the history begins anew: with three taps the rows 0, 1 and 300, 301 have none.
-
-    Nor has row 2, as nothing says what the drive had at row 0; at row 300 it had the command of row 299.
-    """
+    """After 1 s without rows the history begins anew: with three taps the rows 0, 1 and 300, 301 have none."""
     late = replace(logs[0], time=logs[0].time + np.where(np.arange(600) >= 300, 1.0, 0.0))
     rows = samples(actuators, [late], taps=(0, 1, 2)).tracks[0].rows
-    assert sorted(set(range(600)) - set(rows.tolist())) == [0, 1, 2, 300, 301]
+    assert sorted(set(range(600)) - set(rows.tolist())) == [0, 1, 300, 301]
 
 
 def test_a_period_between_rows_is_interpolated(actuators: ActuatorSet, logs: list[Log]) -> None:
@@ -81,7 +107,7 @@ def test_split(actuators: ActuatorSet, logs: list[Log]) -> None:
     """Of two recordings the last is held out; of one its last fifth, a history apart."""
     two = split(samples(actuators, logs, taps=(0, 1, 2)))
     assert (two.whole, two.logs) == (True, (logs[1].path,))
-    assert [len(rows) for rows in two.train] == [597, 0, 597, 0]
+    assert [len(rows) for rows in two.train] == [598, 0, 598, 0]
     one = split(samples(actuators, logs[:1], taps=(0, 1, 2)))
     # Row 480 is the first of the last 120; rows 478 and 479 are in its history.
     assert (one.whole, one.train[0][-1], one.validate[0][0]) == (False, 477, 480)
@@ -173,7 +199,7 @@ def test_rows_without_a_torque_are_counted(actuators: ActuatorSet, logs: list[Lo
     (item,) = (item for item in out if item.code == "SYS013")
     assert (item.where, item.message) == ("hip", "60 rows have no torque: they are left out of it")
     assert item.span is not None and (item.span.path, item.span.line) == (log.path, 102)
-    assert set(data.tracks[0].rows.tolist()) == set(range(1, 600)) - set(range(100, 160))
+    assert set(data.tracks[0].rows.tolist()) == set(range(600)) - set(range(100, 160))
 
 
 def test_the_log_is_named_whose_rate_does_not_fit(actuators: ActuatorSet, logs: list[Log]) -> None:
