@@ -268,10 +268,15 @@ def recorded(
 def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:
     seen = {log.sha256: log.path for log in logs}
     fitted = {name for log in logs for name in log.joints}
+    tested: dict[str, str] = {}
     for log in validation:
         if log.sha256 in seen:
             message = f"the same as {seen[log.sha256]}, which is fitted: a log cannot be both"
             out.error("SYS027", message, where="--validate", span=Span(log.path))
+        elif log.sha256 in tested:
+            message = f"the same bytes as {tested[log.sha256]}"
+            out.error("SYS035", message, where="--validate", span=Span(log.path), help="name each log once")
+        tested[log.sha256] = log.path
     if validation and not any(fitted & set(log.joints) for log in validation):
         help = f"joints of the fit: {listed(sorted(fitted))}"
         out.error("SYS028", "no log has a joint that is fitted", where="--validate", help=help)
