@@ -197,6 +197,8 @@ def _parameter(
     if name in GAINS and (why := joint.gains.nameless(name)) is not None:
         return untold(State.UNIDENTIFIABLE, why)
     if name not in fit.free:
+        if name == "lag" and field in options.free:
+            return untold(State.AT_BOUND, "a low-pass makes the fit no better than none does")
         if name in ("static", "stribeck_velocity", "lag"):
             return None
         if name in joint.gains.held:
@@ -214,10 +216,18 @@ def _parameter(
         return untold(State.UNIDENTIFIABLE, f"without torque only {' + '.join(SUM)} shows")
     std = fit.std(name)
     vague = {"delay": LATE, "bias": ASKEW}.get(name, VAGUE * scale[name])
-    if name == "kp":
+    if name in ("kp", "lag"):
         vague = VAGUE * abs(value)
     if not math.isfinite(std) or std == 0.0:
         return untold(State.UNIDENTIFIABLE, "nothing in this log depends on it")
+    if name == "lag" and std > vague:
+        slowest = format_number(time_constant(max(value, 0.0) + WIDE * std), 2)
+        fastest = value - WIDE * std
+        until = (
+            "none at all" if fastest <= 0.0 else f"one of {format_number(time_constant(fastest), 2)} {unit}"
+        )
+        why = f"anything from a low-pass of {slowest} {unit} to {until} does nearly the same in this log"
+        return untold(State.UNIDENTIFIABLE, why)
     if std > vague:
         partner = _partner(fit, name)
         why = f"its standard deviation would be {format_number(std, 2)} {unit}"

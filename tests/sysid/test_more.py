@@ -9,6 +9,7 @@ import pytest
 
 from actspec.logs import JointLog, Log, Sidecar
 from actspec.sysid.identified import State
+from actspec.sysid.work import FitOptions
 from tests.sysid.pendulum import pendulum
 from tests.sysid.test_fit import LINK, PERIOD, fitted
 
@@ -24,12 +25,12 @@ def slow() -> np.ndarray:
     return found + 0.04 * np.sin(2 * np.pi * 6.1 * t + 2) - (0.1 * np.sin(1) + 0.04 * np.sin(2))
 
 
-def logged(**figures: float) -> Log:
+def logged(*, delay: int = 33, size: float = 1.0, **figures: float) -> Log:
     """A log of the joint with torque, noise as in `test_fit`."""
-    given = slow()
+    given = size * slow()
     read = pendulum(
         given, PERIOD, inertia=LINK + 0.012, kp=32.0, kd=0.9, coulomb=0.2, viscous=0.04, mgl=0.8 * 9.81 * 0.15,
-        delay=33, **figures,
+        delay=delay, **figures,
     )  # fmt: skip
     random = np.random.default_rng(4)
     noise = (5e-4, 0.05, 0.02 * float(np.sqrt(np.mean(read[2] ** 2))))
@@ -64,6 +65,25 @@ def test_a_low_pass_is_found_unasked(tmp_path: Path) -> None:
     ]
     assert joint.parameter("bandwidth").value == pytest.approx(12.0, rel=0.03)
     assert joint.parameter("delay").value == pytest.approx(0.0033, abs=3e-4)
+
+
+def test_a_fast_low_pass_is_found_unasked(tmp_path: Path) -> None:
+    """80 Hz, 1 / (2 pi 80) = 2 ms: left out, the position is off by 1.13 times its noise and kp by 2 %."""
+    (joint,) = fitted(tmp_path, logged(delay=40, size=2.0, lag=1 / (2 * np.pi * 80))).joints
+    assert joint.parameter("bandwidth").value == pytest.approx(80.0, rel=0.1)
+    assert joint.parameter("kp").value == pytest.approx(32.0, rel=0.01)
+
+
+def test_a_low_pass_that_is_not_there_takes_nothing(tmp_path: Path) -> None:
+    """Of a delay of two rows, with `--free bandwidth`, no low-pass is made, nor a wrong kp."""
+    (joint,) = fitted(tmp_path, logged(delay=40), FitOptions(free=frozenset({"bandwidth"}))).joints
+    bandwidth = joint.parameter("bandwidth")
+    assert (bandwidth.state, bandwidth.why) == (
+        State.AT_BOUND,
+        "a low-pass makes the fit no better than none does",
+    )
+    assert joint.parameter("kp").value == pytest.approx(32.0, rel=0.005)
+    assert joint.parameter("delay").value == pytest.approx(0.004, abs=5e-5)
 
 
 def test_nothing_is_added_to_a_joint_that_has_nothing_more(tmp_path: Path) -> None:

@@ -156,3 +156,15 @@ def test_a_course_with_denser_rows_is_the_same_course(moved: tuple[np.ndarray, .
     dense = move(one.divided(3), values, Bounds(60.0), start, 199 * 3 + 1, at, 0 * at)
     assert np.abs(dense.q[::3] - plain.q).max() < 1e-6
     assert dense.torque[::3] == pytest.approx(plain.torque, abs=1e-4)
+
+
+def test_a_fast_low_pass_is_a_delay() -> None:
+    """A command behind 1 / (s T + 1) is late by T, to first order; T is 20 us here, a hundredth of a row."""
+    late, given = 2e-5, commands(200)[:, 1]
+    slow, passed = (
+        move(course(2, given, 0 * given, 0.02), figures(2, 0.02, **lags), Bounds(60.0), np.array([0]), 200,
+             np.zeros((1, 1)), np.zeros((1, 1)))
+        for lags in ({"delay": 0.0031, "lag": late}, {"delay": 0.0031 + late})
+    )  # fmt: skip
+    assert np.ptp(slow.q) > 0.2
+    assert np.abs(slow.q - passed.q).max() < 3e-6

@@ -186,12 +186,18 @@ def test_validation_on_another_log(tmp_path: Path, two: list[Log]) -> None:
 
 @pytest.mark.slow
 def test_a_log_is_fitted_or_validated(tmp_path: Path, two: list[Log]) -> None:
-    """Not both; and one that has no joint of the fit says nothing."""
+    """Not both, nor twice; and one that has no joint of the fit says nothing."""
     with pytest.raises(LogError, match=r"the same as a\.csv"):
         fitted(tmp_path, two[:1], validation=[replace(two[1], sha256=two[0].sha256)])
     other = replace(two[1], sha256="2" * 64, joints={"base": replace(two[1].joints["hip"], name="base")})
     with pytest.raises(LogError, match="no log has a joint that is fitted"):
         fitted(tmp_path, two[:1], validation=[other])
+    with pytest.raises(LogError, match=r"SYS035 --validate: the same bytes as b\.csv"):
+        fitted(
+            tmp_path,
+            two[:1],
+            validation=[replace(two[1], sha256="2" * 64, path=path) for path in ("b.csv", "c.csv")],
+        )
 
 
 def test_no_piece_has_the_drive_off(two: list[Log]) -> None:
