@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 LONGEST = 0.06
 """Longest delay that is tried [s]. Chosen: slower drives are not position-controlled."""
+MOVES = 0.05
+"""Share of the greatest speed above which friction has its sign."""
 CLIPPED = 0.95
 """Share of the limit from which a torque counts as clipped."""
 
@@ -93,7 +95,7 @@ def _tried(
         against = course.speed_command - recording.velocity
         motion = np.stack([recording.acceleration, recording.velocity, np.sign(recording.velocity)], axis=1)
         needed = course.inertia * recording.acceleration + course.load
-        fast = np.abs(recording.velocity) > 0.05 * np.abs(recording.velocity).max()
+        fast = np.abs(recording.velocity) > MOVES * np.abs(recording.velocity).max()
         if gains is None:
             torque = recording.measured["torque"]
             free = np.isfinite(torque) & (np.abs(torque) < CLIPPED * bounds.limit)

@@ -14,7 +14,7 @@ from actspec.diagnostics import Collector
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import LEAST_ROWS, Recording, smooth, without_velocity
 from actspec.sysid.spoilt import EXCITED, texture
-from actspec.sysid.torques import check_torques
+from actspec.sysid.torques import AT_LIMIT, OFTEN, STANDS, check_torques
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -32,10 +32,6 @@ NEAR = 0.12
 LATE = 1.5e-3
 """Lag of a velocity from which on it counts as filtered [s]. Measured: a first-order low-pass of 40 Hz is 4 ms late
 and makes kp 2 to 4 %, viscous friction up to 100 % wrong."""
-CLIPPED = 0.03
-"""Share of rows at the largest torque, from which on it is a limit. Chosen."""
-OFTEN = 0.01
-"""Share of the rows that must be above it."""
 SMALL = 5.0
 """Movement of a joint, as a standard deviation, in the noise or counts of its encoder below which it is too small."""
 LIVELY = 3
@@ -44,8 +40,6 @@ LEAST_PIECES = 10
 """Fewest pieces of which that is asked; of fewer the whole log counts."""
 STILL = 3.0
 """Likewise below which no fit is tried: what is left of a joint in stiction is noise. Chosen."""
-STANDS = 6.0
-"""Noise or counts within which readings are of one place."""
 AGAIN = 3
 """Times that a joint, or a command, must come to an end at the same place. Chosen: twice may be chance."""
 APART = 0.1
@@ -200,7 +194,7 @@ def _clipped(recording: Recording, out: Collector) -> None:
             for first, last in _runs(way * command > edge - 1e-9 * wide)
             if first > 1 and 0.3 * usual < speed[first - 1] < 3.0 * usual
         ]
-        if len(flat) >= AGAIN and sum(last - first for first, last in flat) > CLIPPED * len(command):
+        if len(flat) >= AGAIN and sum(last - first for first, last in flat) > AT_LIMIT * len(command):
             row = flat[0][0]
             message = f"the command is cut off at {way * edge:.4g} {unit} {len(flat)} times: it is fitted as it stands"
             out.info("SYS046", message, where=recording.joint, span=recording.place(row))

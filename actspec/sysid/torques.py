@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Collector
-from actspec.sysid.begin import CLIPPED, LONGEST, regress
+from actspec.sysid.begin import CLIPPED, LONGEST, MOVES, regress
 from actspec.sysid.course import Course
 from actspec.sysid.figures import Bounds
 from actspec.sysid.recording import LEAST_ROWS, Recording
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     Array = NDArray[np.float64]
 
 AT_LIMIT = 0.03
-"""Share of rows at the largest torque, from which on it is a limit. Chosen."""
+"""Share of rows at the largest torque or command, from which on it is a limit. Chosen."""
 AT_MOST = 0.002
 """Within this share of the largest torque a row is at it."""
 AROUND = 11
@@ -37,9 +37,9 @@ FLAT = 0.6
 ABOVE = 1.2
 """Times the spec's limit above which a logged torque contradicts it. Chosen: sensors are better."""
 OFTEN = 0.01
-"""Share of the rows that must be above it."""
+"""Share of the rows that must be above it, or at an end stop."""
 STANDS = 6.0
-"""Noise of an encoder within which an error is the same."""
+"""Noise or counts of an encoder within which readings are of one place."""
 LATEST = 0.1
 """Longest lag of a torque behind the motion that is looked for [s]. Chosen: a bus, or a filter, is faster."""
 BETTER = 0.85
@@ -50,8 +50,6 @@ EXPLAINED, STRANGE = 0.1, 0.5
 Chosen: sound logs leave less than 0.02."""
 NEAR = 2
 """Rows by which the command's delay is another from one lag of the torque to the next."""
-MOVES = 0.05
-"""Share of the greatest speed above which friction has its sign."""
 MOST_ROWS = 4000
 """Rows by which that is told."""
 
@@ -83,10 +81,12 @@ def check_torques(
         bounds: Of the drives, by the spec.
         out: Takes what is found.
     """
+    import numpy as np
+
     for name, mine in recordings.items():
         for recording in mine:
             read = recording.measured.get("torque")
-            if read is None or int(_finite(read).sum()) < LEAST_ROWS:
+            if read is None or int(np.isfinite(read).sum()) < LEAST_ROWS:
                 continue
             _limited(recording, bounds[name], out)
             others = [
@@ -96,12 +96,6 @@ def check_torques(
                 if joint != name and other.log is recording.log
             ]
             _answering(recording, others, bounds[name], out)
-
-
-def _finite(signal: Array) -> NDArray[np.bool_]:
-    import numpy as np
-
-    return np.asarray(np.isfinite(signal), dtype=bool)
 
 
 def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
@@ -117,8 +111,8 @@ def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
     step, n = cause.step, len(torque)
     # As read: what a filter takes from fast motion looks like a lag.
     position, velocity = cause.measured["position"], cause.measured.get("velocity", cause.velocity)
-    known = _finite(position) & _finite(velocity)
-    free = _finite(torque) & (np.abs(torque) < CLIPPED * limit)
+    known = np.isfinite(position) & np.isfinite(velocity)
+    free = np.isfinite(torque) & (np.abs(torque) < CLIPPED * limit)
     rows = np.flatnonzero(free)
     rows = rows[:: max(1, math.ceil(len(rows) / MOST_ROWS))]
 
@@ -166,22 +160,17 @@ def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds
         return
     if own.left > STRANGE:
         for other in others:
-            if len(other.time) != len(torque):
-                continue
-            theirs = answer(torque, other, bounds.limit)
+            theirs = answer(torque, other, bounds.limit) if len(other.time) == len(torque) else None
             if theirs is not None and theirs.left < EXPLAINED and theirs.kp > 0.0:
                 message = f"the torque answers to the error of {other.joint}, not to its own"
                 out.error("SYS015", message, where=name, span=place, help="columns are exchanged")
                 return
-        return
-    if own.kp < 0.0:
-        if own.kd > 0.0:
-            message = "the torque pulls from the command to the position, and brakes"
-            out.error("SYS015", message, where=name, span=place, help="command and position are exchanged")
-        else:
-            help = "turn the sign of the torque's column"
-            out.error("SYS014", "the torque pulls away from the command", where=name, span=place, help=help)
-        return
+    elif own.kp < 0.0 < own.kd:
+        message = "the torque pulls from the command to the position, and brakes"
+        out.error("SYS015", message, where=name, span=place, help="command and position are exchanged")
+    elif own.kp < 0.0:
+        help = "turn the sign of the torque's column"
+        out.error("SYS014", "the torque pulls away from the command", where=name, span=place, help=help)
 
 
 def prompt(recording: Recording, course: Course, bounds: Bounds, out: Collector) -> Recording:
