@@ -367,13 +367,37 @@ def are_alike(one: _Figures, other: _Figures, kinds: int) -> bool:
         other: Likewise.
         kinds: Least kinds of figure that speak: less where the names differ, too.
     """
+    shares, count = _shares(one, other)
+    return len(shares) < kinds or count < _FEW or sum(shares) >= LIKENESS * len(shares)
+
+
+def are_one_body(one: RobotView, other: RobotView) -> bool:
+    """Whether ranges and inertias of two models are those of one machine, or too few to tell.
+
+    Versions of a machine have the same joints and other links; two files of one version have been seen to agree on
+    every inertia, and on all but a few ranges.
+    """
+    body = [
+        {
+            # An unlimited joint is one whose range was left out as often as one that turns round and round.
+            kind: {joint: values for joint, values in of[kind].items() if all(map(math.isfinite, values))}
+            for kind in _BODY & of.keys()
+        }
+        for of in (figures_of(one), figures_of(other))
+    ]
+    shares, count = _shares(*body)
+    return count < _FEW or sum(shares) >= SHARE * len(shares)
+
+
+def _shares(one: _Figures, other: _Figures) -> tuple[list[float], int]:
+    """For each kind of figure that both have the share of joints on which they agree; how many figures that are."""
     shares, count = [], 0
     for kind in one.keys() & other.keys():
         same = [_is_same(kind, mine, other[kind][j]) for j, mine in one[kind].items() if j in other[kind]]
         if same:
             shares.append(sum(same) / len(same))
             count += len(same)
-    return len(shares) < kinds or count < _FEW or sum(shares) >= LIKENESS * len(shares)
+    return shares, count
 
 
 def _is_same(kind: str, one: Sequence[float], other: Sequence[float]) -> bool:

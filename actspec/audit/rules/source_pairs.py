@@ -23,7 +23,7 @@ from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import distinctive, joint_names, last_numbers, series
+from actspec.readings.pair import are_one_body, distinctive, joint_names, last_numbers, series
 from actspec.units import format_quantity
 
 TIMES = 3.0
@@ -71,6 +71,7 @@ class Disagreement:
         mine: The figure that departs.
         theirs: The other.
         variant: Whether the files describe variants: of the same kind, or with other joints.
+        one_machine: Whether links and ranges speak of one machine, or do not speak.
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
     """
 
@@ -80,6 +81,7 @@ class Disagreement:
     mine: Figure
     theirs: Figure
     variant: bool
+    one_machine: bool
     published: str = ""
 
     @property
@@ -217,6 +219,7 @@ def _of_robot(
     real_path = cache(os.path.realpath)
     # Asked for every joint that departs.
     distance = cache(lambda one, other: _distance(case, one, other))
+    one_machine = cache(lambda one, other: _is_one_machine(case, one, other))
 
     def agree(mine: tuple[int, _Stated], theirs: tuple[int, _Stated], joint: str) -> bool:
         (name, value), (other, its) = mine[1], theirs[1]
@@ -256,7 +259,7 @@ def _of_robot(
                     variant = kinds is None or distance(index, other)[0]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
                     figures = figure(rows, mine[0]), figure(others, theirs[0])
-                    yield Disagreement(rows, others, mine[0], *figures, variant)
+                    yield Disagreement(rows, others, mine[0], *figures, variant, one_machine(index, other))
                 break
             own.add(case, index, mine)
 
@@ -438,6 +441,12 @@ def _revision(case: Case, artifact: int) -> frozenset[str]:
     return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
 
 
+def _is_one_machine(case: Case, one: int, other: int) -> bool:
+    """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn."""
+    here, there = case.artifacts[one].robot, case.artifacts[other].robot
+    return here is None or there is None or are_one_body(here, there)
+
+
 def _is_grave(ratio: float | None) -> bool:
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
 
@@ -509,22 +518,23 @@ class SourceRule(RuleInParts):
         """The finding of one joint, at the file that departs."""
         mine, theirs = found.mine, found.theirs
         severity, confidence = self.severity_of(case, found)
-        if found.variant or (found.field in LIMITS and is_small(found)):
+        if found.variant or not found.one_machine or (found.field in LIMITS and is_small(found)):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
-        if FileKind.SPEC not in case.kinds_by_artifact[found.rows[0].artifact] and self.is_grave(case, found):
+        beside = case.kinds_by_artifact[found.rows[0].artifact]
+        if found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM
-        other = found.others[0].file
+        file = found.others[0].file
         if found.published:
             advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
             advice += "this aside with the reason"
         else:
             advice = "find out which is right, and write it in both, or set this aside with the reason: "
-            advice += f"{other} may be of another variant"
+            advice += f"{file} may be of another variant"
         return Finding(
             self.code,
             f"the {FIELDS[found.field].noun} is {shown(mine.value, mine.unit)} here and "
-            f"{shown(theirs.value, theirs.unit)} in {other}{found.times}: {self.consequence(case, found)}",
+            f"{shown(theirs.value, theirs.unit)} in {file}{found.times}: {self.consequence(case, found)}",
             mine.place,
             found.rows[0].joint,
             mine.value,
