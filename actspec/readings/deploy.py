@@ -29,6 +29,7 @@ from actspec.readings.artifact import (
     Setting,
 )
 from actspec.robot.view import ModelFile
+from actspec.spec.yaml_problems import too_deep
 
 MOST_STEPS = 200_000
 """Chosen: values visited in one file, aliases counted each time."""
@@ -184,6 +185,8 @@ def compose(data: bytes) -> yaml.Node | None:
     except yaml.MarkedYAMLError as err:
         mark = err.problem_mark or err.context_mark
         place = _at(mark) if mark else (0, 0)
+        if too_deep(err.problem or ""):
+            raise Unfit(f"it is nested more than {MOST_DEPTH} deep", place) from None
         raise Unfit(f"it is not YAML: {one_line(err.problem or 'malformed')}", place) from None
     except yaml.reader.ReaderError as err:
         before = text[: err.position]

@@ -63,6 +63,11 @@ class _Mark:
     column: int
 
 
+def too_deep(problem: str) -> bool:
+    """Whether PyYAML ended at libyaml's own bound, which it meets first where it reads ahead."""
+    return "maximum nesting depth" in problem
+
+
 def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) -> Problem:
     """An error of the parser in plain words.
 

@@ -12,7 +12,7 @@ import sys
 from typing import Any
 
 from actspec.diagnostics import Collector, Span, nearest
-from actspec.spec.yaml_problems import plain_problem
+from actspec.spec.yaml_problems import plain_problem, too_deep
 from actspec.spec.yaml_text import Stop, cut, got, place, text_of
 
 MAX_DEPTH = 40
@@ -320,6 +320,8 @@ class _Builder:
         found = plain_problem(problem, context, text, mark, start)
         span = Span(self.path) if found.mark is None else self.at(found.mark)
         self.stack.clear()
+        if too_deep(problem):
+            self.fatal("SPEC011", f"nested more than {MAX_DEPTH} levels deep", span)
         self.fatal("SPEC004", found.message, span, found.help)
 
 

@@ -62,7 +62,7 @@ class Watch:
 
     Attributes:
         folder: Where it may write, beside `scratch`; None: nobody looks.
-        scratch: Where temporary folders are made, which must be gone at the end.
+        scratch: Where temporary folders are made, which must be gone at the end; "": nowhere.
         written: What it wrote there.
         forbidden: What it did elsewhere, started or connected to.
     """
@@ -93,7 +93,7 @@ class Watch:
         place = os.path.realpath(os.fsdecode(path))
         if place == self.folder or place.startswith(f"{self.folder}{os.sep}"):
             self.written.append(place)
-        elif place != os.devnull and not place.startswith(f"{self.scratch}{os.sep}"):
+        elif place != os.devnull and not (self.scratch and place.startswith(f"{self.scratch}{os.sep}")):
             self.forbidden.append(f"{event} {place}")
 
 
