@@ -1,12 +1,14 @@
 """An MJCF or URDF as elements that know their bytes, as expat tells them.
 
-What expat refuses is refused, with the place and a way out, even where MuJoCo reads it: MuJoCo's parser takes
-a bare `&`, `<` in a value and `--` in a comment.
+What expat refuses is refused, with the place and a way out, even where MuJoCo's parser takes it: a bare `&`, `<` in a
+value. Three things that change nothing in what a file says, and that people's files have, are read as MuJoCo reads
+them: `--` in a comment, no space between two attributes, and white space before the declaration.
 """
 
 from __future__ import annotations
 
 import re
+from bisect import bisect_left
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from xml.parsers import expat
@@ -212,8 +214,20 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
 
     Raises: Malformed: it is no XML that is read here.
     """
+    check_encoding(file.path, file.data)
+    try:
+        return _scan(file, _Lenient(file.data), index, depth, before, most)
+    except Malformed as err:
+        lenient = _as_mujoco_reads(file.data) if err.diagnostic.code == _NOT_XML else None
+        if lenient is None or lenient.data == file.data:
+            raise
+    return _scan(file, lenient, index, depth, before, most)
+
+
+def _scan(
+    file: ModelFile, lenient: _Lenient, index: int, depth: int, before: int, most: int
+) -> list[Element]:
     data = file.data
-    check_encoding(file.path, data)
     # One character a byte, so that offsets are those of the file.
     text = data.decode("latin-1")
     found: list[Element] = []
@@ -221,15 +235,18 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
     # The declared encoding has been judged; MuJoCo reads UTF-8 whatever is declared, and so does this.
     parser = expat.ParserCreate("utf-8")
 
+    def at() -> int:
+        return lenient.place(parser.CurrentByteIndex)
+
     def doctype(*_: object) -> None:
         message = "the file has a DOCTYPE, which can define entities and name other files"
         # expat calls at the end of the name.
-        place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, parser.CurrentByteIndex + 1))
+        place = place_of(file.path, data, data.rfind(b"<!DOCTYPE", 0, at() + 1))
         help = "delete it; MJCF and URDF need none"
         raise Malformed(Diagnostic("ROBOT005", Severity.ERROR, message, "", place, help), None)
 
     def start(tag: str, values: dict[str, str]) -> None:
-        element = Element(tag, text, index, parser.CurrentByteIndex, parser.CurrentLineNumber, values)
+        element = Element(tag, text, index, at(), parser.CurrentLineNumber, values)
         if before + len(found) >= most:
             behind = f": {before} before this file" if before else ""
             message = f"the model has more than {most} elements{behind}"
@@ -248,26 +265,82 @@ def scan(file: ModelFile, index: int, depth: int, before: int, most: int) -> lis
         found.append(element)
 
     def end(_: str) -> None:
-        open_.pop().close = parser.CurrentByteIndex
+        open_.pop().close = at()
 
     parser.StartDoctypeDeclHandler = doctype
     parser.StartElementHandler = start
     parser.EndElementHandler = end
     try:
-        parser.Parse(data, True)
+        parser.Parse(lenient.data, True)
     except expat.ExpatError as err:
         root = found[0].tag if found else None
         inside = (open_[-1].tag, open_[-1].line) if open_ else None
-        message, help = explain(err.code, data, parser.ErrorByteIndex, inside)
-        place = Span(file.path, err.lineno, err.offset + 1)
-        raise Malformed(Diagnostic("ROBOT004", Severity.ERROR, message, "", place, help), root) from err
+        byte = lenient.place(parser.ErrorByteIndex)
+        message, help = explain(err.code, data, byte, inside)
+        place = place_of(file.path, data, byte)
+        raise Malformed(Diagnostic(_NOT_XML, Severity.ERROR, message, "", place, help), root) from err
     return found
 
 
+_NOT_XML = "ROBOT004"
 _BOM = b"\xef\xbb\xbf"
 _TAG_SO_FAR = re.compile(rb"""<[^"'>]*(?:(?:"[^"]*"|'[^']*')[^"'>]*)*""")
 _DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0-9._-]*)["']""")
 _LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
+
+
+_LATE = re.compile(rb"\s+<\?xml\b[^>]*\?>")
+_TAG = re.compile(rb"""<[^<>"']*(?:(?:"[^"<]*"|'[^'<]*')[^<>"']*)*>""")
+_TOUCHING = re.compile(rb"""(?:"[^"]*"|'[^']*')(?=[^\s"'/>?])""")
+
+
+@dataclass(frozen=True, slots=True)
+class _Lenient:
+    """A file as expat takes it.
+
+    Attributes:
+        data: With spaces for comments that have `--` and for a declaration behind white space, and with one between
+            attributes that touch.
+        added: Places in `data` of the latter, in order.
+    """
+
+    data: bytes
+    added: tuple[int, ...] = ()
+
+    def place(self, at: int) -> int:
+        """A place of `data` in the file."""
+        return at - bisect_left(self.added, at)
+
+
+def _as_mujoco_reads(data: bytes) -> _Lenient:
+    """Mend what MuJoCo reads and expat does not, without a change of what the file says; in one pass."""
+    late = _LATE.match(data)
+    parts, added, last = [], [], 0
+    if late is not None:
+        parts.append(_blank(late[0]))
+        last = late.end()
+    at = data.find(b"<", last)
+    while at >= 0:
+        if data.startswith(b"<!--", at):
+            end = data.find(b"-->", at + 4)
+            if end < 0:
+                break
+            if data.find(b"--", at + 4, end + 2) < end:
+                parts += [data[last : at + 4], _blank(data[at + 4 : end])]
+                last = end
+            at = data.find(b"<", end)
+            continue
+        tag = _TAG.match(data, at)
+        for touching in _TOUCHING.finditer(data, at, tag.end()) if tag is not None else ():
+            parts += [data[last : touching.end()], b" "]
+            last = touching.end()
+            added.append(last + len(added))
+        at = data.find(b"<", at + 1 if tag is None else tag.end())
+    return _Lenient(b"".join([*parts, data[last:]]), tuple(added))
+
+
+def _blank(text: bytes) -> bytes:
+    return re.sub(rb"[^\n]", b" ", text)
 
 
 class Malformed(Exception):
@@ -360,11 +433,10 @@ def explain(code: int, data: bytes, at: int, inside: tuple[str, int] | None) -> 
     if text == expat.errors.XML_ERROR_BAD_CHAR_REF:
         return "a reference to a character that XML does not allow", "delete it"
     if text in (expat.errors.XML_ERROR_MISPLACED_XML_PI, expat.errors.XML_ERROR_XML_DECL):
-        # MuJoCo 4.0 skips white space before a declaration, but refuses one behind a comment.
-        lenient = _LENIENT if data[at:].startswith(b"<?xml") and not data[:at].strip() else ""
+        # MuJoCo 4.0 skips white space before a declaration, as is done here, but refuses one behind a comment.
         return (
             "a malformed XML declaration, or one that is not the first thing in the file",
-            f'begin the file with <?xml version="1.0"?>, or leave it out{lenient}',
+            'begin the file with <?xml version="1.0"?>, or leave it out',
         )
     return f"not well-formed XML: {text}", None
 
@@ -375,7 +447,7 @@ def _invalid_token(data: bytes, at: int) -> tuple[str, str | None]:
     if here < b" " and here not in (b"\t", b"\n", b"\r"):
         return f"a control character, 0x{here.hex() or '00'}", "delete it"
     if data.rfind(b"<!--", 0, at) > data.rfind(b"-->", 0, at) and data[at - 2 : at] == b"--":
-        return "'--' inside a comment", f"write '- -', or another character{_LENIENT}"
+        return "a comment that is never closed", "close it with '-->'"
     if before == b"&":
         return "a bare '&'", f"write &amp;{_LENIENT}"
     if data[at - 1 : at + 1] == b"</":

@@ -169,7 +169,7 @@ def test_walk_and_sections() -> None:
     ("data", "text"),
     [
         pytest.param('<a x="1" x="2"/>', "1:10: ROBOT004: attribute 'x' appears twice", id="twice"),
-        pytest.param("<a>\n<!-- a -- b --></a>", "2:10: ROBOT004: '--' inside a comment", id="dashes"),
+        pytest.param("<a>\n<!-- a -- b </a>", "2:10: ROBOT004: a comment that is never closed", id="dashes"),
         pytest.param(
             "<a>\n<b></a>", "2:6: ROBOT004: </a> stands where <b> (line 2) is to be closed", id="tags"
         ),
@@ -190,9 +190,14 @@ def test_walk_and_sections() -> None:
         pytest.param(
             '<a x="&nbsp;"/>', "1:1: ROBOT004: a reference to an entity that XML does not know", id="entity"
         ),
-        pytest.param('<a x="1"y="2"/>', "1:9: ROBOT004: no space between two attributes", id="space"),
         pytest.param(
-            '<a b="c>d"e="1"/>', "1:11: ROBOT004: no space between two attributes", id="space after >"
+            '<a b="c<d"/><a x="1"y="2"/>', "1:8: ROBOT004: '<' inside an attribute value", id="space later"
+        ),
+        pytest.param('<a x="1"y="2<"/>', "1:9: ROBOT004: no space between two attributes", id="space"),
+        pytest.param(
+            '<a x="1"y="2"/>\n<b/>',
+            "2:1: ROBOT004: text or an element after the end of the root element",
+            id="behind a space that was added",
         ),
         pytest.param("<a x=1/>", "1:6: ROBOT004: an attribute value without quotes", id="unquoted"),
         pytest.param("<a x/>", "1:5: ROBOT004: an attribute without a value", id="no value"),
@@ -210,7 +215,7 @@ def test_walk_and_sections() -> None:
             id="character reference",
         ),
         pytest.param(
-            '\n<?xml version="1.0"?><a/>',
+            '<!-- -->\n<?xml version="1.0"?><a/>',
             "2:1: ROBOT004: a malformed XML declaration, or one that is not the first thing in the file",
             id="late declaration",
         ),
@@ -247,7 +252,6 @@ def test_what_is_refused(data: bytes | str, text: str) -> None:
     [
         pytest.param('<a x="a & b"/>', id="ampersand"),
         pytest.param('<a x="a<b"/>', id="less"),
-        pytest.param("<a><!-- a -- b --></a>", id="dashes"),
         pytest.param(b"<a x='\xe9'/>", id="latin 1"),
     ],
 )
@@ -257,8 +261,8 @@ def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
 
 
 @pytest.mark.parametrize("before", ["\n", " ", "<!-- licence -->\n", "<!-- a -->"])
-def test_help_for_a_late_declaration(before: str, tmp_path: Path) -> None:
-    """The help says that MuJoCo reads it where the installed MuJoCo does: behind white space, not behind a comment."""
+def test_a_late_declaration(before: str, tmp_path: Path) -> None:
+    """It is read where the installed MuJoCo reads it: behind white space, not behind a comment."""
     text = f'{before}<?xml version="1.0"?><mujoco><worldbody><geom size="1"/></worldbody></mujoco>'
     path = tmp_path / "m.xml"
     path.write_text(text)
@@ -266,7 +270,46 @@ def test_help_for_a_late_declaration(before: str, tmp_path: Path) -> None:
         reads = mujoco.MjModel.from_xml_path(str(path)) is not None
     except ValueError:
         reads = False
-    assert ("MuJoCo reads it" in refused(text)) is reads is (not before.strip())
+    assert reads is (not before.strip())
+    if reads:
+        # Behind `before` and the 21 bytes of the declaration.
+        assert parsed(text).root.start == len(before) + 21
+    else:
+        assert "ROBOT004: a malformed XML declaration" in refused(text)
+
+
+@pytest.mark.parametrize(
+    ("head", "tail"),
+    [
+        pytest.param("<mujoco><!-- a -- b -->\n", "", id="dashes"),
+        pytest.param("<mujoco><!-- a --->\n", "", id="three dashes"),
+        pytest.param("<mujoco><!----- <joint name='no'/> ----->\n", "", id="a line"),
+        pytest.param(
+            "<mujoco model='m'><option timestep='1'gravity=\"0 0 -1\"integrator='Euler'/>\n",
+            "",
+            id="no space",
+        ),
+        pytest.param(
+            "<mujoco model=\"a>b\"><!-- x='1'y -- --><compiler angle='radian'autolimits='true'/>\n",
+            "",
+            id="both",
+        ),
+        pytest.param("<mujoco>\n", "<!-- -- -->", id="behind"),
+    ],
+)
+def test_what_mujoco_reads_is_read(head: str, tail: str) -> None:
+    """Elements, their values and places are those of the file, which MuJoCo reads as well."""
+    joint = "<joint name='knee'range='0 1'/>"
+    text = f"{head}<worldbody><body>{joint}<geom size='1'/></body></worldbody></mujoco>{tail}"
+    model = mujoco.MjModel.from_xml_string(text)
+    assert model.joint("knee").range[0] == 0.0 < model.joint("knee").range[1]
+    document = parsed(text)
+    (found,) = document.walk("joint")
+    assert found.start == text.index(joint)
+    assert document.span(found) == Span("r.xml", 2, text.index(joint) - text.index("\n"))
+    assert [found.get(name) for name in ("name", "range")] == ["knee", "0 1"]
+    value = found.attributes["range"]
+    assert text[value.start : value.end] == "range='0 1'"
 
 
 @pytest.mark.parametrize(
