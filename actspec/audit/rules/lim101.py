@@ -86,26 +86,25 @@ class NoEffectiveLimit(RuleInParts):
             undriven = _UNDRIVEN.search(row.joint) is not None or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
+            unused = row.artifact in case.once(_unused)
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = (
-                    undriven or row.artifact in case.once(_furniture) or row.artifact in case.once(_few_zeros)
-                )
+                quiet = undriven or unused or row.artifact in case.once(_few_zeros)
                 yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
                 continue
             if urdf and is_exporters(row):
                 yield self._exporters(case, row)
                 continue
             if self._are_placeholders(case, limits):
-                yield (self._placeholders(row, limits),)
+                nothing = self._placeholders(row, limits)
+                yield (replace(nothing, severity=Severity.INFO) if unused else nothing,)
                 continue
             for field, limit in limits.items():
                 if limit is not None:
                     found = self._stated(case, row, field, limit, idle, undriven)
                     # The clamped command bounds it before the placeholder does.
-                    yield (
-                        (replace(one, severity=Severity.INFO) for one in found) if row.span in held else found
-                    )
+                    quiet = unused or row.span in held
+                    yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
 
     def _is_held(self, case: Case, row: LedgerRow, view: ActuatorView | None) -> bool:
         """Whether the clamped command of a servo bounds its torque below a limit that is a placeholder."""
@@ -369,18 +368,21 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
     return frozenset(found)
 
 
-def _furniture(case: Case) -> frozenset[int]:
-    """URDFs without a limit on any joint in which no joint moves another: drawers and doors, that nothing drives.
+def _unused(case: Case) -> frozenset[int]:
+    """URDFs whose limits nothing takes: of furniture, or met in a folder in which no model with drives, configuration
+    or deploy file is of their robot, as those for kinematics.
 
-    A robot has joints behind each other.
+    Furniture has no limit on any joint, and no joint that moves another: a robot has joints behind each other.
     """
+    met = {file.path for file in case.files if file.in_folder}
     found = set()
     for index, artifact in case.of_kind(FileKind.URDF):
         limits = [
             getattr(row, field) for row in case.rows_of(index) for field in _LIMITS if field in row.stated
         ]
         joints = () if artifact.robot is None else artifact.robot.joints
-        if limits and not any(limits) and not any(joint.parent for joint in joints):
+        furniture = limits and not any(limits) and not any(joint.parent for joint in joints)
+        if furniture or (artifact.path in met and case.kinds_by_artifact[index] == {FileKind.URDF}):
             found.add(index)
     return frozenset(found)
 

@@ -419,7 +419,7 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
     they have other motors.
     """
-    if not _is_grave(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
+    if not is_times(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
     if found.variant and _revision(case, one) != _revision(case, other):
@@ -447,7 +447,8 @@ def _is_one_machine(case: Case, one: int, other: int) -> bool:
     return here is None or there is None or are_one_body(here, there)
 
 
-def _is_grave(ratio: float | None) -> bool:
+def is_times(ratio: float | None) -> bool:
+    """Whether one figure is `GRAVE` times the other or more."""
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
 
 

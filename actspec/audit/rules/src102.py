@@ -7,6 +7,7 @@ from actspec.audit.rules.source_pairs import (
     Disagreement,
     SourceRule,
     is_no_limit,
+    is_times,
     is_times_off,
 )
 from actspec.diagnostics import Severity
@@ -34,8 +35,10 @@ class VelocityLimit(SourceRule):
         )
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A joint that one file holds still is a note."""
-        return (Severity.INFO if _least(found) <= _STILL else self.severity), self.confidence
+        """A joint that one file holds still is a note, and so are speeds of less than twice each other: solvers and
+        safety settings stay below what the motor does, and nobody acts on them."""
+        quiet = _least(found) <= _STILL or not is_times(found.ratio)
+        return (Severity.INFO if quiet else self.severity), self.confidence
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""

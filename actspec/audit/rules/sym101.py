@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from functools import lru_cache
 from itertools import combinations
 from operator import attrgetter, eq
@@ -12,6 +12,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import is_held, is_undriven, shown
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import telling
 from actspec.units import format_quantity
@@ -134,7 +135,8 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             or all(_is_a_line_of_each(left[0], right[0], name) for name, _, _ in differing)
         )
         unfelt = not kinds and all(_is_unfelt(case, (left[0], right[0]), *one) for one in differing)
-        quiet = identified or unfelt
+        names = {name for name, _, _ in differing}
+        quiet = identified or unfelt or (not kinds and _is_chosen(case, left[0], right[0], names))
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -173,6 +175,16 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
 def _is_a_line_of_each(left: LedgerRow, right: LedgerRow, field: str) -> bool:
     """Whether one setting gives each side its own end of a torque-speed line: somebody measured them."""
     return field == "no_load_speed" and left.place(field) == right.place(field)
+
+
+def _is_chosen(case: Case, left: LedgerRow, right: LedgerRow, fields: Set[str]) -> bool:
+    """Whether somebody set up each side by itself: two groups of a configuration that have both gains apart.
+
+    A figure that was corrected on one side alone is one figure. Whole sides differ where one arm works and the other
+    is held.
+    """
+    is_config = case.artifacts[left.artifact].kind is FileKind.CFG
+    return is_config and left.actuator != right.actuator and {"kp", "kd"} <= fields
 
 
 def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: float, other: float) -> bool:
