@@ -199,8 +199,9 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     ):
         return True
     # Of a pair of fingers often one follows the other.
-    return field.endswith("limit") and any(
-        is_undriven(case, row) or _follows(case, row) or is_held(row) for row in sides
+    return any(
+        _follows(case, row) or (field.endswith("limit") and (is_undriven(case, row) or is_held(row)))
+        for row in sides
     )
 
 
