@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import finite, partner_rows, shown, top_speed, unit
+from actspec.audit.rules.joints import finite, is_exporters, partner_rows, shown, top_speed, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -54,8 +54,11 @@ class DampingOutsideClamp(RuleInParts):
             # One for all files of the robot.
             key = files[0], joint
             if key not in speeds:
-                every = (top_speed(row) for file in files for row in everything.get((file, joint), ()))
-                speeds[key] = min(filter(None, every), default=None)
+                every = [row for file in files for row in everything.get((file, joint), ())]
+                # Whoever corrected an exporter's effort has left its speed.
+                exported = {row.velocity_limit for row in every if is_exporters(row)}
+                told = (top_speed(row) for row in every if row.velocity_limit not in exported)
+                speeds[key] = min(filter(None, told), default=None)
             speed = speeds[key]
             if _brakes_by_intent(case, row):
                 yield ()

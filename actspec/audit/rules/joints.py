@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from itertools import product
 
@@ -151,6 +152,22 @@ def is_undriven(case: Case, row: LedgerRow) -> bool:
     if row.control != "none" or case.artifacts[row.artifact].kind is not FileKind.MJCF:
         return False
     return any(other.control != "none" for other in case.rows_of(row.artifact))
+
+
+_UNDRIVEN = re.compile(
+    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|roller|free_?wheel|knuckle|inner_finger|spring|dummy|virtual|"
+    r"passive|fake|not_?used?(?:_|\b)|unused",
+    re.IGNORECASE,
+)
+
+
+def is_called_undriven(row: LedgerRow) -> bool:
+    """Whether a joint's name says that it has no drive whose limits would matter.
+
+    A drone's rotors are driven by their thrust, the links of a gripper by one of its fingers, and a motor's place in an
+    order that nothing has is not used.
+    """
+    return _UNDRIVEN.search(row.joint) is not None
 
 
 _HELD = 0.01

@@ -1,7 +1,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
 from typing import ClassVar
@@ -9,7 +8,7 @@ from typing import ClassVar
 from actspec.audit.known import likenesses
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuators
-from actspec.audit.rules.joints import is_exporters, partner_rows, shown, unit
+from actspec.audit.rules.joints import is_called_undriven, is_exporters, partner_rows, shown, unit
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
@@ -30,14 +29,6 @@ _BOTH_ZERO = (
     "the URDF's effort and velocity are 0: MuJoCo reads them as no limit, a tool that sets up drives from them as a "
     "joint that can give nothing and is held"
 )
-_UNDRIVEN = re.compile(
-    r"rotor|prop(?:eller)?s?(?:_|\b|\d)|caster|castor|roller|knuckle|inner_finger|spring|dummy|virtual|passive|fake|"
-    r"not_?used?(?:_|\b)|unused",
-    re.IGNORECASE,
-)
-"""Names of joints without a drive whose limits would matter: a drone's rotors are driven by their thrust, the links of
-a gripper by one of its fingers, and a motor's place in an order that nothing has is not used."""
-
 _TIMES = 5.0
 """How far a clamped command's bound is above another file's limit. Chosen: it is met at the end of the range alone, and
 where it was 1.3 to 2.4 times the limit nobody acted on it (docs/survey.md)."""
@@ -77,14 +68,14 @@ class NoEffectiveLimit(RuleInParts):
                     view = views.get(row.span)
                     looked = free and not _is_bounded(row, view) and written.get(row.span) != _EMPTY
                     missing = self._missing(case, row, view, written.get(row.span)) if looked else ()
-                    quiet = (meant and row.span not in written) or _UNDRIVEN.search(row.joint) is not None
+                    quiet = (meant and row.span not in written) or is_called_undriven(row)
                     yield (replace(one, severity=Severity.INFO) for one in missing) if quiet else missing
         mimics = _mimics(case)
         for row in case.rows:
             if row.effort_limit == math.inf and written.get(row.span) == _EMPTY:
                 yield (self._zero(row, "effort_limit", _EMPTY_RANGE),)
             idle = (row.artifact, row.joint) in mimics or row.kp == row.kd == 0.0
-            undriven = _UNDRIVEN.search(row.joint) is not None or _is_passive(case, row)
+            undriven = is_called_undriven(row) or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
             unused = row.artifact in case.once(_unused)

@@ -14,7 +14,7 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import likenesses, same
 from actspec.audit.rule import RuleInParts
-from actspec.audit.rules.joints import is_exporters
+from actspec.audit.rules.joints import is_called_undriven, is_exporters
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.joints import JointKind
@@ -519,11 +519,12 @@ class SourceRule(RuleInParts):
         """The finding of one joint, at the file that departs."""
         mine, theirs = found.mine, found.theirs
         severity, confidence = self.severity_of(case, found)
-        if found.variant or not found.one_machine or (found.field in LIMITS and is_small(found)):
+        idle = found.field in LIMITS and is_called_undriven(found.rows[0])
+        if found.variant or not found.one_machine or idle or (found.field in LIMITS and is_small(found)):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
-        if found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
+        if not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM
         file = found.others[0].file
         if found.published:
