@@ -291,7 +291,8 @@ _LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
 
 _LATE = re.compile(rb"\s+<\?xml\b[^>]*\?>")
 _TAG = re.compile(rb"""<[^<>"']*(?:(?:"[^"<]*"|'[^'<]*')[^<>"']*)*>""")
-_TOUCHING = re.compile(rb"""(?:"[^"]*"|'[^']*')(?=[^\s"'/>?])""")
+_VALUE = re.compile(rb"""(?:"[^"]*"|'[^']*')((?=[^\s"'/>?]))?""")
+"""A value in quotes; the group is there where something touches it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,9 +332,11 @@ def _as_mujoco_reads(data: bytes) -> _Lenient:
             at = data.find(b"<", end)
             continue
         tag = _TAG.match(data, at)
-        for touching in _TOUCHING.finditer(data, at, tag.end()) if tag is not None else ():
-            parts += [data[last : touching.end()], b" "]
-            last = touching.end()
+        for value in _VALUE.finditer(data, at, tag.end()) if tag is not None else ():
+            if value[1] is None:
+                continue
+            parts += [data[last : value.end()], b" "]
+            last = value.end()
             added.append(last + len(added))
         at = data.find(b"<", at + 1 if tag is None else tag.end())
     return _Lenient(b"".join([*parts, data[last:]]), tuple(added))

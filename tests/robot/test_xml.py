@@ -299,7 +299,7 @@ def test_a_late_declaration(before: str, tmp_path: Path) -> None:
 )
 def test_what_mujoco_reads_is_read(head: str, tail: str) -> None:
     """Elements, their values and places are those of the file, which MuJoCo reads as well."""
-    joint = "<joint name='knee'range='0 1'/>"
+    joint = "<joint type='hinge' name='knee'range='0 1' damping='1'/>"
     text = f"{head}<worldbody><body>{joint}<geom size='1'/></body></worldbody></mujoco>{tail}"
     model = mujoco.MjModel.from_xml_string(text)
     assert model.joint("knee").range[0] == 0.0 < model.joint("knee").range[1]
