@@ -81,7 +81,9 @@ class NoEffectiveLimit(RuleInParts):
             unused = row.artifact in case.once(_unused)
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
-                quiet = undriven or unused or row.artifact in case.once(_few_zeros)
+                quiet = (
+                    undriven or unused or row.artifact in case.once(_few_zeros) or _is_overruled(case, row)
+                )
                 yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
                 continue
             if urdf and is_exporters(row):
@@ -222,7 +224,9 @@ class NoEffectiveLimit(RuleInParts):
             # A drive without stiffness and effort is how a configuration writes a bearing.
             bearing = not urdf and row.kp == 0.0
             few = field == "effort_limit" and row.artifact in case.once(_few_zeros)
-            if undriven or bearing or (urdf and (few or row.artifact in case.once(_WITHOUT[field]))):
+            overruled = field == "effort_limit" and _is_overruled(case, row)
+            nobodys = few or overruled or row.artifact in case.once(_WITHOUT[field])
+            if undriven or bearing or (urdf and nobodys):
                 found = replace(found, severity=Severity.INFO)
             yield found
 
@@ -256,6 +260,11 @@ def _is_unlimited_by_intent(case: Case, index: int) -> bool:
         if case.artifacts[other.artifact].kind is not FileKind.MJCF
     )
     return all((other.effort_limit or math.inf) == math.inf for other in others)
+
+
+def _is_overruled(case: Case, row: LedgerRow) -> bool:
+    """Whether a configuration states the joint's limit, and a model's 0 is not read."""
+    return any((other.effort_limit or 0.0) > 0.0 for other in partner_rows(case, row, FileKind.CFG))
 
 
 def _is_passive(case: Case, row: LedgerRow) -> bool:

@@ -17,6 +17,9 @@ from actspec.robot.view import RobotView
 _EMPTY_BODY = re.compile(rb"<body\b(?![^<>]*\bmocap\b)[^<>]*(?:/>|(?<!/)>\s*</body>)")
 """A body with nothing in it: where a hand or a tool is mounted, whose mass the joints before it move."""
 
+_FEW, _LINKS = 2, 3
+"""Actuators of a gripper at most, and joints that each moves at least. Chosen: a leg has an actuator a joint."""
+
 RUNGE_KUTTA = 2.785
 """h kd/I at which the fourth-order Runge-Kutta step diverges: |1 - z + z^2/2 - z^3/6 + z^4/24| = 1.
 
@@ -62,6 +65,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
                 artifact.is_part
                 or rows[0].artifact in case.once(_with_options_of_others)
                 or _is_a_mount(artifact)
+                or _is_a_gripper(robot)
             ):
                 # Step, integrator and what it carries are those of the model that includes or mounts it.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
@@ -122,6 +126,12 @@ def _is_a_mount(artifact: Artifact) -> bool:
     """Whether a body of a model is empty: a robot is put together there, with the options of what it becomes."""
     files = () if artifact.robot is None else artifact.robot.files
     return any(_EMPTY_BODY.search(without_comments(file.data)) for file in files)
+
+
+def _is_a_gripper(robot: RobotView) -> bool:
+    """Whether one or two actuators move a linkage of many joints: it is mounted on a robot, whose options hold."""
+    count = len(robot.actuators)
+    return count <= _FEW and len(robot.joints) >= _LINKS * count
 
 
 def _with_options_of_others(case: Case) -> frozenset[int]:
