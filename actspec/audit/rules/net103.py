@@ -35,6 +35,8 @@ class NetworkFileMissing(RuleInParts):
                 network.span,
                 help="name it relative to this file, as Path(__file__).parent / ..." if absolute else None,
                 confidence=self.confidence if absolute else Confidence.LOW,
+                # Weights are often kept beside a repository; whoever makes the robot without them is told at once.
+                severity=None if absolute else Severity.INFO,
             )
 
     def _of_spec(self, network: NetworkReading) -> Iterator[Finding]:
