@@ -16,6 +16,8 @@ from actspec.readings.pair import telling
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 TABLE = ROBOTS / "known.json"
+MAKERS = ("Unitree's URDF of the Go1", "Unitree's URDF of the Go2", "Unitree's URDF of the H1")
+"""How titles of sources begin that are the maker's own, of robots with one machine type."""
 
 
 def table() -> str:
@@ -78,6 +80,8 @@ def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
         if armature:
             row["armature"] = armature
         row["source"] = titles[str(_largest(joints[0]).source)]
+        if row["source"].startswith(MAKERS):
+            row["maker"] = True
         yield row
 
 

@@ -447,6 +447,12 @@ def _is_one_machine(case: Case, one: int, other: int) -> bool:
     return here is None or there is None or are_one_body(here, there)
 
 
+def are_alternatives(case: Case, found: Disagreement) -> bool:
+    """Whether both files are URDFs, or both MJCF, and no maker's figure tells who is right: one of them is used."""
+    one, other = (case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others))
+    return one is other and one in (FileKind.URDF, FileKind.MJCF) and not found.published
+
+
 def is_times(ratio: float | None) -> bool:
     """Whether one figure is `GRAVE` times the other or more."""
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9

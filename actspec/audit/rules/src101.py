@@ -11,6 +11,7 @@ from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
     SourceRule,
+    are_alternatives,
     is_no_limit,
     is_of_control,
     is_small,
@@ -102,8 +103,14 @@ class EffortLimit(SourceRule):
 
 
 def _limits_nothing(case: Case, found: Disagreement) -> bool:
-    """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it."""
-    return any(is_undriven(case, rows[0]) or is_held(rows[0]) for rows in (found.rows, found.others))
+    """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it.
+
+    Slides of two models of one kind have none to compare: fingers close as hard as the task of each asks.
+    """
+    both = (found.rows[0], found.others[0])
+    if all(_is_slide(row) for row in both) and are_alternatives(case, found):
+        return True
+    return any(is_undriven(case, row) or is_held(row) for row in both)
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:

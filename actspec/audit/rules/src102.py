@@ -6,6 +6,7 @@ from actspec.audit.rules.source_pairs import (
     TIMES,
     Disagreement,
     SourceRule,
+    are_alternatives,
     is_no_limit,
     is_times,
     is_times_off,
@@ -37,12 +38,12 @@ class VelocityLimit(SourceRule):
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a file holds the joint still, where speeds are less than twice each other (solvers and safety
         settings stay below what a motor does), and between two models of one kind, which nobody runs together."""
-        quiet = _least(found) <= _STILL or not is_times(found.ratio) or _are_alternatives(case, found)
+        quiet = _least(found) <= _STILL or not is_times(found.ratio) or are_alternatives(case, found)
         return (Severity.INFO if quiet else self.severity), self.confidence
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""
-        return _least(found) > _STILL and is_times_off(case, found) and not _are_alternatives(case, found)
+        return _least(found) > _STILL and is_times_off(case, found) and not are_alternatives(case, found)
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much speed."""
@@ -51,12 +52,6 @@ class VelocityLimit(SourceRule):
             return f"the joint is {found.ratio:.3g} times as fast here"
         share = abs(found.ratio - 1.0) * 100.0
         return f"the joint is {share:.3g} % {'faster' if found.ratio > 1.0 else 'slower'} here"
-
-
-def _are_alternatives(case: Case, found: Disagreement) -> bool:
-    """Whether both files are URDFs, or both MJCF: a maker's releases differ in speeds, and one of them is used."""
-    one, other = (case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others))
-    return one is other and one in (FileKind.URDF, FileKind.MJCF) and not found.published
 
 
 def _is_line_beside_solver(case: Case, found: Disagreement) -> bool:
