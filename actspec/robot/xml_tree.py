@@ -316,7 +316,9 @@ class _Lenient:
 def _as_mujoco_reads(data: bytes) -> _Lenient:
     """Mend what MuJoCo reads and expat does not, without a change of what the file says; in one pass."""
     late = _LATE.match(data)
-    parts, added, last = [], [], 0
+    parts: list[bytes] = []
+    added: list[int] = []
+    last = 0
     if late is not None:
         parts.append(_blank(late[0]))
         last = late.end()
