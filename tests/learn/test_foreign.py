@@ -174,21 +174,18 @@ def test_lstm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     manifest = {**MANIFEST, "kind": "lstm", "taps": [0], "inputs": "position_velocity", "tap_period": "5 ms"}
     (tmp_path / "m.json").write_text(json.dumps(manifest))
     out = str(tmp_path / "lstm")
-    assert (
-        main(
-            [
-                "net",
-                "convert",
-                str(tmp_path / "net.pt"),
-                "--trust",
-                "--manifest",
-                str(tmp_path / "m.json"),
-                "-o",
-                out,
-            ]
-        )
-        in (0, 1)
-    )
+    assert main(
+        [
+            "net",
+            "convert",
+            str(tmp_path / "net.pt"),
+            "--trust",
+            "--manifest",
+            str(tmp_path / "m.json"),
+            "-o",
+            out,
+        ]
+    ) in (0, 1)
     layers = read_onnx((tmp_path / "lstm.onnx").read_bytes())
     x = np.array([[0.3, -0.7]])
     with torch.no_grad():
