@@ -4,6 +4,7 @@
     python benchmarks/learn.py --short            # a minute, small networks, printed
     python benchmarks/learn.py --known            # without the fit
     python benchmarks/learn.py --logs DIR         # keeps logs, fit and networks there, and takes those that are there
+    python benchmarks/learn.py --hard --write     # the page's section on drives at their limits alone
 
 By the commands of docs/networks.md: experiments of `sysid design`, a virtual A1 of `sysid simulate` and what its
 sensors make of it, `sysid fit` for friction and armature of the bench, `net train`. Judged on random sines and on what
@@ -98,6 +99,14 @@ KINDS = {
 """Network to its options."""
 TRAINED = {"published": tuple(KINDS), "half": ("measured",)}
 """Networks of each robot."""
+HARD = {"steps_hard": 100.0, "policy_hard": 20.0}
+"""What drives at their limits are trained and tested on, and for how long [s]."""
+LEVELS, HELD = 0.6, (0.06, 0.25)
+"""Share of a joint's range within which it is sent there, and for how long at a time [s]."""
+LAST = "## Drives at their limits"
+"""Heading of the section that `--hard` makes."""
+MISSED = "## What is missed, and why"
+"""Heading of what is written by hand, and kept."""
 SAMPLES = (1, 6, 20, 100)
 """Of histories from which the play is told."""
 GOALS = {
@@ -195,18 +204,18 @@ def commands(short: bool) -> None:
     policy("command_policy.npz", load_log("command_random.npz"), PART, 3)
 
 
-def moved() -> None:
+def moved(kinds: Sequence[str] = (*EXPERIMENTS, *TESTS)) -> None:
     """The true motion in each log; none is made that is there."""
-    for k, kind in enumerate((*EXPERIMENTS, *TESTS)):
+    for k, kind in enumerate(kinds):
         if not Path(f"{kind}.npz").exists():
             more = ("--command", f"command_{kind}.npz", "-o", f"{kind}.npz", "--seed", str(k))
             run("sysid", "simulate", "true.yaml", *more, "--sag", SAG)
 
 
-def read(folder: Path, play: float) -> None:
+def read(folder: Path, play: float, kinds: Sequence[str] = (*EXPERIMENTS, *TESTS)) -> None:
     """What the sensors of a robot with so much play [deg] make of that; `fit_` are first parts."""
     actuators = resolved("true")
-    for k, kind in enumerate((*EXPERIMENTS, *TESTS)):
+    for k, kind in enumerate(kinds):
         log = load_log(f"{kind}.npz")
         assert list(log.joints) == [actuator.joint for actuator in actuators]
         q, qd, torque = (
@@ -214,7 +223,7 @@ def read(folder: Path, play: float) -> None:
             for name in ("position", "velocity", "torque")
         )
         flaws = dataclasses.replace(SENSORS, play=math.radians(play))
-        if kind in TESTS:
+        if kind in (*TESTS, "policy_hard"):
             flaws = dataclasses.replace(flaws, torque_noise=0.0)
         path, random = str(folder / f"{kind}.npz"), np.random.default_rng(10 + k)
         told = sensed(log, actuators, q, qd, torque, path, flaws, random)
@@ -228,6 +237,66 @@ def read(folder: Path, play: float) -> None:
             }
             path = str(folder / f"fit_{kind}.npz")
             write_log(dataclasses.replace(told, path=path, time=told.time[keep], joints=joints), force=True)
+
+
+def jumps(path: str, seconds: float, seed: int) -> None:
+    """Commands that jump within the joints' ranges, each held for a while: what brings drives to their limits."""
+    random, rows, joints = np.random.default_rng(seed), round(seconds * RATE), {}
+    for actuator in resolved("spec"):
+        assert actuator.position_range is not None
+        low, high = actuator.position_range
+        command = np.empty(0)
+        while len(command) < rows:
+            level = 0.5 * (low + high) + 0.5 * LEVELS * (high - low) * random.uniform(-1, 1)
+            command = np.append(command, np.full(round(random.uniform(*HELD) * RATE), level))
+        joints[actuator.joint] = JointLog(actuator.joint, False, command=command[:rows])
+    write_log(Log(path, "", np.arange(rows) / RATE, joints, Sidecar()), force=True)
+
+
+def hard(where: Path) -> str:
+    """The page's section on drives at their limits, where the torque-speed line sags."""
+    specs(True)
+    play = ROBOTS["published"]
+    for k, (kind, seconds) in enumerate(HARD.items()):
+        jumps(f"command_{kind}.npz", seconds, 20 + k)
+    moved(tuple(HARD))
+    folder = where / "hard"
+    folder.mkdir(exist_ok=True)
+    read(folder, play, tuple(HARD))
+    os.chdir(folder)
+    specs(True)
+    train, test = HARD
+    run("net", "train", "bench.yaml", f"{train}.npz", "-o", "nets/hard", *KINDS["measured"], "--force")
+    bed = Test(test, play)
+    held_down = []
+    for actuator, track in zip(bed.bench.actuators, bed.data.tracks, strict=True):
+        laws = baseline_laws(actuator)
+        seen = [values[track.rows] for values in (track.in_force, track.position, track.velocity)]
+        held_down.append(laws["ideal_pd"].torque(*seen) != laws["dc_motor"].torque(*seen))
+    rows = {
+        "DC motor of the spec": bed.motor("spec"),
+        "DC motor with the robot's own delay and friction": bed.motor("fitted", math.ceil),
+        "network, measured": bed.network("nets/hard.json"),
+    }
+    motor, fit, network = rows.values()
+    lines = [
+        LAST,
+        "",
+        f"Written by `python benchmarks/learn.py --hard --write`. The robot with {play:g}° of play, {HARD[train]:g} s "
+        f"to train on and {HARD[test]:g} s of another seed to test: commands that jump within {LEVELS * 1e2:.0f} % of "
+        f"each joint's range, held for {HELD[0] * 1e3:g} to {HELD[1] * 1e3:g} ms. RMS torque {bed.size:.3g} N·m; the "
+        f"torque-speed line holds it down in {1e2 * np.mean(np.concatenate(held_down)):.0f} % of the rows, and sags by "
+        f"{SAG} at full torque, which no law of the spec has. Delay, friction, kp and kd of the second law are the "
+        "robot's own, as the best of fits would have them; its delay is in the steps that come nearer in motion.",
+        "",
+        f"| | RMSE [N·m] | position RMSE of {HORIZON:g} s in MuJoCo [mrad] |",
+        "|---|---:|---:|",
+        *(f"| {name} | {torque:.3g} | {motion * 1e3:.3g} |" for name, (torque, motion) in rows.items()),
+        "",
+        f"The network's RMSE is {network[0] / motor[0]:.2f} of the DC motor's (goal 0.2), {network[0] / fit[0]:.2f} of "
+        f"the fitted one's (goal 0.4); in motion {network[1] / motor[1]:.2f} and {network[1] / fit[1]:.2f}.",
+    ]
+    return "\n".join(lines) + "\n"
 
 
 def resolved(name: str) -> list[JointActuator]:
@@ -497,13 +566,19 @@ def main() -> int:
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--known", action="store_true", help="no fit: the robot's own figures in its place")
     parser.add_argument("--write", action="store_true")
+    parser.add_argument("--hard", action="store_true", help="the section on drives at their limits alone")
     parser.add_argument("--logs", help="folder of what is kept")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         where = Path(options.logs or folder).resolve()
         where.mkdir(parents=True, exist_ok=True)
         os.chdir(where)
-        page, met = measured(options, where)
+        before, heading, by_hand = PAGE.read_text("utf-8").partition(MISSED)
+        page, met = before.partition(LAST)[0], True
+        if not options.hard:
+            page, met = measured(options, where)
+            os.chdir(where)
+        page = f"{page.rstrip()}\n\n{hard(where)}\n{heading}{by_hand}"
     print(page)
     if options.write:
         PAGE.write_text(page, "utf-8")

@@ -114,7 +114,7 @@ def run_lost(reason: str) -> int:
         arguments = _parsed(sys.argv[1:])
         help = "actspec audit reads what it can of such a model from its text"
         said = Diagnostic("ENV005", Severity.ERROR, reason, help=help)
-        print_failure((said,), getattr(arguments, "output_format", "text"), arguments.command)
+        print_failure((said,), getattr(arguments, "output_format", "text"), _said_by(arguments))
         sys.stdout.flush()
         sys.stderr.flush()
     return EXIT_FAILED
@@ -163,6 +163,12 @@ def _unprinted(err: StreamError) -> int:
     return EXIT_FAILED
 
 
+def _said_by(arguments: argparse.Namespace) -> str:
+    """The command by the name of its machine output; each part of these two has its own."""
+    command: str = arguments.command
+    return f"{command}-{arguments.part}" if command in ("net", "delta") else command
+
+
 def _run(arguments: argparse.Namespace) -> int:
     from actspec.diagnostics import ActspecError
 
@@ -180,5 +186,5 @@ def _run(arguments: argparse.Namespace) -> int:
         said = (diagnostic(err),)
     from actspec.report.terminal import print_failure
 
-    print_failure(said, getattr(arguments, "output_format", "text"), command)
+    print_failure(said, getattr(arguments, "output_format", "text"), _said_by(arguments))
     return EXIT_FAILED

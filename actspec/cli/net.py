@@ -296,7 +296,7 @@ def _add_convert(command: argparse.ArgumentParser) -> None:
         command,
         "Write a network of others as our three files: scales go into its weights, errors come before velocities.",
         "actspec net convert unitree_go1.pt --trust --manifest go1.json -o nets/go1",
-        "0 written; 2 nothing was written",
+        "0 written; 1 written, and it contradicts its manifest; 2 nothing was written",
     )
     _add_file(command)
     command.add_argument("--manifest", required=True, metavar="NAME.json", help="its conventions")
@@ -351,7 +351,7 @@ def _inspect(arguments: argparse.Namespace) -> int:
 def _convert(arguments: argparse.Namespace) -> int:
     from actspec.learn.files import check_output, write_network
     from actspec.learn.foreign import read_network_file
-    from actspec.learn.inspect import converted
+    from actspec.learn.inspect import converted, inspect
     from actspec.learn.libraries import require
     from actspec.logs import LogError
     from actspec.readings.onnx_network import NetworkFileError
@@ -360,21 +360,22 @@ def _convert(arguments: argparse.Namespace) -> int:
     require("torch", "onnx")
     check_output(arguments.output, force=arguments.force)
     manifest = _manifest_of(arguments.manifest, arguments.file)
-    layers, entries = converted(
-        read_network_file(arguments.file, trust=arguments.trust),
-        manifest,
-        arguments.file,
-        arguments.manifest,
-    )
+    read = read_network_file(arguments.file, trust=arguments.trust)
+    layers, entries = converted(read, manifest, arguments.file, arguments.manifest)
+    out = Collector()
+    help = "`actspec net inspect FILE` without a manifest shows what the weights tell"
+    for text in inspect(read, manifest, arguments.file).contradictions:
+        out.warning("LRN034", text, span=Span(arguments.manifest), help=help)
     try:
         paths = write_network(arguments.output, layers, entries, force=arguments.force)
     except NetworkFileError as err:
         raise LogError.of("LRN013", f"cannot be written: {err}", Span(arguments.file)) from err
     if arguments.output_format == "json":
-        print_json(convert_record(arguments.file, paths))
+        print_json(convert_record(arguments.file, paths, out.sorted()))
     else:
+        print_diagnostics(out.sorted())
         print_lines([f"wrote {', '.join(paths.values())}"])
-    return EXIT_CLEAN
+    return warned(out)
 
 
 def _evaluate(arguments: argparse.Namespace) -> int:

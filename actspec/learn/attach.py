@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 import os
+import sys
 import threading
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
 
 MOST_DATA = 4096
 """Most MjData whose history is kept; the oldest goes first."""
+MARK = 0.2968617
+"""Stands in what MuJoCo does not read of a user bias, so that a copy of the model is known. Chosen: no model has it."""
 
 
 def attach(
@@ -65,11 +68,18 @@ class Attached:
         self._ids = ids
         self._before = [
             (name, getattr(model, name)[ids].copy())
-            for name in ("actuator_gainprm", "actuator_biastype", "actuator_gaintype", "actuator_ctrllimited")
+            for name in (
+                "actuator_gainprm",
+                "actuator_biasprm",
+                "actuator_biastype",
+                "actuator_gaintype",
+                "actuator_ctrllimited",
+            )
         ]
         model.actuator_gaintype[ids] = int(mujoco.mjtGain.mjGAIN_FIXED)
         model.actuator_gainprm[ids] = 0.0
         model.actuator_biastype[ids] = int(mujoco.mjtBias.mjBIAS_USER)
+        model.actuator_biasprm[ids] = MARK
         model.actuator_ctrllimited[ids] = False
         _register(self)
 
@@ -94,7 +104,8 @@ class Attached:
         self._model = None
 
 
-def _check(model: Any, bundle: Bundle) -> None:
+def _check_steps(model: Any, step: float) -> None:
+    """Samples are as far apart as the network's: one a step, of its length."""
     import mujoco
 
     if model.opt.integrator == int(mujoco.mjtIntegrator.mjINT_RK4):
@@ -102,9 +113,15 @@ def _check(model: Any, bundle: Bundle) -> None:
             "implicitfast takes joint damping and Coriolis forces as well; a network is sampled once a step"
         )
         raise RuntimeFault.of("LRN043", "RK4 evaluates forces four times a step, a network once", help=help)
-    if not math.isclose(model.opt.timestep, bundle.physics_dt, rel_tol=1e-6):
-        message = f"the model's time step is {model.opt.timestep:g} s, the networks' {bundle.physics_dt:g} s"
+    if not math.isclose(model.opt.timestep, step, rel_tol=1e-6):
+        message = f"the model's time step is {model.opt.timestep:g} s, the networks' {step:g} s"
         raise RuntimeFault.of("LRN043", message, help="compile the spec with that timing.physics_dt")
+
+
+def _check(model: Any, bundle: Bundle) -> None:
+    import mujoco
+
+    _check_steps(model, bundle.physics_dt)
     named = [joint.actuator for group in bundle.groups for joint in group.joints]
     missing = [n for n in named if mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_ACTUATOR, n) < 0]
     if missing:
@@ -132,7 +149,7 @@ class _Group:
         self.bias = bias if bias.any() else None
         self.double = double
         self.qpos, self.qvel = model.jnt_qposadr[self.joints], model.jnt_dofadr[self.joints]
-        self.step = float(model.opt.timestep)
+        self.model, self.step = model, float(model.opt.timestep)
         self.count = len(self.actuators)
         self.ranks: list[int] = self.actuators.tolist()
         self.histories: dict[int, _History] = {}
@@ -202,6 +219,8 @@ class _History:
         if self.moved:
             self.begun = not abs(time - self.time - owner.step) <= 1e-3 * owner.step
             if self.begun:
+                # Another integrator or step, set since, shows as a jump of time.
+                _check_steps(owner.model, owner.step)
                 past[:] = 0.0
                 self.memory = None
             else:
@@ -267,6 +286,15 @@ def _unregister(attached: Attached) -> None:
 def _callback(model: Any, data: Any, actuator: int) -> float:
     attached = _ATTACHED.get(model._address)
     found = None if attached is None else attached.owner.get(actuator)
-    if found is not None:
-        return found[0].torque(data, found[1])
+    try:
+        if found is not None:
+            return found[0].torque(data, found[1])
+        if attached is None and model.actuator_biasprm[actuator, 0] == MARK:
+            message = "the model is a copy of one that networks are attached to, and no network drives it"
+            raise RuntimeFault.of("LRN043", message, help="attach to the copy, or copy before you attach")
+    except RuntimeFault as err:
+        if threading.current_thread() is not threading.main_thread():
+            # MuJoCo ends the process there, and says no more than that Python raised something.
+            print(err, file=sys.stderr, flush=True)
+        raise
     return float(_OTHER(model, data, actuator)) if _OTHER is not None else 0.0

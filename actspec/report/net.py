@@ -303,6 +303,7 @@ def inspect_record(found: Inspection, path: str) -> dict[str, Any]:
     }
 
 
-def convert_record(path: str, written: Mapping[str, str]) -> dict[str, Any]:
+def convert_record(path: str, written: Mapping[str, str], findings: Sequence[Diagnostic]) -> dict[str, Any]:
     """As JSON: the network that was read, as it was named, and the files that were written."""
-    return {"format": CONVERT, "file": path, "files": dict(written)}
+    said = [diagnostic_record(item) for item in findings]
+    return {"format": CONVERT, "file": path, "files": dict(written), "findings": said}

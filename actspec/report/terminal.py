@@ -16,10 +16,17 @@ from typing import Any, TextIO
 from actspec.diagnostics import Diagnostic, Severity, one_line
 from actspec.report.tables import COLOURED, Style, many
 
-OUTPUT = {"ablate": "ablation", "audit": "report", "rule": "rules"}
+OUTPUT = {
+    "ablate": "ablation",
+    "audit": "report",
+    "diagnose": "diagnosis",
+    "report": "overview",
+    "rule": "rules",
+    "show": "actuators",
+}
 """Commands whose machine output has another name."""
 
-WRITING = ("ablate", "compile", "import", "init", "lock", "sysid")
+WRITING = ("ablate", "compile", "delta-train", "import", "init", "lock", "net-convert", "net-train", "sysid")
 """Commands whose work are files, all or none. Of an audit some fixes may be written when another one cannot be."""
 
 QUIET = 2.0
@@ -52,7 +59,7 @@ def print_diagnostics(diagnostics: Iterable[Diagnostic], stream: TextIO | None =
 
 
 def print_failure(diagnostics: Sequence[Diagnostic], output_format: str, command: str) -> None:
-    """Print why a command could not run."""
+    """Print why a command could not run; of `net` and `delta` with the part, as net-train."""
     if output_format == "json":
         name = OUTPUT.get(command, command)
         print_json(

@@ -183,7 +183,7 @@ def record(log: Log, joint: JointLog, out: Collector) -> Recording | None:
             if len(gaps) == 1
             else f"{len(gaps)} gaps, up to {longest:.3g} s without rows"
         )
-        out.info("SYS013", f"{shown}: what lies between is fitted", where=joint.name, span=first)
+        out.info("SYS013", f"{shown}: nothing is read across", where=joint.name, span=first)
     command = np.interp(time, log.time, given)
     measured, released = (
         {name: np.where(fresh, np.nan, signal[index]) for name, signal in readings.items()}

@@ -145,6 +145,20 @@ def test_a_spec_that_names_it(inside: Path) -> None:
         with pytest.raises(EmitError) as caught:
             compiled(text)
         assert [item.code for item in caught.value.diagnostics] == ["LRN059"]
+    text = Path("nets/delta.json").read_text("utf-8")
+    line = 1 + text[: text.index('"max_delta"')].count("\n")
+    negative = text.replace('"max_delta": ', '"max_delta": -')
+    # A wrong value is at its line of the manifest; of another format nothing else is said.
+    for found, place in (
+        (negative, (str(Path("nets/delta.json")), line, "max_delta")),
+        (negative.replace("delta/1", "network/1"), (str(Path("nets/delta.json")), 2, "format")),
+    ):
+        Path("nets/delta.json").write_text(found, "utf-8")
+        with pytest.raises(EmitError) as caught:
+            compiled(spec)
+        (one,) = (item for item in caught.value.diagnostics if item.severity.value == "error")
+        assert one.span is not None and (one.span.path, one.span.line, one.where) == place
+    Path("nets/delta.json").write_text(text, "utf-8")
     Path("nets/delta.onnx").write_bytes(b"other")
     with pytest.raises(EmitError, match="is not the file"):
         compiled(spec)

@@ -57,6 +57,38 @@ def test_failure_is_json_too(
     assert out.err == ""
 
 
+@pytest.mark.parametrize(
+    "name, arguments",
+    [
+        ("net-data", ["net", "data", A1, "no.csv"]),
+        ("net-train", ["net", "train", A1, "no.csv", "-o", "legs"]),
+        ("net-evaluate", ["net", "evaluate", A1, "no.csv", "--network", "no.json"]),
+        ("net-inspect", ["net", "inspect", "no.onnx"]),
+        ("net-convert", ["net", "convert", "no.onnx", "--manifest", "no.json", "-o", "legs"]),
+        ("delta-train", ["delta", "train", A1, "no.csv", "-o", "legs"]),
+        ("delta-validate", ["delta", "validate", A1, "no.csv", "--network", "no.json"]),
+        ("compare", ["compare", A1, "no.csv"]),
+        ("diagnosis", ["diagnose", A1, "no.csv"]),
+        ("overview", ["report", A1, "no.csv", "-o", "page.json"]),
+        ("actuators", ["show", "no.yaml"]),
+        ("report", ["audit", "no.yaml"]),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_refusal_has_the_form_of_its_command(
+    name: str, arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: Any
+) -> None:
+    """What could not run says why under the format of its own output, not of a file that is called alike."""
+    monkeypatch.chdir(tmp_path)
+    assert main([*arguments, "--output-format", "json"]) == 2
+    record = json.loads(capsys.readouterr().out)
+    assert record["format"] == f"actspec-{name}/1" and record["diagnostics"]
+    fits(name, record)
+    with pytest.raises(jsonschema.ValidationError):
+        fits(name, {"format": record["format"]})
+    assert not [*tmp_path.iterdir()]
+
+
 def test_manifest_validates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The manifest beside compiled files has the form that its schema states, and names their hashes."""
     import hashlib

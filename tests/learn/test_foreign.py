@@ -110,7 +110,8 @@ def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ]
     assert main(arguments) == 2
     assert "LRN016" in capsys.readouterr().err and not (tmp_path / "out").exists()
-    assert main([*arguments, "--trust", "--output-format", "json"]) == 0
+    # Weights of chance may drive a joint away from its target: 1 as well.
+    assert main([*arguments, "--trust", "--output-format", "json"]) in (0, 1)
     written = json.loads(capsys.readouterr().out)
     fits("net-convert", written)
     ends = {"onnx": "onnx", "torchscript": "pt", "manifest": "json"}
@@ -128,6 +129,24 @@ def test_convert(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
         expected = 3.0 * net(x).numpy()
     found = read_onnx((tmp_path / "out" / "legs.onnx").read_bytes())(np.concatenate([e, v], axis=1))[0]
     assert found == pytest.approx(expected, abs=1e-5)
+
+
+def test_convert_by_a_manifest_of_the_other_sign(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Files that drive a joint away from its target are written with a warning and exit 1, never silently."""
+    monkeypatch.chdir(tmp_path)
+    net = script(tmp_path, linear([0.0, -18.0, -2.0, -0.9, 0.0, 0.0]))
+    convert = ["net", "convert", net, "--trust", "--manifest", "m.json", "--output-format", "json", "-o"]
+    found = {}
+    for name, scale in (("good", -1.0), ("bad", 1.0)):
+        scales = {"position_scale": scale, "velocity_scale": 1.0, "torque_scale": 1.0}
+        Path("m.json").write_text(json.dumps({**MANIFEST, "inputs": "position_velocity", **scales}))
+        code = main([*convert, name])
+        record = json.loads(capsys.readouterr().out)
+        fits("net-convert", record)
+        found[name] = code, [(item["code"], item["file"]) for item in record["findings"]]
+    assert found == {"good": (0, []), "bad": (1, [("LRN034", "m.json")])}
 
 
 @pytest.mark.slow
@@ -155,21 +174,18 @@ def test_lstm(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     manifest = {**MANIFEST, "kind": "lstm", "taps": [0], "inputs": "position_velocity", "tap_period": "5 ms"}
     (tmp_path / "m.json").write_text(json.dumps(manifest))
     out = str(tmp_path / "lstm")
-    assert (
-        main(
-            [
-                "net",
-                "convert",
-                str(tmp_path / "net.pt"),
-                "--trust",
-                "--manifest",
-                str(tmp_path / "m.json"),
-                "-o",
-                out,
-            ]
-        )
-        == 0
-    )
+    assert main(
+        [
+            "net",
+            "convert",
+            str(tmp_path / "net.pt"),
+            "--trust",
+            "--manifest",
+            str(tmp_path / "m.json"),
+            "-o",
+            out,
+        ]
+    ) in (0, 1)
     layers = read_onnx((tmp_path / "lstm.onnx").read_bytes())
     x = np.array([[0.3, -0.7]])
     with torch.no_grad():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
@@ -172,7 +173,8 @@ def test_detach(folder: Path) -> None:
     attached.detach()
     attached.detach()
     assert mujoco.get_mjcb_act_bias() is None
-    for name in ("actuator_gainprm", "actuator_biastype", "actuator_gaintype", "actuator_ctrllimited"):
+    for name in ("gainprm", "biasprm", "biastype", "gaintype", "ctrllimited"):
+        name = f"actuator_{name}"
         assert np.array_equal(getattr(model, name), getattr(other, name))
 
 
@@ -197,6 +199,31 @@ def test_what_does_not_fit(folder: Path, tmp_path: Path) -> None:
     nets = runtime.networks(folder, envs=2)
     with pytest.raises(RuntimeFault, match=r"shape \(3, 2\)"):
         nets.torque(np.zeros((3, 2)), np.zeros((2, 2)), np.zeros((2, 2)))
+
+
+def test_what_no_longer_fits(folder: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    """RK4 or another step that is set behind `attach`, and a copy of the model: refused, not run wrongly."""
+    model = loaded(folder)
+    data = mujoco.MjData(model)
+    with runtime.attach(model, folder):
+        mujoco.mj_step(model, data)
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_RK4
+        with pytest.raises(RuntimeFault, match="RK4"):
+            mujoco.mj_step(model, data)
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_EULER
+        model.opt.timestep = 0.002
+        with pytest.raises(RuntimeFault, match=r"0\.002 s"):
+            mujoco.mj_step(model, data, 3)
+        model.opt.timestep = 0.005
+        copied = copy.copy(model)
+        with pytest.raises(RuntimeFault, match="copy"), ThreadPoolExecutor(1) as pool:
+            pool.submit(mujoco.mj_forward, copied, mujoco.MjData(copied)).result()
+        # A thread of MuJoCo's own would end the process with less.
+        assert "LRN043" in capfd.readouterr().err
+        with runtime.attach(copied, folder):
+            mujoco.mj_forward(copied, mujoco.MjData(copied))
+        mujoco.mj_resetData(model, data)
+        mujoco.mj_step(model, data)
 
 
 def test_watch(folder: Path) -> None:

@@ -60,8 +60,10 @@ def test_rows_and_inputs(actuators: ActuatorSet, logs: list[Log]) -> None:
     ("delay", "step", "physics", "arrived"),
     [
         (7.0, 5.0, 5.0, True),
-        (0.0, 5.0, 5.0, False),
-        (10.0, 5.0, 5.0, False),
+        (0.0, 5.0, 5.0, True),
+        (10.0, 5.0, 5.0, True),
+        (0.0, 10.0, 5.0, False),
+        (2.5, 10.0, 5.0, True),
         (7.0, 20.0, 5.0, False),
         (8.0, 20.0, 5.0, True),
         (None, 5.0, 5.0, True),
@@ -74,8 +76,8 @@ def test_whether_a_command_has_arrived(
 ) -> None:
     """7 ms in rows and steps of 5: one row acts after 5 - 2.5 ms, two after 10 - 2.5, which is nearer [ms].
 
-    In rows of 20 ms none acts after -2.5 ms, one after 17.5: the middle is 7.5. Of no known delay 4 ms are taken, or
-    half a row.
+    In rows of 20 ms none acts after -2.5 ms, one after 17.5: the middle is 7.5, of 10 ms 2.5. In the middle, as of 0
+    in rows of 5, the row more is taken. Of no known delay 4 ms are taken, or half a row.
     """
     known = None if delay is None else 1e-3 * delay
     assert has_arrived(known, 1e-3 * step, 1e-3 * physics) is arrived

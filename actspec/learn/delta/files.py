@@ -172,6 +172,9 @@ def _manifest(path: str) -> DeltaManifest:
         raise DeltaFault.of(
             "LRN059", f"the manifest cannot be read: {err.diagnostics[0].message}", Span(path), help=help
         ) from err
+    if other := tuple(item for item in collector if item.where == "format"):
+        # Of a manifest of something else, every key is wrong.
+        raise DeltaFault(other)
     collector.raise_if_failed(DeltaFault)
     assert manifest is not None
     wrong = _contradictions(manifest)
@@ -345,6 +348,9 @@ def check_named(actuators: ActuatorSet, robot: RobotView, out: Collector) -> Non
         for item in err.diagnostics:
             # Without onnx its file is checked where it is run.
             if item.code != "LRN012":
-                out.error(item.code, item.message, where="delta_action", span=named.span, help=item.help)
+                # A line of the manifest is the place; of the file as a whole it is where the spec names it.
+                lined = item.span is not None and item.span.line
+                where, span = (item.where, item.span) if lined else ("delta_action", named.span)
+                out.error(item.code, item.message, where=where, span=span, help=item.help)
         return
     check_model(network.manifest, named.manifest, actuators, robot, out)
