@@ -214,7 +214,6 @@ def _moving(
     first = begin([recording], [log.course], bounds, [0], None)
     kp, kd = first.gains[0]
     free = ["kp", "kd", "armature", "viscous", "delay"]
-    free = [name for name in free if FIELDS[name][0] not in result.bounds_hit]
     free = [name for name in free if _value(result, FIELDS[name][0]) is None]
     begun = {**values, **{name: first.values.get(name, values[name]) for name in free}, "kp": kp, "kd": kd}
     reading = (first.lag - 0.5) * recording.step if first.lag else begun["delay"]
@@ -267,7 +266,8 @@ def _free(result: JointResult, course: Course, values: Mapping[str, float]) -> t
     """Figures that the results do not tell, of which not all can be free."""
     import numpy as np
 
-    untold = {figure for figure, (field, _) in FIELDS.items() if field in result.unidentifiable}
+    listed = (*result.unidentifiable, *result.bounds_hit)
+    untold = {figure for figure, (field, _) in FIELDS.items() if field in listed}
     if {"kd", "viscous"} <= untold:
         untold.discard("viscous")  # only their sum shows
     if {"kp", "armature"} <= untold:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.sysid.course import Course
 from actspec.sysid.descent import Fit, Search, System, descend
+from actspec.sysid.gains import GainSets
 from actspec.sysid.identified import JointFit
+from actspec.sysid.recording import Recording
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 
@@ -38,6 +42,32 @@ def tested(joint: JointInWork) -> Fit:
     assert fit is not None and scale is not None
     reading = fit.values["delay"] if joint.torque else None
     return descend(Search(piecewise(joint), joint.bounds, (), scale, joint.low, reading), fit.values)
+
+
+def told_apart(joint: JointInWork, possible: Sequence[Sequence[int]], out: Collector) -> GainSets:
+    """The gains of logs of `joint`, which no fit has seen: of those that each may have, the ones that it moves by.
+
+    Args:
+        joint: With its courses.
+        possible: For each log, sets of gains, the likeliest first.
+        out: Takes which ones were taken where another than the likeliest.
+    """
+    used = []
+    for recording, course, some in zip(joint.recordings, joint.courses, possible, strict=True):
+
+        def off(at: int, recording: Recording = recording, course: Course = course) -> float:
+            gains = replace(joint.gains, used=(at,))
+            return tested(replace(joint, recordings=[recording], courses=[course], gains=gains)).noise[
+                "position"
+            ]
+
+        best = some[0] if len(some) == 1 else min(some, key=off)
+        used.append(best)
+        if best != some[0]:
+            message = f"it moves by {joint.gains.sets[best]}, not by {joint.gains.sets[some[0]]}"
+            help = f"state its gains: write `gains: {{{joint.actuator.joint}: {{kp: ..., kd: ...}}}}` beside the log"
+            out.info("SYS033", message, where=joint.actuator.joint, span=Span(recording.log.path), help=help)
+    return replace(joint.gains, used=tuple(used))
 
 
 def judge_validation(
