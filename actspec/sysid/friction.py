@@ -422,7 +422,7 @@ def _one_way(
         found_std = _parameter(field, curve.values[name], std, vague[field], units[field], "")
         # No bound here: what pulls one way may be more than friction.
         known = found_std.state is not State.UNIDENTIFIABLE
-        yield replace(found_std, value=curve.values[name] if known else None, std=std if known else None)
+        yield replace(found_std, value=curve.values[name], std=std, why="") if known else found_std
 
 
 def _parameter(field: str, value: float, std: float, vague: float, unit: str, why: str) -> Parameter:
