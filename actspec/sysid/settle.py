@@ -87,7 +87,7 @@ def _better(
     """Piece by piece, both by the noise of one of them: that of each makes them alike."""
     import numpy as np
 
-    falls = sum((new[2][c] - old[2][c]) / noise[c] ** 2 for c in noise) < 0.0
+    falls = np.sum([(new[2][c] - old[2][c]) / noise[c] ** 2 for c in noise], axis=0) < 0.0
     at = (np.where(falls, new[0][0], old[0][0]), np.where(falls, new[0][1], old[0][1]))
     moved = (
         np.where(falls[None, :, None], getattr(new[1], field.name), getattr(old[1], field.name))
