@@ -26,12 +26,12 @@ from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
-from actspec.sysid.more import enlarged
+from actspec.sysid.more import LAGS, enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
 from actspec.sysid.torques import prompt
 from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
-from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
+from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,8 +64,6 @@ FOLLOWED = 5
 """Most times that these commands are told anew. Measured: a jitter of 15 % takes two to four."""
 SAME = 1e-3
 """Share of rows with another command that is nothing any more. Measured: 20 % made kp 0.3 % wrong."""
-LAGS = (1.0, 2.0)
-"""Low-passes with which a search begins, in rows."""
 STIFF = 1e6
 """Greatest slope of gravity's torque over kp below which the bias does not show, as its reciprocal."""
 
@@ -104,9 +102,9 @@ def fit_logs(
             judge_torque(joint, out)
     out.raise_if_failed(LogError)
     roll(robot, logs, joints, options, out)
+    systems = {}
     for name, joint in joints.items():
-        joints[name] = enlarged(joint, options, _descend, out)
-    systems = {name: ended(joint) for name, joint in joints.items()}
+        joints[name], systems[name] = enlarged(joint, options, _descend, out)
     errors: Mapping[str, float | None]
     if validation:
         errors = _validated(robot, validation, joints, unseen, out)

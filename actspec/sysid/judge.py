@@ -121,12 +121,11 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
     assert fit is not None
     if not fit.free:
         return fit
-    reading = fit.values["delay"] if joint.torque else None
     logs = list(zip(piecewise(joint), fit.states, joint.sources, strict=True))
 
     def change(log: Piecewise, other: Piecewise, states: tuple[Array, Array], finer: int) -> dict[str, Array]:
         models = [
-            seen(one, fit.values, simulated(one, fit.values, joint.bounds, states, reading, times))
+            seen(one, fit.values, simulated(one, fit.values, joint.bounds, states, fit.reading, times))
             for one, times in ((log, 1), (other, finer))
         ]
         return {channel: models[0][channel] - models[1][channel] for channel in models[0]}

@@ -20,7 +20,12 @@ the misfit, so that a little more friction on another day is none."""
 
 
 def held_out(joint: JointInWork, system: System) -> float | None:
-    """Position error on every fifth piece, with figures from the others [rad or m].
+    """Position error on every fifth piece, with figures from the others [rad or m]; arguments as of `unseen`."""
+    return unseen(joint, system).get("position")
+
+
+def unseen(joint: JointInWork, system: System) -> dict[str, float]:
+    """Errors of position and torque on every fifth piece, with figures from the others; none of too few pieces.
 
     Args:
         joint: After its fit.
@@ -31,17 +36,17 @@ def held_out(joint: JointInWork, system: System) -> float | None:
     counts = [log["position"][0].shape[1] for log in system.logs]
     which = [np.arange(count) % 5 == 2 for count in counts]
     if sum(counts) < 5 or not any(some.any() for some in which):
-        return None
+        return {}
     assert joint.fit is not None
-    return system.left_out(joint.fit.noise, which).noise()["position"]
+    errors = system.left_out(joint.fit.noise, which).noise()
+    return {channel: errors[channel] for channel in ("position", "torque") if channel in errors}
 
 
 def tested(joint: JointInWork) -> Fit:
     """A joint's figures on the logs of `joint`, which no fit has seen: only where each piece begins is found."""
     fit, scale = joint.fit, joint.scale
     assert fit is not None and scale is not None
-    reading = fit.values["delay"] if joint.torque else None
-    return descend(Search(piecewise(joint), joint.bounds, (), scale, joint.low, reading), fit.values)
+    return descend(Search(piecewise(joint), joint.bounds, (), scale, joint.low, fit.reading), fit.values)
 
 
 def told_apart(joint: JointInWork, possible: Sequence[Sequence[int]], out: Collector) -> GainSets:
