@@ -13,7 +13,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from actspec.diagnostics import Collector, listed
-from actspec.sysid.descent import Piecewise, System, seen, simulated
+from actspec.sysid.descent import Piecewise, System, block_rows, seen, simulated
 from actspec.sysid.identified import FIELDS
 from actspec.sysid.recording import reading_noise
 from actspec.sysid.unseen import unseen
@@ -31,11 +31,13 @@ LAGS = (0.3, 1.0, 2.0)
 LEFT = 1.1
 """Position error over the noise of the readings from which on figures are tried. Measured: 0.97 to 1.01 where nothing
 is left out; at 1.12 a low-pass of 80 Hz made kp 2 % and viscous friction 24 % wrong."""
+PROMISED = 15.0
+"""Size of the score of three low-passes over its spread from block to block, squared, from which on one is tried.
+Measured in 6 s of slow motion: 25 to 34 with one of 40 to 500 Hz, which left out makes kp 0.5 to 3 % wrong at a
+position error of 0.98 to 1.1 times the noise; 4 without one. Of three Gaussian ones by chance 4 times in 10,000."""
 SURE, LARGE = 25.0, 5.0
-"""Fall of the cost that a low-pass promises, from which on it is tried; and its fall, and the size of the low-pass in
-its standard deviations, at which that stays, if no error on unseen pieces rises. Measured in 6 s of slow motion: by 100
-and more with one of 40 to 500 Hz, which left out makes kp 0.5 to 3 % wrong at a position error of 0.98 to 1.1 times the
-noise; by 2 to 4 without one."""
+"""Fall of the fit's cost, and size of the low-pass in its standard deviations, at which one that is tried for that
+stays, if no error on unseen pieces rises. Measured there: it falls by 100 and more, and without one by 1."""
 CLEAR = 0.9
 """Error on unseen pieces, of position or torque, over that without the figures, at which they stay. Chosen: a figure
 that fits noise alone changes it by thousandths, of either sign."""
@@ -101,11 +103,11 @@ def _called_for(joint: JointInWork, system: System, options: FitOptions) -> list
     ]
     if fit.noise["position"] > LEFT * reading_noise(joint.recordings):
         return left
-    return [names for names in left if names == ("lag",) and _promise(joint, system) > SURE]
+    return [names for names in left if names == ("lag",) and _promise(joint, system) > PROMISED]
 
 
 def _promise(joint: JointInWork, system: System) -> float:
-    """By how much the cost falls, to first order, where low-passes stand for so much of the delay."""
+    """How clearly the cost falls, to first order, where low-passes stand for so much of the delay."""
     import numpy as np
 
     fit = joint.fit
@@ -128,8 +130,16 @@ def _promise(joint: JointInWork, system: System) -> float:
             change = np.stack([other[channel] - plain[channel] for other in others], axis=2)
             change[~np.isfinite(r)] = 0.0
             logs[-1][channel] = (r, np.concatenate([jac, change], axis=2), local)
-    solved = System(logs, system.count + len(LAGS)).solve(fit.noise)
-    return float(solved.step(0.0) @ solved.right)
+    n, wider = system.count, System(logs, system.count + len(LAGS))
+    solved = wider.solve(fit.noise)
+    # What the other figures and states leave of it, block by block: one moment at which a joint comes to a stand, or
+    # turns otherwise, promises as much as a low-pass that shows everywhere.
+    scores, _ = wider.blocks(fit.noise, solved, block_rows(piecewise(joint)))
+    taken = system.solve(fit.noise).inverse() @ solved.normal[:n, n:]
+    own = scores[:, n:] - scores[:, :n] @ taken
+    own = own / np.maximum(np.sqrt((own**2).sum(axis=0)), 1e-300)
+    total = own.sum(axis=0)
+    return float(total @ np.linalg.pinv(own.T @ own, rcond=1e-9, hermitian=True) @ total)
 
 
 def _falls(before: Mapping[str, float], after: Mapping[str, float]) -> bool:
