@@ -33,11 +33,13 @@ class Going:
         log: In pieces.
         values: Every figure.
         bounds: Of the drive.
+        reading: See `move`.
     """
 
     log: Piecewise
     values: Mapping[str, float]
     bounds: Bounds
+    reading: float | None = None
 
 
 def moved_each(joints: Sequence[Going], states: Sequence[States]) -> list[Moved]:
@@ -124,6 +126,6 @@ def _moved(joints: Sequence[Going], states: Sequence[States]) -> list[Moved]:
         for i in mine:
             log, (q, qd) = joints[i].log, states[i]
             sets = {name: np.full(q.shape[1], value) for name, value in joints[i].values.items()}
-            runs.append(Run(log.course, log.figures(sets), log.starts, q, qd))
+            runs.append(Run(log.course, log.figures(sets), log.starts, q, qd, joints[i].reading))
         found |= dict(zip(mine, move_each(runs, bounds, rows), strict=True))
     return [found[i] for i in range(len(joints))]
