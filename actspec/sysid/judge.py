@@ -321,7 +321,11 @@ def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
                 where=joint.joint,
                 help="try --free friction.static,friction.stribeck_velocity or --free bandwidth",
             )
-        shown = {State.UNIDENTIFIABLE: "", State.AT_BOUND: " from 0"}
-        untold = [p.field + shown[p.state] for p in joint.parameters if p.state in shown]
+        bound = {"bandwidth": " from none"}
+        untold = [
+            p.field + (bound.get(p.field, " from 0") if p.state is State.AT_BOUND else "")
+            for p in joint.parameters
+            if p.state in (State.UNIDENTIFIABLE, State.AT_BOUND)
+        ]
         if untold:
             out.info("SYS032", f"the logs do not tell {listed(untold)}", where=joint.joint)
