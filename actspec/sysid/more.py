@@ -86,7 +86,10 @@ def enlarged(
             f"not seen falls from {format_number(before[channel], 3)} to {format_number(after[channel], 3)} "
             f"{units[channel]}"
         )
-        out.info("SYS026", message, where=joint.actuator.joint, help="`--hold` leaves a field out")
+        help = "`--hold` leaves a field out"
+        if names == ("lag",) and joint.torque:
+            help += "; a torque that is read behind a low-pass of its own looks alike, and makes all figures wrong"
+        out.info("SYS026", message, where=joint.actuator.joint, help=help)
     return joint, system
 
 
