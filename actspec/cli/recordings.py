@@ -31,25 +31,27 @@ def read_logs(paths: Sequence[str], code: str, more: Sequence[str] = ()) -> list
         code: Of what is said where two of them are the same.
         more: Logs that may be among the others.
 
-    Returns: Those of `paths`, then those of `more`.
+    Returns: Those of `paths`, then those of `more`; none of either twice.
 
     Raises: LogError: one cannot be read, or is there twice.
     """
     from actspec.logs import LogError, load_log
 
     logs, out = [], Collector()
-    for path in (*paths, *more):
-        try:
-            logs.append(load_log(path))
-        except LogError as err:
-            for item in err.diagnostics:
-                out.add(item)
-    seen: dict[str, str] = {}
-    for log in logs[: len(paths)]:
-        if paths.count(log.path) > 1:
-            out.error(code, "is named twice", span=Span(log.path), help="name each log once")
-        elif (other := seen.setdefault(log.sha256, log.path)) != log.path:
-            out.error(code, f"the same bytes as {other}", span=Span(log.path), help="name each log once")
+    for group in (paths, more):
+        seen: dict[str, str] = {}
+        for path in group:
+            try:
+                log = load_log(path)
+            except LogError as err:
+                for item in err.diagnostics:
+                    out.add(item)
+                continue
+            logs.append(log)
+            if group.count(path) > 1:
+                out.error(code, "is named twice", span=Span(path), help="name each log once")
+            elif (other := seen.setdefault(log.sha256, path)) != path:
+                out.error(code, f"the same bytes as {other}", span=Span(path), help="name each log once")
     out.raise_if_failed(LogError)
     return logs
 

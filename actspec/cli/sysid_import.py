@@ -11,6 +11,9 @@ from actspec.logs import LogError
 from actspec.report.terminal import print_diagnostics, print_lines
 from actspec.units import Kind
 
+LONGEST_STEP = 0.1
+"""Of a physics step [s]. Chosen: no simulator takes a longer one, and `2.5 s` for `2.5 ms` makes a delay of 5 s."""
+
 
 def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the options and what the help says."""
@@ -71,7 +74,7 @@ def run(arguments: argparse.Namespace) -> int:
         layout=tuple(block.strip() for block in arguments.layout.split(",") if block.strip()),
         step=None
         if arguments.step is None
-        else quantity_needed(arguments.step, Kind.TIME, "--step", "SYS042"),
+        else quantity_needed(arguments.step, Kind.TIME, "--step", "SYS042", most=LONGEST_STEP),
         commit=arguments.commit,
         names=_mapped(arguments.map),
         linear=arguments.linear,

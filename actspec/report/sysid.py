@@ -53,10 +53,11 @@ def sysid_lines(found: Identification) -> Iterator[str]:
 
 
 def _row(parameter: Parameter) -> list[str]:
+    interval = ""
+    if parameter.low is not None and parameter.high is not None:
+        interval = f"{format_number(parameter.low, 5)} to {format_number(parameter.high, 5)}"
     if parameter.state is State.IDENTIFIED:
         assert parameter.value is not None and parameter.std is not None
-        assert parameter.low is not None and parameter.high is not None
-        interval = f"{format_number(parameter.low, 5)} to {format_number(parameter.high, 5)}"
         return [
             parameter.field,
             format_number(parameter.value, 5),
@@ -67,7 +68,7 @@ def _row(parameter: Parameter) -> list[str]:
         ]
     value = "-" if parameter.value is None else format_number(parameter.value)
     why = f"{_WORDS[parameter.state]}: {parameter.why}" if parameter.why else _WORDS[parameter.state]
-    return [parameter.field, value, "-", "", parameter.unit, why]
+    return [parameter.field, value, "-", interval, parameter.unit, why]
 
 
 def sysid_record(found: Identification, results: str | None) -> dict[str, Any]:

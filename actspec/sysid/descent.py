@@ -103,6 +103,8 @@ class Fit:
         cost: Minus twice the log-likelihood, but for a constant; less is better.
         states: Of each log, positions and speeds at the starts.
         arrived: Whether it came to rest.
+        reading: Delay by which the torques were read, see `move`: at the end of a row the best delay may be in the
+            next one.
     """
 
     values: Mapping[str, float]
@@ -113,6 +115,7 @@ class Fit:
     cost: float
     states: tuple[tuple[Array, Array], ...]
     arrived: bool
+    reading: float | None = None
 
     def std(self, name: str) -> float:
         """Of a figure that was free."""
@@ -218,7 +221,10 @@ def descend(
             if damping > 1e8:
                 break
     covariance = solved.sandwich(*system.blocks(noise, solved, block_rows(search.logs)))
-    return Fit(now, search.free, covariance, solved.normal, noise, system.likelihood(noise), states, arrived)
+    likelihood = system.likelihood(noise)
+    return Fit(
+        now, search.free, covariance, solved.normal, noise, likelihood, states, arrived, search.reading
+    )
 
 
 def block_rows(logs: Sequence[Piecewise]) -> int:

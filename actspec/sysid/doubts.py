@@ -88,6 +88,8 @@ def judge_torque(joint: JointInWork, out: Collector) -> None:
 
     blocks = []
     for recording, course in zip(joint.recordings, joint.courses, strict=True):
+        if "torque" not in recording.measured:
+            continue
         fastest = float(np.abs(recording.velocity).max())
         for start in recording.starts:
             rows = slice(start, start + recording.rows)
@@ -157,6 +159,8 @@ def torque_scale(joint: JointInWork) -> Scale | None:
     for recording, course, pieces, states in zip(
         joint.recordings, joint.courses, piecewise(joint), fit.states, strict=False
     ):
+        if "torque" not in recording.measured:
+            continue
         moved = simulated(pieces, fit.values, joint.bounds, states)
         fastest = float(np.abs(moved.qd).max())
         behind = recording.log.sidecar.torque == "joint"

@@ -26,12 +26,12 @@ from actspec.sysid.figures import Bounds, figures_of
 from actspec.sysid.gains import GAINS, extended, gains_of, joined
 from actspec.sysid.identified import FIELDS, FIGURE, Identification
 from actspec.sysid.judge import judge_fit, judged
-from actspec.sysid.more import enlarged
+from actspec.sysid.more import LAGS, enlarged
 from actspec.sysid.recording import Recording, driven, record, unevenness
 from actspec.sysid.released import release
 from actspec.sysid.torques import prompt
-from actspec.sysid.unseen import held_out, judge_validation, tested
-from actspec.sysid.work import FitOptions, JointInWork, ended, piecewise
+from actspec.sysid.unseen import held_out, judge_validation, tested, told_apart
+from actspec.sysid.work import FitOptions, JointInWork, piecewise
 
 if TYPE_CHECKING:
     import numpy as np
@@ -64,8 +64,6 @@ FOLLOWED = 5
 """Most times that these commands are told anew. Measured: a jitter of 15 % takes two to four."""
 SAME = 1e-3
 """Share of rows with another command that is nothing any more. Measured: 20 % made kp 0.3 % wrong."""
-LAGS = (1.0, 2.0)
-"""Low-passes with which a search begins, in rows."""
 STIFF = 1e6
 """Greatest slope of gravity's torque over kp below which the bias does not show, as its reciprocal."""
 
@@ -104,9 +102,9 @@ def fit_logs(
             judge_torque(joint, out)
     out.raise_if_failed(LogError)
     roll(robot, logs, joints, options, out)
+    systems = {}
     for name, joint in joints.items():
-        joints[name] = enlarged(joint, options, _descend, out)
-    systems = {name: ended(joint) for name, joint in joints.items()}
+        joints[name], systems[name] = enlarged(joint, options, _descend, out)
     errors: Mapping[str, float | None]
     if validation:
         errors = _validated(robot, validation, joints, unseen, out)
@@ -229,21 +227,15 @@ def prepared(
             continue
         if not recordings:
             continue
-        torque = all("torque" in recording.measured for recording in recordings)
-        if not torque and any("torque" in recording.measured for recording in recordings):
-            message = "some logs have a torque and others do not: it is left out"
-            out.info("SYS013", message, where=name)
+        torque = any("torque" in recording.measured for recording in recordings)
         made = [recording.log for recording in recordings]
         gains = gains_of(actuator, made, torque=torque, free=options.free, hold=options.hold, out=out)
         joints[name] = JointInWork(actuator, known[name], recordings, [], gains, torque)
     if not out.failed:
         _couple(robot, logs, joints, fits=False)
         for joint in joints.values():
-            if joint.torque:
-                joint.recordings = [
-                    prompt(recording, course, joint.bounds, out)
-                    for recording, course in zip(joint.recordings, joint.courses, strict=True)
-                ]
+            pairs = zip(joint.recordings, joint.courses, strict=True)
+            joint.recordings = [prompt(recording, course, out) for recording, course in pairs]
     return joints
 
 
@@ -268,15 +260,10 @@ def recorded(
 def _check_validation(logs: Sequence[Log], validation: Sequence[Log], out: Collector) -> None:
     seen = {log.sha256: log.path for log in logs}
     fitted = {name for log in logs for name in log.joints}
-    tested: dict[str, str] = {}
     for log in validation:
         if log.sha256 in seen:
             message = f"the same as {seen[log.sha256]}, which is fitted: a log cannot be both"
             out.error("SYS027", message, where="--validate", span=Span(log.path))
-        elif log.sha256 in tested:
-            message = f"the same bytes as {tested[log.sha256]}"
-            out.error("SYS035", message, where="--validate", span=Span(log.path), help="name each log once")
-        tested[log.sha256] = log.path
     if validation and not any(fitted & set(log.joints) for log in validation):
         help = f"joints of the fit: {listed(sorted(fitted))}"
         out.error("SYS028", "no log has a joint that is fitted", where="--validate", help=help)
@@ -291,12 +278,13 @@ def _validated(
 ) -> dict[str, float]:
     """Joint to its position error on logs that the fit has not seen [rad or m]."""
     blind: dict[str, JointInWork] = {}
+    possible: dict[str, list[list[int]]] = {}
     for name, recordings in recorded.items():
         joint = joints[name]
         if not recordings:
             continue
         assert joint.fit is not None
-        gains = joined(joint.gains, joint.actuator, [one.log for one in recordings], out)
+        gains, possible[name] = joined(joint.gains, joint.actuator, [one.log for one in recordings], out)
         fit = replace(joint.fit, values=extended(gains, joint.fit.values))
         blind[name] = replace(joint, recordings=list(recordings), courses=[], gains=gains, fit=fit, swings=())
     out.raise_if_failed(LogError)
@@ -304,7 +292,9 @@ def _validated(
         return {}
     for again in (False, True) if _coupled(blind) else (False,):
         _couple(robot, logs, blind, fits=again)
-        for joint in blind.values():
+        for name, joint in blind.items():
+            if not again:
+                joint.gains = told_apart(joint, possible[name], out)
             joint.fit = tested(joint)
     return {name: joint.fit.noise["position"] for name, joint in blind.items() if joint.fit is not None}
 
@@ -463,12 +453,20 @@ def _begun(joint: JointInWork, free: tuple[str, ...]) -> dict[str, float]:
     sent = [
         (one.kp or spec["kp"] or 1.0, one.kd if one.kd is not None else spec["kd"] or 0.1) for one in sets
     ]
+    # Where a log of several has a torque, those that have one tell where to begin.
+    telling = [i for i, one in enumerate(joint.recordings) if not joint.torque or "torque" in one.measured]
+    sets_told = sorted({joint.gains.used[i] for i in telling})
     first = begin(
-        joint.recordings, joint.courses, joint.bounds, joint.gains.used, None if joint.torque else sent
+        [joint.recordings[i] for i in telling],
+        [joint.courses[i] for i in telling],
+        joint.bounds,
+        [sets_told.index(joint.gains.used[i]) for i in telling],
+        None if joint.torque else sent,
     )
+    told_gains = dict(zip(sets_told, first.gains, strict=True))
     values = {**spec, **{name: value for name, value in first.values.items() if name in free}}
-    for index, (mine, given) in enumerate(zip(first.gains, sent, strict=True)):
-        for name, regressed, stated in zip(GAINS, mine, given, strict=True):
+    for index, given in enumerate(sent):
+        for name, regressed, stated in zip(GAINS, told_gains.get(index, given), given, strict=True):
             key, factor = joint.gains.key(name, index)
             if factor == 1.0:
                 values[key] = stated if name in held else regressed

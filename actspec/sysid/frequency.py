@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, Span
 from actspec.ir import JointActuator
 from actspec.sysid.descent import WIDE
-from actspec.sysid.identified import Indicator, JointFit, Parameter, State
+from actspec.sysid.identified import Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.judge import LATE, VAGUE
 from actspec.sysid.recording import SMOOTH, Recording, longest_step, smooth
 from actspec.sysid.step import second_order
@@ -518,11 +518,7 @@ def _delay(found: Loop) -> Parameter:
     if std > LATE:
         why = f"its standard deviation would be {format_number(std, 2)} s"
         return Parameter("delay", State.UNIDENTIFIABLE, None, None, None, None, "s", why)
-    if value < 1e-9:
-        why = f"the best value is below 0; one of {format_number(WIDE * std, 2)} s fits too"
-        return Parameter("delay", State.AT_BOUND, None, None, None, None, "s", why)
-    low, high = max(value - WIDE * std, 0.0), value + WIDE * std
-    return Parameter("delay", State.IDENTIFIED, value, std, low, high, "s")
+    return bounded("delay", value, std, value - WIDE * std, value + WIDE * std, "s")
 
 
 def _bent(name: str, place: Span, found: Loop, out: Collector) -> None:

@@ -18,7 +18,7 @@ from actspec.diagnostics import Collector, Span
 from actspec.joints import JointKind
 from actspec.sysid.course import Course
 from actspec.sysid.descent import WIDE
-from actspec.sysid.identified import FIELDS, Indicator, JointFit, Parameter, State
+from actspec.sysid.identified import FIELDS, Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.judge import VAGUE
 from actspec.sysid.recording import Recording, longest_step
 from actspec.sysid.work import JointInWork
@@ -422,18 +422,14 @@ def _one_way(
         found_std = _parameter(field, curve.values[name], std, vague[field], units[field], "")
         # No bound here: what pulls one way may be more than friction.
         known = found_std.state is not State.UNIDENTIFIABLE
-        yield replace(found_std, value=curve.values[name] if known else None, std=std if known else None)
+        yield replace(found_std, value=curve.values[name], std=std, why="") if known else found_std
 
 
 def _parameter(field: str, value: float, std: float, vague: float, unit: str, why: str) -> Parameter:
     if why or std > max(vague, VAGUE * abs(value)):
         why = why or f"its standard deviation would be {format_number(std, 2)} {unit}"
         return Parameter(field, State.UNIDENTIFIABLE, None, None, None, None, unit, why)
-    if value <= 0.0:
-        why = f"the best value is below 0; one of {format_number(WIDE * std, 2)} {unit} fits too"
-        return Parameter(field, State.AT_BOUND, None, None, None, None, unit, why)
-    low, high = max(value - WIDE * std, 0.0), value + WIDE * std
-    return Parameter(field, State.IDENTIFIED, value, std, low, high, unit)
+    return bounded(field, value, std, value - WIDE * std, max(value, 0.0) + WIDE * std, unit)
 
 
 def values_of(joint: JointInWork, index: int) -> dict[str, float]:

@@ -140,7 +140,9 @@ def gains_of(
     return GainSets(sets, tuple(distinct.index(pair) for pair in pairs), held, not torque)
 
 
-def joined(gains: GainSets, actuator: JointActuator, logs: Sequence[Log], out: Collector) -> GainSets:
+def joined(
+    gains: GainSets, actuator: JointActuator, logs: Sequence[Log], out: Collector
+) -> tuple[GainSets, list[list[int]]]:
     """The gains of logs that a fit has not seen: its sets, and behind them those that it does not know.
 
     Args:
@@ -148,22 +150,30 @@ def joined(gains: GainSets, actuator: JointActuator, logs: Sequence[Log], out: C
         actuator: The joint, as the spec has it.
         logs: That the fit has not seen.
         out: Takes what is wrong.
+
+    Returns: The sets, and for each log those that it may have been made with, the likeliest first.
     """
-    sets, used = list(gains.sets), []
+    sets, possible = list(gains.sets), []
+    every = range(len(sets))
     for log in logs:
         mine = _stated(actuator.joint, log, out)
         pair = (
             (_number(actuator.kp), _number(actuator.kd)) if mine is None else (mine.kp.value, mine.kd.value)
         )
         at = next((i for i, one in enumerate(sets) if (one.kp, one.kd) == pair), None)
-        if at is None and mine is None:
-            # Nobody states them: those of the fit, as nothing else is known.
-            at = 0
-        if at is None:
+        if at is None and (mine is not None or None not in pair):
             at = len(sets)
-            sets.append(Gains(*pair, (log.path,), stated=True, of_spec=False))
-        used.append(at)
-    return replace(gains, sets=tuple(sets), used=tuple(used))
+            sets.append(Gains(*pair, (log.path,), stated=mine is not None, of_spec=mine is None))
+        own, unknown = [] if at is None else [at], at not in every
+        if mine is not None:
+            # The fit may have had the same in a log that did not state them.
+            own += [i for i in every if unknown and not sets[i].stated]
+        elif unknown:
+            own = [*every, *own]
+        else:
+            own += [i for i in every if i != at]
+        possible.append(own)
+    return replace(gains, sets=tuple(sets), used=tuple(some[0] for some in possible)), possible
 
 
 def extended(gains: GainSets, values: Mapping[str, float]) -> dict[str, float]:

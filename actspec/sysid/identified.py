@@ -8,7 +8,7 @@ from enum import Enum
 
 from actspec.diagnostics import Diagnostic
 from actspec.joints import JointKind
-from actspec.units import Kind
+from actspec.units import Kind, format_number
 
 METHODS = ("rollout", "frequency", "step", "friction")
 """Ways to fit a log; results of another method are another tool's, and name its file in place of logs."""
@@ -50,7 +50,7 @@ class Parameter:
         state: How it came out.
         value: SI; None unless identified or held.
         std: Standard deviation; None unless identified.
-        low: Lower end of the 95 % interval; None likewise.
+        low: Lower end of the 95 % interval; None unless identified or at a bound.
         high: Upper end.
         unit: SI unit.
         why: Why it is not identified, or where it is held from; "" where there is nothing to say.
@@ -64,6 +64,14 @@ class Parameter:
     high: float | None
     unit: str
     why: str = ""
+
+
+def bounded(field: str, value: float, std: float, low: float, high: float, unit: str) -> Parameter:
+    """A figure that cannot be below 0: identified, or at its bound where the interval reaches 0."""
+    if low > 0.0:
+        return Parameter(field, State.IDENTIFIED, value, std, low, high, unit)
+    shown = f"{format_number(1e3 * high, 2)} ms" if unit == "s" else f"{format_number(high, 2)} {unit}"
+    return Parameter(field, State.AT_BOUND, None, None, 0.0, high, unit, f"anything from 0 to {shown} fits")
 
 
 @dataclass(frozen=True, slots=True)

@@ -11,7 +11,7 @@ from actspec.diagnostics import Collector, listed
 from actspec.sysid.descent import WIDE, Fit, Piecewise, System, seen, simulated
 from actspec.sysid.figures import time_constant
 from actspec.sysid.gains import GAINS
-from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State
+from actspec.sysid.identified import FIELDS, Combination, Indicator, JointFit, Parameter, State, bounded
 from actspec.sysid.profile import Values, profiled, weak
 from actspec.sysid.recording import reading_noise
 from actspec.sysid.work import FitOptions, JointInWork, piecewise
@@ -121,12 +121,11 @@ def _with_givens(joint: JointInWork, system: System, *, unscaled: bool) -> Fit:
     assert fit is not None
     if not fit.free:
         return fit
-    reading = fit.values["delay"] if joint.torque else None
     logs = list(zip(piecewise(joint), fit.states, joint.sources, strict=True))
 
     def change(log: Piecewise, other: Piecewise, states: tuple[Array, Array], finer: int) -> dict[str, Array]:
         models = [
-            seen(one, fit.values, simulated(one, fit.values, joint.bounds, states, reading, times))
+            seen(one, fit.values, simulated(one, fit.values, joint.bounds, states, fit.reading, times))
             for one, times in ((log, 1), (other, finer))
         ]
         return {channel: models[0][channel] - models[1][channel] for channel in models[0]}
@@ -241,15 +240,16 @@ def _parameter(
         below, above = profiled(joint, told, system, name, ends)
         low, high = value - math.hypot(value - below, given), value + math.hypot(above - value, given)
         std = max(high - value, value - low) / WIDE
-    if value <= 0.0 and name != "bias":
-        why = f"the best value is below 0; one of {format_number(high, 2)} {unit} fits too"
-        return untold(State.AT_BOUND, why)
-    if name != "bias":
-        low = max(low, 0.0)
+    if name == "bias":
+        return Parameter(field, State.IDENTIFIED, value, std, low, high, unit)
     if name == "lag":
-        low, high = time_constant(high), time_constant(max(low, 0.1 * value))
+        least = time_constant(high)
+        if low <= 0.0:
+            why = f"one of {format_number(least, 2)} {unit} or above, or none at all, fits"
+            return untold(State.AT_BOUND, why)
+        low, high = least, time_constant(low)
         value, std = time_constant(value), time_constant(value) * std / value
-    return Parameter(field, State.IDENTIFIED, value, std, low, high, unit)
+    return bounded(field, value, std, low, high, unit)
 
 
 def _partner(fit: Fit, name: str) -> str | None:
@@ -321,6 +321,11 @@ def judge_fit(joints: Sequence[JointFit], out: Collector) -> None:
                 where=joint.joint,
                 help="try --free friction.static,friction.stribeck_velocity or --free bandwidth",
             )
-        untold = [p.field for p in joint.parameters if p.state in (State.UNIDENTIFIABLE, State.AT_BOUND)]
+        bound = {"bandwidth": " from none"}
+        untold = [
+            p.field + (bound.get(p.field, " from 0") if p.state is State.AT_BOUND else "")
+            for p in joint.parameters
+            if p.state in (State.UNIDENTIFIABLE, State.AT_BOUND)
+        ]
         if untold:
             out.info("SYS032", f"the logs do not tell {listed(untold)}", where=joint.joint)

@@ -232,6 +232,7 @@ class Run:
         starts: First rows of the pieces, shape (n_piece,).
         q: Positions at the starts, bias not included [rad or m], shape (n_piece, n_set).
         qd: Speeds there [rad/s or m/s], likewise.
+        reading: See `move`.
     """
 
     course: Course
@@ -239,13 +240,14 @@ class Run:
     starts: NDArray[np.intp]
     q: Array
     qd: Array
+    reading: float | None = None
 
 
 def move_each(runs: Sequence[Run], bounds: Bounds, rows: int) -> list[Moved]:
     """What `move` gives for each of several joints, whose drives have the same bounds, in far less time."""
     import numpy as np
 
-    tables = [_table(run.course, run.figures, run.starts, rows, None) for run in runs]
+    tables = [_table(run.course, run.figures, run.starts, rows, run.reading) for run in runs]
     q, qd = (np.concatenate([getattr(run, name) for run in runs]) for name in ("q", "qd"))
     whole = _rolled(_Table.beside(tables), bounds, q, qd, 1)
     ends = np.cumsum([len(run.starts) for run in runs])[:-1]

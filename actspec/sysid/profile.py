@@ -137,8 +137,7 @@ def _variances(fit: Fit) -> dict[str, float]:
 
 def _search(joint: JointInWork, fit: Fit, free: tuple[str, ...]) -> Search:
     assert joint.scale is not None
-    reading = fit.values["delay"] if joint.torque else None
-    return Search(piecewise(joint), joint.bounds, free, joint.scale, joint.low, reading)
+    return Search(piecewise(joint), joint.bounds, free, joint.scale, joint.low, fit.reading)
 
 
 def _held(joint: JointInWork, fit: Fit, name: str, values: Mapping[str, float]) -> Fit:

@@ -68,6 +68,7 @@ class Recording:
         acceleration: Likewise [rad/s^2 or m/s^2].
         starts: First rows of the pieces.
         rows: Length of each.
+        late: Rows by which the torque is behind error and speed: the drive is slow, or the log late.
     """
 
     log: Log
@@ -83,6 +84,7 @@ class Recording:
     acceleration: Array
     starts: NDArray[np.intp]
     rows: int
+    late: int = 0
 
     @property
     def step(self) -> float:

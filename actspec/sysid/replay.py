@@ -19,7 +19,7 @@ from actspec.sysid.begin import begin
 from actspec.sysid.checks import check
 from actspec.sysid.coupling import course_of, dense, fitted, links_of, read
 from actspec.sysid.course import Course
-from actspec.sysid.descent import Piecewise, Search, descend
+from actspec.sysid.descent import Piecewise, Search, descend, seen
 from actspec.sysid.figures import Bounds, Figures, figures_of, time_constant
 from actspec.sysid.gains import GAINS, gains_of
 from actspec.sysid.identified import FIELDS
@@ -35,6 +35,9 @@ if TYPE_CHECKING:
 
 FIT, SPEC = "fit", "spec"
 """What a simulated joint is called: its motion was fitted, or it is the spec's with a figure of another method."""
+BESIDE = 0.1
+"""Distance of a delay from the end of a row, in rows, within which both rows are tried for what torques tell. Chosen:
+a fit knows it to less."""
 SHOWS = 1e-6
 """Least slope of gravity's torque over kp at which an encoder's bias shows."""
 
@@ -178,7 +181,7 @@ def _replayed(
                     if results.method == "friction" and "torque" in log_of.measured
                     else _completed(told, log_of, known[name], values[name])
                 )
-        going = [Going(pieces, figures[n], known[n]) for pieces, n in zip(logs, names, strict=True)]
+        going = [_read(Going(pieces, figures[n], known[n])) for pieces, n in zip(logs, names, strict=True)]
         found = settled(going, states, 1 if again else 2)
         states = [at for at, _ in found]
         tell(len(names) // (1 if again or len(names) == 1 else 2))
@@ -195,6 +198,24 @@ def _replayed(
         _replay(recordings[name], one, moved, results)
         for name, one, (_, moved) in zip(names, going, found, strict=True)
     ]
+
+
+def _read(going: Going) -> Going:
+    """With the delay by which its torques are read: at the end of a row the best delay may be in the next one."""
+    import numpy as np
+
+    course, delay = going.log.course, going.values["delay"]
+    step = float(np.median(np.diff(course.time)))
+    row = round(delay / step)
+    if "torque" not in going.log.measured or not row or abs(delay / step - row) > BESIDE:
+        return going
+
+    def off(one: Going) -> float:
+        ((_, moved),) = settled([one], steps=1)
+        model = seen(one.log, one.values, moved)["torque"]
+        return float(np.nanmean((one.log.cut("torque") - model) ** 2))
+
+    return min((going, *(replace(going, reading=(row + side) * step) for side in (-0.5, 0.5))), key=off)
 
 
 def _completed(
@@ -214,7 +235,6 @@ def _moving(
     first = begin([recording], [log.course], bounds, [0], None)
     kp, kd = first.gains[0]
     free = ["kp", "kd", "armature", "viscous", "delay"]
-    free = [name for name in free if FIELDS[name][0] not in result.bounds_hit]
     free = [name for name in free if _value(result, FIELDS[name][0]) is None]
     begun = {**values, **{name: first.values.get(name, values[name]) for name in free}, "kp": kp, "kd": kd}
     reading = (first.lag - 0.5) * recording.step if first.lag else begun["delay"]
@@ -267,7 +287,8 @@ def _free(result: JointResult, course: Course, values: Mapping[str, float]) -> t
     """Figures that the results do not tell, of which not all can be free."""
     import numpy as np
 
-    untold = {figure for figure, (field, _) in FIELDS.items() if field in result.unidentifiable}
+    listed = (*result.unidentifiable, *result.bounds_hit)
+    untold = {figure for figure, (field, _) in FIELDS.items() if field in listed}
     if {"kd", "viscous"} <= untold:
         untold.discard("viscous")  # only their sum shows
     if {"kp", "armature"} <= untold:

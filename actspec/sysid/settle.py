@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     Array = NDArray[np.float64]
     States = tuple[Array, Array]
+    Squares = Mapping[str, Array]
 
 STEPS = 2
 """Steps towards the best states. Chosen: the first is within the noise but where a joint stands."""
@@ -32,11 +33,13 @@ class Going:
         log: In pieces.
         values: Every figure.
         bounds: Of the drive.
+        reading: See `move`.
     """
 
     log: Piecewise
     values: Mapping[str, float]
     bounds: Bounds
+    reading: float | None = None
 
 
 def moved_each(joints: Sequence[Going], states: Sequence[States]) -> list[Moved]:
@@ -57,7 +60,7 @@ def settled(
     import numpy as np
 
     now = list(states) if states is not None else [first_states(j.log, j.values["bias"]) for j in joints]
-    best: list[tuple[States, Moved, Array]] = []
+    best: list[tuple[States, Moved, Squares]] = []
     for step in range(steps + 1):
         tries = [
             (np.stack([q, q + FURTHER, q], axis=1), np.stack([qd, qd, qd + FASTER], axis=1)) for q, qd in now
@@ -65,12 +68,12 @@ def settled(
         for i, (joint, moved) in enumerate(zip(joints, _moved(joints, tries), strict=True)):
             system = _system(joint, moved)
             noise = system.noise()
-            cost = sum(np.nansum((part[0] / noise[c]) ** 2, axis=0) for c, part in system.logs[0].items())
-            mine = (now[i], _first(moved), np.asarray(cost))
+            squares = {c: np.nansum(part[0] ** 2, axis=0) for c, part in system.logs[0].items()}
+            mine = (now[i], _first(moved), squares)
             if step == 0:
                 best.append(mine)
             else:
-                best[i] = _better(best[i], mine)
+                best[i] = _better(best[i], mine, noise)
             if step < steps:
                 (now[i],) = system.solve(noise).states([now[i]], np.zeros(0), [np.zeros(len(now[i][0]))])
     return [(at, moved) for at, moved, _ in best]
@@ -81,18 +84,18 @@ def _first(moved: Moved) -> Moved:
 
 
 def _better(
-    old: tuple[States, Moved, Array], new: tuple[States, Moved, Array]
-) -> tuple[States, Moved, Array]:
-    """Piece by piece."""
+    old: tuple[States, Moved, Squares], new: tuple[States, Moved, Squares], noise: Mapping[str, float]
+) -> tuple[States, Moved, Squares]:
+    """Piece by piece, both by the noise of one of them: that of each makes them alike."""
     import numpy as np
 
-    falls = new[2] < old[2]
+    falls = np.sum([(new[2][c] - old[2][c]) / noise[c] ** 2 for c in noise], axis=0) < 0.0
     at = (np.where(falls, new[0][0], old[0][0]), np.where(falls, new[0][1], old[0][1]))
     moved = (
         np.where(falls[None, :, None], getattr(new[1], field.name), getattr(old[1], field.name))
         for field in fields(Moved)
     )
-    return at, Moved(*moved), np.where(falls, new[2], old[2])
+    return at, Moved(*moved), {c: np.where(falls, new[2][c], old[2][c]) for c in noise}
 
 
 def _system(joint: Going, moved: Moved) -> System:
@@ -123,6 +126,6 @@ def _moved(joints: Sequence[Going], states: Sequence[States]) -> list[Moved]:
         for i in mine:
             log, (q, qd) = joints[i].log, states[i]
             sets = {name: np.full(q.shape[1], value) for name, value in joints[i].values.items()}
-            runs.append(Run(log.course, log.figures(sets), log.starts, q, qd))
+            runs.append(Run(log.course, log.figures(sets), log.starts, q, qd, joints[i].reading))
         found |= dict(zip(mine, move_each(runs, bounds, rows), strict=True))
     return [found[i] for i in range(len(joints))]

@@ -72,19 +72,19 @@ class Answer:
 
 
 def check_torques(
-    recordings: Mapping[str, Sequence[Recording]], bounds: Mapping[str, Bounds], out: Collector
+    recordings: Mapping[str, list[Recording]], bounds: Mapping[str, Bounds], out: Collector
 ) -> None:
     """Judge the torques of all joints; what cannot be theirs is an error.
 
     Args:
-        recordings: Joint to its part of every log.
+        recordings: Joint to its part of every log; takes how late each torque is.
         bounds: Of the drives, by the spec.
         out: Takes what is found.
     """
     import numpy as np
 
     for name, mine in recordings.items():
-        for recording in mine:
+        for i, recording in enumerate(mine):
             read = recording.measured.get("torque")
             if read is None or int(np.isfinite(read).sum()) < LEAST_ROWS:
                 continue
@@ -95,7 +95,7 @@ def check_torques(
                 for other in theirs
                 if joint != name and other.log is recording.log
             ]
-            _answering(recording, others, bounds[name], out)
+            mine[i] = replace(recording, late=_answering(recording, others, bounds[name], out))
 
 
 def answer(torque: Array, cause: Recording, limit: float) -> Answer | None:
@@ -152,56 +152,54 @@ def _rows(number: int) -> str:
     return "1 row" if number == 1 else f"{number} rows"
 
 
-def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector) -> None:
-    """The torque against its joint's error and motion, and against those of others."""
+def _answering(recording: Recording, others: Sequence[Recording], bounds: Bounds, out: Collector) -> int:
+    """The torque against its joint's error and motion, and against those of others; rows by which it is late."""
     torque, name, place = recording.measured["torque"], recording.joint, recording.place()
     own = answer(torque, recording, bounds.limit)
     if own is None:
-        return
+        return 0
     if own.left > STRANGE:
         for other in others:
             theirs = answer(torque, other, bounds.limit) if len(other.time) == len(torque) else None
             if theirs is not None and theirs.left < EXPLAINED and theirs.kp > 0.0:
                 message = f"the torque answers to the error of {other.joint}, not to its own"
                 out.error("SYS015", message, where=name, span=place, help="columns are exchanged")
-                return
+                break
     elif own.kp < 0.0 < own.kd:
         message = "the torque pulls from the command to the position, and brakes"
         out.error("SYS015", message, where=name, span=place, help="command and position are exchanged")
     elif own.kp < 0.0:
         help = "turn the sign of the torque's column"
         out.error("SYS014", "the torque pulls away from the command", where=name, span=place, help=help)
+    return own.late
 
 
-def prompt(recording: Recording, course: Course, bounds: Bounds, out: Collector) -> Recording:
+def prompt(recording: Recording, course: Course, out: Collector) -> Recording:
     """The recording with its torque earlier, and a warning, where that was logged late.
 
     A torque that is late against error and speed may come from a slow drive. Where the joint's acceleration agrees
     better with what was read some rows later, it is the log that is late.
 
     Args:
-        recording: With a torque.
+        recording: As it was checked.
         course: Links along it.
-        bounds: Of the drive.
         out: Takes what is found.
     """
     import numpy as np
 
+    late = recording.late
+    if not late:
+        return recording
     torque = recording.measured["torque"]
-    own = answer(torque, recording, bounds.limit)
-    if (
-        own is None
-        or own.late == 0
-        or _moved(torque, recording, course, own.late) > BETTER * _moved(torque, recording, course, 0)
-    ):
+    if _moved(torque, recording, course, late) > BETTER * _moved(torque, recording, course, 0):
         return recording
     message = (
-        f"the torque is {_rows(own.late)} ({format_number(1e3 * own.late * recording.step, 3)} ms) behind the "
+        f"the torque is {_rows(late)} ({format_number(1e3 * late * recording.step, 3)} ms) behind the "
         "motion that it makes: it is fitted as that of so much earlier"
     )
     help = "log what the drive reads in one message, or take the lag out of the column"
     out.warning("SYS012", message, where=recording.joint, span=recording.place(), help=help)
-    earlier = np.concatenate([torque[own.late :], np.full(own.late, np.nan)])
+    earlier = np.concatenate([torque[late:], np.full(late, np.nan)])
     return replace(recording, measured={**recording.measured, "torque": earlier})
 
 

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from actspec.diagnostics import Collector, Span, listed
+from actspec.sysid.course import Course
 from actspec.sysid.descent import Fit, Search, System, descend
+from actspec.sysid.gains import GainSets
 from actspec.sysid.identified import JointFit
+from actspec.sysid.recording import Recording
 from actspec.sysid.work import JointInWork, piecewise
 from actspec.units import format_number
 
@@ -16,7 +20,12 @@ the misfit, so that a little more friction on another day is none."""
 
 
 def held_out(joint: JointInWork, system: System) -> float | None:
-    """Position error on every fifth piece, with figures from the others [rad or m].
+    """Position error on every fifth piece, with figures from the others [rad or m]; arguments as of `unseen`."""
+    return unseen(joint, system).get("position")
+
+
+def unseen(joint: JointInWork, system: System) -> dict[str, float]:
+    """Errors of position and torque on every fifth piece, with figures from the others; none of too few pieces.
 
     Args:
         joint: After its fit.
@@ -27,17 +36,43 @@ def held_out(joint: JointInWork, system: System) -> float | None:
     counts = [log["position"][0].shape[1] for log in system.logs]
     which = [np.arange(count) % 5 == 2 for count in counts]
     if sum(counts) < 5 or not any(some.any() for some in which):
-        return None
+        return {}
     assert joint.fit is not None
-    return system.left_out(joint.fit.noise, which).noise()["position"]
+    errors = system.left_out(joint.fit.noise, which).noise()
+    return {channel: errors[channel] for channel in ("position", "torque") if channel in errors}
 
 
 def tested(joint: JointInWork) -> Fit:
     """A joint's figures on the logs of `joint`, which no fit has seen: only where each piece begins is found."""
     fit, scale = joint.fit, joint.scale
     assert fit is not None and scale is not None
-    reading = fit.values["delay"] if joint.torque else None
-    return descend(Search(piecewise(joint), joint.bounds, (), scale, joint.low, reading), fit.values)
+    return descend(Search(piecewise(joint), joint.bounds, (), scale, joint.low, fit.reading), fit.values)
+
+
+def told_apart(joint: JointInWork, possible: Sequence[Sequence[int]], out: Collector) -> GainSets:
+    """The gains of logs of `joint`, which no fit has seen: of those that each may have, the ones that it moves by.
+
+    Args:
+        joint: With its courses.
+        possible: For each log, sets of gains, the likeliest first.
+        out: Takes which ones were taken where another than the likeliest.
+    """
+    used = []
+    for recording, course, some in zip(joint.recordings, joint.courses, possible, strict=True):
+
+        def off(at: int, recording: Recording = recording, course: Course = course) -> float:
+            gains = replace(joint.gains, used=(at,))
+            return tested(replace(joint, recordings=[recording], courses=[course], gains=gains)).noise[
+                "position"
+            ]
+
+        best = some[0] if len(some) == 1 else min(some, key=off)
+        used.append(best)
+        if best != some[0]:
+            message = f"it moves by {joint.gains.sets[best]}, not by {joint.gains.sets[some[0]]}"
+            help = f"state its gains: write `gains: {{{joint.actuator.joint}: {{kp: ..., kd: ...}}}}` beside the log"
+            out.info("SYS033", message, where=joint.actuator.joint, span=Span(recording.log.path), help=help)
+    return replace(joint.gains, used=tuple(used))
 
 
 def judge_validation(

@@ -121,6 +121,5 @@ def ended(joint: JointInWork) -> System:
     """Residuals where a joint's fit ended, and their derivatives."""
     fit, scale = joint.fit, joint.scale
     assert fit is not None and scale is not None
-    reading = fit.values["delay"] if joint.torque else None
-    search = Search(piecewise(joint), joint.bounds, fit.free, scale, joint.low, reading)
+    search = Search(piecewise(joint), joint.bounds, fit.free, scale, joint.low, fit.reading)
     return linearised(search, fit.values, fit.states)

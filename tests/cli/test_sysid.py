@@ -275,6 +275,7 @@ def test_joints_that_push_each_other(tmp_path: Path, monkeypatch: pytest.MonkeyP
         (["fit", "spec.yaml", "log.csv", "-o", "log.yaml", "--force"], "e.g. log-results.yaml"),
         (["fit", "spec.yaml", "log.csv", "-o", "./c.yaml"], "./c.yaml: SYS036: this is where the sidecar of c.csv is"),
         (["fit", "spec.yaml", "log.csv", "./copy.csv"], "SYS035: the same bytes as log.csv"),
+        (["fit", "spec.yaml", "c.csv", "--validate", "log.csv", "--validate", "./copy.csv"], "same bytes as log.csv"),
     ],
 )  # fmt: skip
 def test_bad_input_writes_nothing(

@@ -210,6 +210,33 @@ def test_the_fitted_joint_moves_as_the_true_one(bench: Path) -> None:
     assert left()[0] > 1.2 * size
 
 
+def test_torques_of_a_delay_of_whole_rows(bench: Path) -> None:
+    """4 ms are two rows, and a fit may find 3.98: torques tell the command three rows before, not two, and what is left
+    of them is their noise, 2 % of their size."""
+    from dataclasses import replace as changed
+
+    from actspec import api
+    from actspec.diagnostics import Collector
+    from actspec.spec.results import Results
+    from actspec.sysid.replay import replay
+
+    log = logged(gravity=True, rows=1000, true={**TRUE, "delay": 0.004})
+    given = results(bench)
+    joint = given["joints"]["hip"]  # type: ignore[index]
+    joint["friction"]["viscous"] = {"value": TRUE["friction.viscous"], "unit": "N*m*s/rad"}
+    joint["armature"] = {"value": TRUE["armature"], "unit": "kg*m^2"}
+    joint["delay"] = {"value": 0.00398, "unit": "s"}
+    joint["bounds_hit"] = joint["unidentifiable"] = []
+    spec = api.load("spec.yaml")
+    robot, out = api.load_robot(spec), Collector()
+    log = changed(log, path="hip.csv")
+    (one,) = replay(api.resolve(spec, robot), robot, [log], Results.model_validate(given), out)["hip"]
+    torque = log.joints["hip"].torque
+    assert torque is not None
+    noise = 0.02 * float(np.sqrt(np.mean(torque**2)))
+    assert float(np.sqrt(np.nanmean(one.residual("torque") ** 2))) == pytest.approx(noise, rel=0.1)
+
+
 def test_gains_of_a_log(bench: Path) -> None:
     """Two logs of one joint, one made with half the spec's kp: half of the kp that was found, and the kd that was."""
     from dataclasses import replace as changed

@@ -109,7 +109,7 @@ def promptly(log: Log, torque: np.ndarray) -> tuple[Recording, list[Diagnostic]]
     load, slope = 1.2 * np.sin(hip.position), 1.2 * np.cos(hip.position)
     course = Course(hip.time, hip.command, still, still + 0.02, load, slope, hip.position)
     out = Collector()
-    return prompt(hip, course, Bounds(limit=30.0), out), list(out.sorted())
+    return prompt(hip, course, out), list(out.sorted())
 
 
 @pytest.mark.parametrize("rows", [3, 7, 20])

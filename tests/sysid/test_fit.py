@@ -165,6 +165,19 @@ def test_a_delay_of_whole_rows_where_the_joint_hardly_moves(tmp_path: Path) -> N
     assert not found.findings
 
 
+def test_a_figure_whose_interval_reaches_0_has_no_value(tmp_path: Path) -> None:
+    """A delay of 1 us, where it is told to a few: 0 is as good. A viscous friction of 0.01 is told to a few 1e-4."""
+    found = fitted(tmp_path, logged(gravity=True, true={**TRUE, "delay": 1e-6, "friction.viscous": 0.01}))
+    delay = found.joints[0].parameter("delay")
+    assert (delay.state, delay.value, delay.std, delay.low) == (State.AT_BOUND, None, None, 0.0)
+    assert delay.high is not None and 1e-6 < delay.high < 4e-5
+    assert delay.why == f"anything from 0 to {1e3 * delay.high:.2g} ms fits"
+    viscous = found.joints[0].parameter("friction.viscous")
+    assert viscous.state is State.IDENTIFIED and viscous.value == pytest.approx(0.01, abs=5 * 6e-4)
+    (said,) = [item.message for item in found.findings]
+    assert said == "the logs do not tell delay from 0"
+
+
 def test_stated_gains_give_the_rest(tmp_path: Path, pendulum: Log) -> None:
     """Without torque the sidecar's kp is the scale, and is held."""
     found = fitted(tmp_path, bare(pendulum, "gains"))

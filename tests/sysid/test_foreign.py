@@ -281,6 +281,9 @@ def test_pace_in_another_layout() -> None:
             [*PACE[:4], "armature,damping", *PACE[5:], "--commit", "f8ec8b8"], "'damping'", id="block"
         ),
         pytest.param(["--joint", "hip", "hip", *PACE[3:], "--commit", "f8ec8b8"], "named twice", id="twice"),
+        pytest.param(
+            [*PACE[:-1], "2.5 s", "--commit", "7ad0f45"], "must be at most 0.1 s, got 2.5 s", id="seconds"
+        ),
     ],
 )
 def test_pace_is_refused_without_its_meaning(
