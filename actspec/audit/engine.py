@@ -213,23 +213,24 @@ def _resolve(
     by_code: Mapping[str, type[Rule]],
     said: Callable[[str], Severity | None],
     real_path: Callable[[str], str],
-    readings: Iterable[FileReading],
+    readings: Sequence[FileReading],
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once.
 
-    What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it.
+    What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it. So is what
+    is wrong in a model that nothing names, where programs name others.
     """
     unique: dict[tuple[object, ...], Reported] = {}
     aside = {file.path for reading in readings if reading.put_aside for file in reading.files}
     aside |= {reading.path for reading in readings if reading.put_aside}
+    unnamed = {reading.path for reading in readings if reading.unnamed}
     for finding in found:
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
         if (
-            aside
+            (span.path in unnamed or (aside and _is_aside(finding, aside)))
             and severity is not Severity.INFO
-            and _is_aside(finding, aside)
             and said(finding.code) is None
         ):
             severity = Severity.INFO

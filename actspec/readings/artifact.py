@@ -255,6 +255,9 @@ class Artifact:
         return any(tag in file.data and tag in without_comments(file.data) for file in files)
 
 
+PHYSX = "PhysX"
+"""What stands for a class in a legged_gym configuration whose drive is PhysX's own."""
+
 NAMES_NOTHING = ("AUD014", "AUD016")
 """Codes of names that stand for no file."""
 
@@ -273,6 +276,7 @@ class FileReading:
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         refused: The place that `reason` is about; None: the file as a whole.
+        unnamed: Whether it is a model in a folder whose programs name other models there, and nothing there names it.
     """
 
     path: str
@@ -284,6 +288,7 @@ class FileReading:
     in_folder: bool = False
     put_aside: bool = False
     refused: Span | None = None
+    unnamed: bool = False
 
     @property
     def names_nothing(self) -> bool:

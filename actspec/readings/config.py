@@ -17,7 +17,15 @@ from typing import Any
 
 from actspec.diagnostics import Span
 from actspec.joints import JointKind
-from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.artifact import (
+    PHYSX,
+    ActuatorGroup,
+    Artifact,
+    FileKind,
+    Framework,
+    RobotConfig,
+    Setting,
+)
 from actspec.readings.ledger import LedgerRow, dynamics_at
 from actspec.readings.pair import joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
@@ -137,6 +145,22 @@ def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
     return key
 
 
+def _simulated(config: RobotConfig, models: Sequence[Artifact]) -> list[RobotView]:
+    """The models whose links a configuration moves: the file that it names, if it is one; nobody knows of a USD.
+
+    A file that is not there, or has no inertia, has no other one's: a robot of the same joints weighs something else.
+    """
+    named = config.settings.get("model")
+    text = named.value if named is not None and isinstance(named.value, str) else ""
+    name = os.path.basename(text)
+    of_file = name.lower().endswith((".urdf", ".xml", ".mjcf"))
+    return [
+        model.robot
+        for model in models
+        if model.robot is not None and (not of_file or os.path.basename(model.path) == name)
+    ]
+
+
 def control_of(framework: Framework, *classes: str) -> str:
     """What a class of a framework is, in the ledger's words.
 
@@ -174,7 +198,7 @@ def _control(framework: Framework, cls: str) -> str:
     if framework is Framework.DEPLOY:
         return "ideal_pd"
     if framework is Framework.LEGGED_GYM:
-        return {"P": "ideal_pd", "V": "velocity", "T": "motor"}.get(cls, "other")
+        return {"P": "ideal_pd", "V": "velocity", "T": "motor", PHYSX: "implicit"}.get(cls, "other")
     name = cls.lower().removeprefix("delayed").replace("_", "")
     table: tuple[tuple[str, str], ...]
     if framework is Framework.MJLAB:
@@ -378,7 +402,7 @@ def rows_of_config(
     if named is None and config.framework is Framework.DEPLOY:
         named = joint_names(artifact)
     robots = [model.robot for model in models if model.robot is not None]
-    massive = next((robot for robot in robots if robot.inertia is not None), None)
+    massive = next((robot for robot in _simulated(config, models) if robot.inertia is not None), None)
     passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)
     members = [
         (group, joint, figures_of(config, group, joint, pattern, named, versions, config.physics_dt))
@@ -463,4 +487,9 @@ def _inertia(robot: RobotView | None, armature: Mapping[str, Found | None]) -> d
         found = armature[joint]
         own[view.dof] = view.armature if found is None or found.value is None else found.value
     held, free = robot.inertia.held(own), robot.inertia.free(own)
-    return {joint: JointInertia(held[view.dof], free[view.dof]) for joint, view in views.items()}
+    return {
+        joint: JointInertia(held[view.dof], free[view.dof])
+        for joint, view in views.items()
+        # An armature that nobody can tell is not 0.
+        if (found := armature[joint]) is None or found.why is None
+    }

@@ -344,6 +344,49 @@ def _lost(path: str, reason: str) -> FileReading:
     return FileReading(path, None, reason, diagnostics=(fault,))
 
 
+_MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)\b")
+_MADE_NAME = re.compile(rb"""(?:[}*]|%s|\+\s*f?["'])\.(?:urdf|xml|mjcf)\b""")
+"""A name that is put together when a program runs: f"{robot}.urdf", robot + ".xml", glob("*.xml")."""
+
+_MOST_PROGRAM = 1024 * 1024
+"""Chosen: bytes of a program that are looked through for names of models."""
+
+
+def _unnamed(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> set[str]:
+    """Models in folders whose programs name some of the models there, that nothing there names: nobody runs them."""
+    result: set[str] = set()
+    for folder in dict.fromkeys(file.folder for file in files if file.folder is not None):
+        models = {
+            file.path: os.path.basename(file.path).encode()
+            for index, file in enumerate(files)
+            if file.folder == folder and found[index].kind in (FileKind.MJCF, FileKind.URDF)
+        }
+        held = any(
+            found[index].kind is FileKind.SPEC for index, file in enumerate(files) if file.folder == folder
+        )
+        if not models or held:
+            # A spec is there for every file of its robot.
+            continue
+        by_programs: set[bytes] = set()
+        by_models: set[bytes] = set()
+        for file in files:
+            if file.folder != folder:
+                continue
+            program = file.path.lower().endswith((*PYTHON, *YAML))
+            try:
+                data = read_regular(file.path, _MOST_PROGRAM)
+            except (OSError, ValueError, NotRegular, TooLarge):
+                continue
+            if program and _MADE_NAME.search(data):
+                # What it makes may be any of them.
+                by_programs.clear()
+                break
+            (by_programs if program else by_models).update(_MODEL_NAME.findall(data))
+        if not by_programs.isdisjoint(models.values()):
+            result.update(path for path, name in models.items() if name not in by_programs | by_models)
+    return result
+
+
 def _chosen(
     paths: Sequence[str], files: Sequence[NamedFile], found: dict[int, FileReading], skip_other: bool
 ) -> list[FileReading]:
@@ -352,6 +395,7 @@ def _chosen(
     concerned = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)} - concerned
     seen = Counter(file.folder for file in files)
+    unnamed = _unnamed(files, found)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
         named = file.folder is None and not (skip_other and os.path.exists(file.path))
@@ -360,7 +404,14 @@ def _chosen(
             if not reading.readable and not os.path.exists(file.path):
                 reading = _nothing_at(file.path)
             aside = file.folder is not None and bool(_ASIDE.search(os.path.relpath(file.path, file.folder)))
-            chosen.append(replace(reading, in_folder=file.folder is not None, put_aside=aside))
+            chosen.append(
+                replace(
+                    reading,
+                    in_folder=file.folder is not None,
+                    put_aside=aside,
+                    unnamed=file.path in unnamed,
+                )
+            )
     for path in dict.fromkeys(paths):
         if path in empty:
             chosen.append(_nothing_in(path, seen[path]))

@@ -76,7 +76,7 @@ def chain() -> str:
             "audit",
             "r.xml",
             comments,
-            "r.xml:2:9: AUD008 [error] the file cannot be read: '--' inside a comment",
+            "r.xml:2:9: AUD008 [error] the file cannot be read: a comment that is never closed",
         ),
         # 1 + 1002 lines of links, then the joint to the 1001st link behind the first
         (

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from actspec.readings.artifact import ActuatorGroup, FileKind, Framework, RandomizedRange, RobotConfig
+from actspec.readings.config import control_of_group
 from actspec.readings.python.read import read_python
 
 
@@ -615,8 +616,22 @@ def test_an_armature_that_training_draws_is_not_the_assets(tmp_path: Path) -> No
     (config,) = read(
         tmp_path, both.replace("    class domain_rand:\n", drawn % True), "dog_config.py"
     ).values()
-    assert "armature" not in config.groups[0].settings
+    assert (
+        config.groups[0].settings["armature"].unknown == "domain_rand.randomize_joint_armature draws another"
+    )
     assert [(note.code, note.where) for note in config.notes] == [("CFG001", "asset.armature")]
+    named = both.replace('file = "dog.urdf"', 'file = "dog.urdf"\n        dof_armature = 0.13')
+    (config,) = read(tmp_path, named, "named_config.py").values()
+    assert config.groups[0].settings["armature"].unknown == "asset.dof_armature may be in its place"
+
+
+@pytest.mark.parametrize(("mode", "cls"), [(1, "PhysX"), (2, "PhysX"), (3, "P")])
+def test_a_drive_of_physx_is_no_torque(tmp_path: Path, mode: int, cls: str) -> None:
+    """Isaac Gym: DOF_MODE_POS and DOF_MODE_VEL are 1 and 2, DOF_MODE_EFFORT is 3."""
+    text = BASE.replace('file = ""', f'file = "dog.urdf"\n        default_dof_drive_mode = {mode}')
+    (config,) = read(tmp_path, text).values()
+    assert config.groups[0].cls == cls
+    assert control_of_group(config.framework, config.groups[0]) == ("ideal_pd" if mode == 3 else "implicit")
 
 
 def test_legged_gym_without_its_base(tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from actspec.audit.rules.reductions import (
     same,
     states_speed,
 )
+from actspec.audit.rules.sym101 import unlike_sides
 from actspec.readings.artifact import FileKind
 from actspec.units import format_quantity
 
@@ -58,7 +59,7 @@ class HiddenGear(RuleInParts):
     ) -> Finding | None:
         there = known[other]
         joint, base = there.get(reduction.joint.row.joint), there.get(reduction.base.row.joint)
-        if joint is None or base is None:
+        if joint is None or base is None or (other, joint.row.joint) in case.once(unlike_sides):
             return None
         agree = same(base.effort, reduction.base.effort) and same(base.speed, reduction.base.speed)
         if not agree or same(joint.effort, reduction.joint.effort):

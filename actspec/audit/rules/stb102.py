@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, shown
+from actspec.audit.rules.joints import by_joint, partner_rows, shown
 from actspec.laws.stability import LIMIT, RINGING, StepDrive
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
@@ -38,6 +38,11 @@ class ExplicitDrive(RuleOver[_Subject]):
             inertia = row.inertia_free_min
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
             if not explicit or step is None or row.kd is None or inertia is None or inertia <= 0.0:
+                continue
+            if row.effort_limit is None and any(
+                other.effort_limit == 0.0 for other in partner_rows(case, row, FileKind.URDF)
+            ):
+                # What takes its limit from the model has no torque at all.
                 continue
             yield row, step, inertia, row.kd, ""
         for index, artifact in case.of_kind(FileKind.SPEC):

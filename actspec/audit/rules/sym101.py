@@ -227,6 +227,19 @@ def doubted_limits(case: Case) -> frozenset[tuple[int, str]]:
     return frozenset(found)
 
 
+def unlike_sides(case: Case) -> frozenset[tuple[int, str]]:
+    """Joints, each with its artifact, whose effort limit is not that of the other side: no gear is told from it."""
+    return frozenset(
+        (rows[0].artifact, rows[0].joint)
+        for left, right in _pairs(case)
+        for rows in (left, right)
+        if left[0].effort_limit is not None
+        and right[0].effort_limit is not None
+        and abs(left[0].effort_limit - right[0].effort_limit)
+        > _DERIVED * max(left[0].effort_limit, right[0].effort_limit)
+    )
+
+
 def _pairs(case: Case) -> Iterator[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]]:
     """Rows of left and right joints, in one file or in two."""
     joints = case.joints_by_artifact

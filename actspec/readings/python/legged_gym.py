@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from actspec.readings.artifact import ActuatorGroup, Framework, RobotConfig, Setting
+from actspec.readings.artifact import PHYSX, ActuatorGroup, Framework, RobotConfig, Setting
 from actspec.readings.python.settings import Draft, known, setting
 from actspec.readings.python.values import Cls, Unknown, Value, reason_of
 
@@ -31,6 +31,10 @@ _RANGES = (
 
 Source: Improbable-AI/walk-these-ways and forks of legged_gym (`domain_rand` of their cfgs).
 """
+
+
+_PHYSX_DRIVES = (1, 2)
+"""`default_dof_drive_mode` of positions and of velocities: PhysX integrates the drive, and no torque is set."""
 
 
 def is_robot(cls: Cls, get: Get) -> bool:
@@ -76,8 +80,8 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
         name: get(control, name) for name in ("stiffness", "damping", "control_type", "actuator_net_file")
     }
     asset = _inner(cls, "asset", get)
-    if asset is not None and not _draws_armature(draft, cls, get):
-        values["armature"] = get(asset, "armature")
+    if asset is not None:
+        values["armature"] = _armature(cls, asset, get)
     settings: dict[str, Setting] = {}
     for name, value in values.items():
         if value is not None:
@@ -85,24 +89,32 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
             is_file = name.endswith("_file") and not isinstance(value.data, Unknown)
             held = settings[name] = setting(value, "network_file" if is_file else name)
             if held.unknown is not None:
-                draft.note(f"control.{name}", held.unknown, held.span)
+                where = "asset" if name == "armature" else "control"
+                draft.note(f"{where}.{name}", held.unknown, held.span)
     gains = [settings[name].value for name in ("stiffness", "damping") if name in settings]
     joints = dict.fromkeys(joint for gain in gains if isinstance(gain, dict) for joint in gain)
     certain = all(isinstance(gain, dict) for gain in gains)
     kind = settings.pop("control_type", None)
     cls_name = kind.value if kind is not None and isinstance(kind.value, str) else ""
+    mode = None if asset is None else get(asset, "default_dof_drive_mode")
+    if mode is not None and mode.data in _PHYSX_DRIVES:
+        cls_name = PHYSX
     patterns = tuple(joints) if certain else None
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
 
 
-def _draws_armature(draft: Draft, cls: Cls, get: Get) -> bool:
-    """Whether `asset.armature` is not what joints have: forks draw one in its place, add to it or multiply it."""
+def _armature(cls: Cls, asset: Cls, get: Get) -> Value | None:
+    """`asset.armature`, unknown where joints have another: forks draw one in its place, add to it or multiply it, or
+    set one by a name of their own."""
     domain = _inner(cls, "domain_rand", get)
     switch = None if domain is None else get(domain, "randomize_joint_armature")
-    if switch is None or switch.data is False:
-        return False
-    draft.note("asset.armature", "domain_rand.randomize_joint_armature draws another", switch.span)
-    return True
+    if switch is not None and switch.data is not False:
+        return Value(Unknown("domain_rand.randomize_joint_armature draws another"), switch.span)
+    own = next((name for name in asset.scope.names if "armature" in name and name != "armature"), None)
+    other = None if own is None else get(asset, own)
+    if other is not None:
+        return Value(Unknown(f"asset.{own} may be in its place"), other.span)
+    return get(asset, "armature")
 
 
 def _ranges(draft: Draft, cls: Cls, get: Get) -> None:

@@ -1,0 +1,81 @@
+"""What is wrong in a model that nothing names, where programs name others, is a note."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
+from actspec.diagnostics import Severity
+
+JOINT = """<joint name="{side}_knee" type="revolute"><parent link="base"/><child link="{side}"/>
+    <limit lower="-1" upper="1" effort="{effort}" velocity="9"/></joint>"""
+JOINTS = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=30)
+
+
+@pytest.fixture(autouse=True)
+def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("r/models").mkdir(parents=True)
+    for name in ("one", "two"):
+        Path(f"r/models/{name}.urdf").write_text(
+            f'<robot name="{name}"><link name="base"/><link name="left"/><link name="right"/>{JOINTS}</robot>'
+        )
+
+
+def severities(*named: str) -> dict[str, Severity]:
+    """Of the sides that differ, by file."""
+    found = audit(list(named), Settings()).findings
+    return {
+        Path(item.finding.span.path).stem: item.severity for item in found if item.finding.code == "SYM101"
+    }
+
+
+def test_nothing_is_named() -> None:
+    """Models alone are for whoever takes them."""
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "FILE = 'models/one.urdf'\n",
+        "class Cfg:\n    class asset:\n        file = '{ROOT}/models/one.urdf'\n",
+    ],
+)
+def test_a_program_names_one(program: str) -> None:
+    """The other is for nobody; a name on the command line is a name too."""
+    Path("r/train.py").write_text(program)
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
+    assert severities("r/train.py", "r/models/two.urdf") == {"two": Severity.WARNING}
+
+
+@pytest.mark.parametrize(
+    "program",
+    [
+        "FILES = ['one.urdf', 'two.urdf']\n",
+        "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = name + '.urdf'\n",
+        "FILE = 'one.urdf'\nOTHERS = Path('models').glob('*.urdf')\n",
+    ],
+)
+def test_every_one_may_be_named(program: str) -> None:
+    """A name that is put together may be any."""
+    Path("r/train.py").write_text(program)
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+
+
+def test_a_model_names_another() -> None:
+    """What a named scene includes is run."""
+    Path("r/models/scene.xml").write_text("<mujoco><!-- two.urdf --><worldbody/></mujoco>")
+    Path("r/run.py").write_text("load('models/scene.xml')\n")
+    assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
+
+
+def test_a_spec_is_there_for_every_file() -> None:
+    """What it holds files to does not ask who names them."""
+    Path("r/train.py").write_text("FILE = 'one.urdf'\n")
+    Path("r/one.yaml").write_text("actspec: 1\nrobot: {name: one, model: models/one.urdf}\n")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
