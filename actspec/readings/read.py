@@ -357,9 +357,12 @@ def _unnamed(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> se
     result: set[str] = set()
     for folder in dict.fromkeys(file.folder for file in files if file.folder is not None):
         models = {
-            file.path: os.path.basename(file.path).encode()
+            file.path: name
             for index, file in enumerate(files)
-            if file.folder == folder and found[index].kind in (FileKind.MJCF, FileKind.URDF)
+            # A name with a space or beyond ASCII is not found again in a program.
+            if file.folder == folder
+            and found[index].kind in (FileKind.MJCF, FileKind.URDF)
+            and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(file.path)))
         }
         held = any(
             found[index].kind is FileKind.SPEC for index, file in enumerate(files) if file.folder == folder

@@ -79,3 +79,11 @@ def test_a_spec_is_there_for_every_file() -> None:
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")
     Path("r/one.yaml").write_text("actspec: 1\nrobot: {name: one, model: models/one.urdf}\n")
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+
+
+@pytest.mark.parametrize("name", ["two arms", "zw\u00f6lf", "\udcff"])
+def test_a_name_that_is_not_looked_for(name: str) -> None:
+    """Nothing is told of a model whose name would not be found in a program."""
+    Path("r/models/two.urdf").rename(f"r/models/{name}.urdf")
+    Path("r/train.py").write_text("FILE = 'one.urdf'\n")
+    assert set(severities("r").values()) == {Severity.WARNING}
