@@ -61,20 +61,23 @@ class ExplicitDrive(RuleOver[_Subject]):
         if kd <= 0.0 or not math.isfinite(figure) or figure < self.option(case, "near"):
             return
         beyond = figure >= LIMIT
+        # What has the larger share is what to lower.
+        gain = "kp" if StepDrive(step, 0.0, kd, drive.implicit).figure(inertia) < 0.5 * figure else "kd"
+        value = row.kp if gain == "kp" else kd
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
         yield Finding(
             self.code,
-            f"the drive ({row.control}) takes kd {shown(row, 'kd', kd)} explicitly: with a step of "
+            f"the drive ({row.control}) takes {gain} {shown(row, gain, value)} explicitly: with a step of "
             f"{step * 1e3:g} ms {what} (h kd/I + h^2 kp/2I = {figure:.3g}, limit {LIMIT:g}){concerned}",
-            row.place("kd"),
+            row.place(gain),
             row.joint,
             figure,
             "1",
-            fields=("kd",),
+            fields=(gain,),
             help="use the implicitfast integrator (MuJoCo) or `class: implicit` (Isaac Lab), a smaller physics_dt, a "
-            "lower kd, or state the true armature"
+            f"lower {gain}, or state the true armature"
             if concerned
-            else "state the true armature, shorten the step, lower kd, or use an implicit class",
+            else f"state the true armature, shorten the step, lower {gain}, or use an implicit class",
             severity=self.severity if figure >= (RINGING if concerned else _SURE) else Severity.INFO,
             confidence=Confidence.HIGH if beyond else self.confidence,
         )
