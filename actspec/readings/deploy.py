@@ -261,7 +261,7 @@ class _Reader:
 
     def _config(self, node: yaml.Node, block: _Block, above: tuple[_Block, ...], name: str) -> RobotConfig:
         out = Collector()
-        names = self._names(block, above)
+        names = self._in_policy_order(self._names(block, above), (block, *reversed(above)))
         joints = tuple(names) if names is not None else None
         fields: dict[str, dict[str, Setting]] = {}
         count: Setting | None = None
@@ -345,6 +345,22 @@ class _Reader:
                 if found:
                     return found
         return None
+
+    def _in_policy_order(
+        self, names: dict[str, Span] | None, scopes: Sequence[_Block]
+    ) -> dict[str, Span] | None:
+        """The names as the lists have them: `joint_mapping` has the place of each joint of the policy among the names.
+
+        Source: rl_sar, rl_real_a1.cpp: motorCmd[joint_mapping[i]].Kp = motor_command.kp[i], and its lists are by i.
+        """
+        node = next((scope["joint_mapping"] for scope in scopes if "joint_mapping" in scope), None)
+        if names is None or not isinstance(node, yaml.SequenceNode) or len(node.value) != len(names):
+            return names
+        places = [_number(item) for item in node.value]
+        if sorted(place for place in places if place is not None) != list(range(len(names))):
+            return names
+        pairs = list(names.items())
+        return dict(pairs[int(place)] for place in places if place is not None)
 
     def _texts(self, node: yaml.Node | None) -> dict[str, Span] | None:
         if not isinstance(node, yaml.SequenceNode) or not node.value:

@@ -16,7 +16,7 @@ from actspec.readings.pair import telling
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 TABLE = ROBOTS / "known.json"
-MAKERS = ("Unitree's URDF of the Go1", "Unitree's URDF of the Go2", "Unitree's URDF of the H1")
+MAKERS = tuple(f"Unitree's URDF of the {robot}" for robot in ("A1", "Go1", "Go2", "H1"))
 """How titles of sources begin that are the maker's own, of robots with one machine type."""
 
 
@@ -80,7 +80,9 @@ def _groups(actuators: ActuatorSet) -> Iterator[dict[str, Any]]:
         if armature:
             row["armature"] = armature
         row["source"] = titles[str(_largest(joints[0]).source)]
-        if row["source"].startswith(MAKERS):
+        stated = (joints[0].effort_limit, joints[0].peak_torque, joints[0].stall_torque)
+        alike = (q for q in stated if q is not None and q.value == effort and q.source is not None)
+        if any(titles.get(str(q.source), "").startswith(MAKERS) for q in alike):
             row["maker"] = True
         yield row
 

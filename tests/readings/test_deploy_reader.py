@@ -40,6 +40,26 @@ def test_lists_go_by_the_names(tmp_path: Path) -> None:
     assert config.settings["joint_order"].value == ("knee", "hip")
 
 
+def test_lists_in_the_policys_order(tmp_path: Path) -> None:
+    """rl_sar: the third value of a list is of the joint in place joint_mapping[2] = 1 among the names."""
+    text = "joint_names: [hip, knee, ankle]\nfixed_kp: [60, 25, 10]\njoint_mapping: [2, 0, 1]\n"
+    _, found, said = _read(tmp_path, text)
+    assert {joint: values["kp"] for joint, values in found.items()} == {
+        "ankle": 60.0,
+        "hip": 25.0,
+        "knee": 10.0,
+    }
+    assert said == []
+    # Neither is an order of these three.
+    for mapping in ("[2, 0, 0]", "[1, 0]"):
+        _, found, _ = _read(tmp_path, text.replace("[2, 0, 1]", mapping))
+        assert {joint: values["kp"] for joint, values in found.items()} == {
+            "hip": 60.0,
+            "knee": 25.0,
+            "ankle": 10.0,
+        }
+
+
 def test_a_list_without_names_is_not_guessed(tmp_path: Path) -> None:
     """Unequal values without names are left, equal ones belong to every joint."""
     _, found, said = _read(tmp_path, "kps: [60, 25]\nkds: [2, 2]\n")
