@@ -292,10 +292,8 @@ def _check_names(artifacts: Sequence[Artifact], out: Collector) -> None:
         ]
         if patterns:
             asset = asset_of(config) if config is not None else None
-            usd = config.settings.get("model") if config is not None else None
-            where = (
-                f": they stand in {one_line(str(usd.value))}" if usd and _USD.search(str(usd.value)) else ""
-            )
+            usd = config.model if config is not None else None
+            where = f": they stand in {one_line(usd)}" if usd and _USD.search(usd) else ""
             out.error(
                 "DRF009",
                 f"{one_line(artifact.name)} selects its joints by patterns ({listed(map(one_line, patterns))}), and "

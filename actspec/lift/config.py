@@ -173,9 +173,8 @@ def _concerns(framework: Framework, one: RandomizedRange, joint: str, named: tup
 
 def asset_of(config: RobotConfig) -> str | None:
     """The robot file that a configuration reads, where that is an MJCF or URDF that is there."""
-    named = config.settings.get("model")
-    path = named.value if named is not None else None
-    if not isinstance(path, str) or not path.lower().endswith((".xml", ".urdf")):
+    path = config.model
+    if path is None or not path.lower().endswith((".xml", ".urdf")):
         return None
     return path if "\0" not in path and os.path.isfile(path) else None
 

@@ -205,6 +205,12 @@ class RobotConfig:
         setting = self.settings.get("physics_dt")
         return None if setting is None else setting.number
 
+    @property
+    def model(self) -> str | None:
+        """Path of the asset that it names, as it is written; None where it names none, or one that is not known."""
+        setting = self.settings.get("model")
+        return setting.value if setting is not None and isinstance(setting.value, str) else None
+
 
 @dataclass(frozen=True, slots=True)
 class Artifact:

@@ -132,9 +132,7 @@ def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
 
     Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
     """
-    named = config.settings.get("model")
-    text = named.value if named is not None and isinstance(named.value, str) else ""
-    stem = os.path.splitext(os.path.basename(text))[0]
+    stem = os.path.splitext(os.path.basename(config.model or ""))[0]
 
     def key(model: Artifact) -> tuple[bool, int, bool]:
         joints = joint_names(model) or ()
@@ -150,9 +148,7 @@ def _simulated(config: RobotConfig, models: Sequence[Artifact]) -> list[RobotVie
 
     A file that is not there, or has no inertia, has no other one's: a robot of the same joints weighs something else.
     """
-    named = config.settings.get("model")
-    text = named.value if named is not None and isinstance(named.value, str) else ""
-    name = os.path.basename(text)
+    name = os.path.basename(config.model or "")
     of_file = name.lower().endswith((".urdf", ".xml", ".mjcf"))
     return [
         model.robot

@@ -181,8 +181,7 @@ def _with_nameless(
 def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[Sequence[int]]) -> list[int]:
     """The groups with the model whose file a configuration names; none where it is called as any may be."""
     config = artifacts[index].config
-    setting = None if config is None else config.settings.get("model")
-    stem = _stem(setting.value) if setting is not None and isinstance(setting.value, str) else ""
+    stem = _stem((config.model if config is not None else None) or "")
     if not telling(stem) - _KINDS:
         return []
     return [

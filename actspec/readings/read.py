@@ -354,30 +354,28 @@ _MOST_PROGRAM = 1024 * 1024
 
 def _unnamed(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> set[str]:
     """Models in folders whose programs name some of the models there, that nothing there names: nobody runs them."""
+    inside: dict[str, list[tuple[str, FileKind | None]]] = {}
+    for index, file in enumerate(files):
+        if file.folder is not None:
+            inside.setdefault(file.folder, []).append((file.path, found[index].kind))
     result: set[str] = set()
-    for folder in dict.fromkeys(file.folder for file in files if file.folder is not None):
+    for members in inside.values():
         models = {
-            file.path: name
-            for index, file in enumerate(files)
+            path: name
+            for path, kind in members
             # A name with a space or beyond ASCII is not found again in a program.
-            if file.folder == folder
-            and found[index].kind in (FileKind.MJCF, FileKind.URDF)
-            and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(file.path)))
+            if kind in (FileKind.MJCF, FileKind.URDF)
+            and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(path)))
         }
-        held = any(
-            found[index].kind is FileKind.SPEC for index, file in enumerate(files) if file.folder == folder
-        )
-        if not models or held:
+        if not models or any(kind is FileKind.SPEC for _, kind in members):
             # A spec is there for every file of its robot.
             continue
         by_programs: set[bytes] = set()
         by_models: set[bytes] = set()
-        for file in files:
-            if file.folder != folder:
-                continue
-            program = file.path.lower().endswith((*PYTHON, *YAML))
+        for path, _ in members:
+            program = path.lower().endswith((*PYTHON, *YAML))
             try:
-                data = read_regular(file.path, _MOST_PROGRAM)
+                data = read_regular(path, _MOST_PROGRAM)
             except (OSError, ValueError, NotRegular, TooLarge):
                 continue
             if program and _MADE_NAME.search(data):

@@ -106,10 +106,9 @@ def names_model(case: Case, config: RobotConfig, model: Artifact) -> bool:
     Of several models of the name it is the one whose folders agree farthest: `d1_wheel/urdf/robot.urdf` is not
     `d1/urdf/robot.urdf`, where both are there.
     """
-    setting = config.settings.get("model")
-    if setting is None or not isinstance(setting.value, str):
+    if config.model is None:
         return True
-    named = _from_the_end(setting.value)
+    named = _from_the_end(config.model)
     if named[0] != _from_the_end(model.path)[0]:
         return False
     return _alike(named, model.path) == max(
