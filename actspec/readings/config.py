@@ -388,15 +388,14 @@ def rows_of_config(
         artifact: With a `config`.
         index: Of the artifact in the case.
         partners: The other artifacts of the same robot. The model among them that the configuration names names the
-            joints, else the one in which it selects the most, an MJCF and then the first of equals.
+            joints, else the one in which it selects the most, an MJCF and then the first of equals; without a model
+            its own order of joints does, and then another configuration's.
         versions: Decides what Isaac Lab's `friction` means; unknown without.
     """
     config = artifact.config
     assert config is not None
     models = models_of(config, partners)
-    named = next((names for names in map(joint_names, (*models, *partners)) if names), None)
-    if named is None and config.framework is Framework.DEPLOY:
-        named = joint_names(artifact)
+    named = next((names for names in map(joint_names, (*models, artifact, *partners)) if names), None)
     robots = [model.robot for model in models if model.robot is not None]
     massive = next((robot for robot in _simulated(config, models) if robot.inertia is not None), None)
     passive = next((robot for robot in robots if robot.format is ModelFormat.MJCF), None)

@@ -16,8 +16,13 @@ from actspec.readings.pair import telling
 
 ROBOTS = Path(__file__).parents[2] / "robots"
 TABLE = ROBOTS / "known.json"
-MAKERS = tuple(f"Unitree's URDF of the {robot}" for robot in ("A1", "Go1", "Go2", "H1"))
-"""How titles of sources begin that are the maker's own, of robots with one machine type."""
+MAKERS = (
+    *(f"Unitree's URDF of the {robot}" for robot in ("A1", "Go1", "Go2", "H1", "G1")),
+    "Unitree's URDFs of the G1",
+    # Unitree's motor specifications; its URDFs of the G1 have the same.
+    "mjlab 1.6.0, Unitree G1 constants",
+)
+"""How titles of sources begin that are the maker's own."""
 
 
 def table() -> str:

@@ -135,17 +135,19 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     attribute = _PUBLISHED.get(found.field)
     if attribute is None or found.field not in found.others[0].stated:
         return found
+    mine = found.rows[0]
     figures = {
-        (getattr(known.robot.variants[variant][name], attribute), known.robot.name)
+        (getattr(variant[name], attribute), known.robot.name)
         for known in case.once(likenesses)
-        if known.index == found.rows[0].artifact
         for row, names in known.joints
-        if row.joint == found.rows[0].joint
+        # A task's configuration has the name of its task, and its robot's figures where the robot has them.
+        if row.joint == mine.joint
+        and (known.index == mine.artifact or row.place(found.field) == mine.place(found.field))
         for name in names
-        for variant in known.variants
-        if known.robot.variants[variant][name].maker
+        for variant in known.robot.variants.values()
+        if variant[name].maker
     }
-    # One figure, and known of each joint and variant that the row may be: else nobody is right or wrong by it.
+    # One figure for all joints that the row may be, in every variant: the figure may be all that tells variants apart.
     if len(figures) != 1:
         return found
     ((published, name),) = figures
