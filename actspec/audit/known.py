@@ -39,6 +39,7 @@ class KnownJoint:
         velocity: Limit [rad/s]; None where nobody publishes it.
         source: Title of the source of the torque.
         maker: Whether the maker of the robot states torque and velocity.
+        also: Torques that the maker states elsewhere for the same joint [N*m].
     """
 
     effort: float
@@ -46,6 +47,7 @@ class KnownJoint:
     velocity: float | None
     source: str
     maker: bool
+    also: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +92,7 @@ def known_robots() -> tuple[KnownRobot, ...]:
                         row.get("velocity"),
                         row["source"],
                         row.get("maker", False),
+                        tuple(row.get("also", ())),
                     )
                     for row in rows
                     for joint in row["joints"]

@@ -46,6 +46,11 @@ def table() -> str:
     for name, variants in published["variants"].items():
         for variant, more in variants.items():
             robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
+    for name, limits in published["also"].items():
+        for rows in robots[name]["variants"].values():
+            for row in rows:
+                also = [float(limit) for limit, joints in limits.items() if set(row["joints"]) <= set(joints)]
+                row.update({"also": also} if also else {})
     for name, arm in published["robots"].items():
         source = _title(published["sources"][arm["source"]])
         speeds = {joint: speed for speed, joints in arm.get("speeds", {}).items() for joint in joints}

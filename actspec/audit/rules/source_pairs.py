@@ -12,7 +12,7 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.known import likenesses, same
+from actspec.audit.known import KnownRobot, likenesses, same
 from actspec.audit.rule import RuleInParts
 from actspec.audit.rules.joints import is_called_undriven, is_exporters
 from actspec.diagnostics import Severity, Span
@@ -132,31 +132,34 @@ def disagreements(
 
 def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     """Turned where the departing file has the figure that the robot's maker publishes, and the other one has not."""
-    attribute = _PUBLISHED.get(found.field)
-    if attribute is None or found.field not in found.others[0].stated:
+    if found.field not in _PUBLISHED or found.field not in found.others[0].stated:
         return found
     mine = found.rows[0]
-    figures = {
-        (getattr(variant[name], attribute), known.robot.name)
+    joints = {
+        (known.robot.name, _published(known.robot, name, found.field))
         for known in case.once(likenesses)
         for row, names in known.joints
         # A task's configuration has the name of its task, and its robot's figures where the robot has them.
         if row.joint == mine.joint
         and (known.index == mine.artifact or row.place(found.field) == mine.place(found.field))
         for name in names
-        for variant in known.robot.variants.values()
-        if variant[name].maker
     }
-    # One figure for all joints that the row may be, in every variant: the figure may be all that tells variants apart.
-    if len(figures) != 1:
+    # The same for all joints that the row may be: else nobody is right or wrong by it.
+    if len(joints) != 1:
         return found
-    ((published, name),) = figures
-    if published is None:
-        return found
-    here, there = (same(figure.value, published) for figure in (found.mine, found.theirs))
+    ((name, figures),) = joints
+    here, there = (any(same(each.value, figure) for figure in figures) for each in (found.mine, found.theirs))
     if here is there:
         return found
     return replace(found.turned if here else found, published=name)
+
+
+def _published(robot: KnownRobot, name: str, field: str) -> frozenset[float]:
+    """What the maker publishes of a joint, of all variants: the figure may be all that tells them apart."""
+    joints = [variant[name] for variant in robot.variants.values()]
+    figures = (getattr(joint, _PUBLISHED[field]) for joint in joints if joint.maker)
+    also = (figure for joint in joints for figure in joint.also if field == "effort_limit")
+    return frozenset(figure for figure in (*figures, *also) if figure is not None)
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
