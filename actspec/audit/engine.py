@@ -218,18 +218,19 @@ def _resolve(
     """Findings with name, severity and confidence; the same one of two files that share a part counts once.
 
     What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it. So is what
-    is wrong in a model that nothing names, where programs name others.
+    is wrong in a model that nothing names, where programs name others, and in a configuration that nothing imports.
     """
     unique: dict[tuple[object, ...], Reported] = {}
     aside = {file.path for reading in readings if reading.put_aside for file in reading.files}
     aside |= {reading.path for reading in readings if reading.put_aside}
     unnamed = {reading.path for reading in readings if reading.unnamed}
+    idle = {reading.path: _parts_of(reading) for reading in readings if reading.idle}
     for finding in found:
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
         if (
-            (span.path in unnamed or (aside and _is_aside(finding, aside)))
+            (span.path in unnamed or _is_idle(span, idle) or (aside and _is_aside(finding, aside)))
             and severity is not Severity.INFO
             and said(finding.code) is None
         ):
@@ -245,6 +246,20 @@ def _resolve(
         confidence = finding.confidence or rule.confidence
         unique.setdefault(key, Reported(finding, rule.name, severity, confidence))
     return _in_order(unique.values())
+
+
+def _parts_of(reading: FileReading) -> list[tuple[int, bool]]:
+    """Where the configurations of a file begin, in order, and whether each is idle."""
+    configs = (artifact.config for artifact in reading.artifacts)
+    return sorted(
+        (config.span.line or 0, config.name in reading.idle) for config in configs if config is not None
+    )
+
+
+def _is_idle(span: Span, idle: Mapping[str, Sequence[tuple[int, bool]]]) -> bool:
+    """Whether a place is in a configuration that nobody runs."""
+    before = [alone for line, alone in idle.get(span.path, ()) if line <= (span.line or 0)]
+    return bool(before) and before[-1]
 
 
 def _is_aside(finding: Finding, aside: Collection[str]) -> bool:

@@ -283,6 +283,7 @@ class FileReading:
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         refused: The place that `reason` is about; None: the file as a whole.
         unnamed: Whether it is a model in a folder whose programs name other models there, and nothing there names it.
+        idle: Configurations in a folder that no program there imports, where one imports another one of this file.
     """
 
     path: str
@@ -295,6 +296,7 @@ class FileReading:
     put_aside: bool = False
     refused: Span | None = None
     unnamed: bool = False
+    idle: frozenset[str] = frozenset()
 
     @property
     def names_nothing(self) -> bool:

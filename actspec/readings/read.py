@@ -13,6 +13,7 @@ from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
+from actspec.readings.programs import Idle, idle
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
@@ -344,48 +345,17 @@ def _lost(path: str, reason: str) -> FileReading:
     return FileReading(path, None, reason, diagnostics=(fault,))
 
 
-_MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)\b")
-_MADE_NAME = re.compile(rb"""(?:[}*]|%s|\+\s*f?["'])\.(?:urdf|xml|mjcf)\b""")
-"""A name that is put together when a program runs: f"{robot}.urdf", robot + ".xml", glob("*.xml")."""
-
-_MOST_PROGRAM = 1024 * 1024
-"""Chosen: bytes of a program that are looked through for names of models."""
-
-
-def _unnamed(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> set[str]:
-    """Models in folders whose programs name some of the models there, that nothing there names: nobody runs them."""
-    inside: dict[str, list[tuple[str, FileKind | None]]] = {}
+def _idle(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> Idle:
+    """What nobody runs of the folders that were named."""
+    inside: dict[str, dict[str, FileReading]] = {}
     for index, file in enumerate(files):
         if file.folder is not None:
-            inside.setdefault(file.folder, []).append((file.path, found[index].kind))
-    result: set[str] = set()
-    for members in inside.values():
-        models = {
-            path: name
-            for path, kind in members
-            # A name with a space or beyond ASCII is not found again in a program.
-            if kind in (FileKind.MJCF, FileKind.URDF)
-            and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(path)))
-        }
-        if not models or any(kind is FileKind.SPEC for _, kind in members):
-            # A spec is there for every file of its robot.
-            continue
-        by_programs: set[bytes] = set()
-        by_models: set[bytes] = set()
-        for path, _ in members:
-            program = path.lower().endswith((*PYTHON, *YAML))
-            try:
-                data = read_regular(path, _MOST_PROGRAM)
-            except (OSError, ValueError, NotRegular, TooLarge):
-                continue
-            if program and _MADE_NAME.search(data):
-                # What it makes may be any of them.
-                by_programs.clear()
-                break
-            (by_programs if program else by_models).update(_MODEL_NAME.findall(data))
-        if not by_programs.isdisjoint(models.values()):
-            result.update(path for path, name in models.items() if name not in by_programs | by_models)
-    return result
+            inside.setdefault(file.folder, {})[file.path] = found[index]
+    each = [idle(members, (*PYTHON, *YAML)) for members in inside.values()]
+    return Idle(
+        frozenset().union(*(one.models for one in each)),
+        {path: names for one in each for path, names in one.configs.items()},
+    )
 
 
 def _chosen(
@@ -396,7 +366,7 @@ def _chosen(
     concerned = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)} - concerned
     seen = Counter(file.folder for file in files)
-    unnamed = _unnamed(files, found)
+    idle_there = _idle(files, found)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
         named = file.folder is None and not (skip_other and os.path.exists(file.path))
@@ -410,7 +380,8 @@ def _chosen(
                     reading,
                     in_folder=file.folder is not None,
                     put_aside=aside,
-                    unnamed=file.path in unnamed,
+                    unnamed=file.path in idle_there.models,
+                    idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
     for path in dict.fromkeys(paths):

@@ -1,4 +1,4 @@
-"""What is wrong in a model that nothing names, where programs name others, is a note."""
+"""What is wrong in a model or configuration that nothing names, where programs name others, is a note."""
 
 from __future__ import annotations
 
@@ -43,6 +43,10 @@ def test_nothing_is_named() -> None:
     [
         "FILE = 'models/one.urdf'\n",
         "class Cfg:\n    class asset:\n        file = '{ROOT}/models/one.urdf'\n",
+        "FILE = 'models/one.urdf'\n  # or models/two.urdf\n",
+        "FILE = 'models/one.urdf'\nOTHER = f'models/twos_{side if side else 0}.urdf'\n",
+        "FILE = 'models/one.urdf'\nOTHER = f'models/{side}_two.urdf'\n",
+        "FILE = 'models/o' + name\nOTHER = 'models/on%s.urdf' % name\n",
     ],
 )
 def test_a_program_names_one(program: str) -> None:
@@ -58,6 +62,9 @@ def test_a_program_names_one(program: str) -> None:
         "FILES = ['one.urdf', 'two.urdf']\n",
         "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\n",
         "FILE = 'one.urdf'\nOTHER = name + '.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = name + f'o.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = f'{a}{b}.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = f't{a}.urdf'\n",
         "FILE = 'one.urdf'\nOTHERS = Path('models').glob('*.urdf')\n",
     ],
 )
@@ -72,6 +79,46 @@ def test_a_model_names_another() -> None:
     Path("r/models/scene.xml").write_text("<mujoco><!-- two.urdf --><worldbody/></mujoco>")
     Path("r/run.py").write_text("load('models/scene.xml')\n")
     assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
+
+
+def test_a_scene_that_nothing_names() -> None:
+    """What it includes is run no more than it is."""
+    Path("r/models/scene.xml").write_text("<mujoco><!-- two.urdf --><worldbody/></mujoco>")
+    Path("r/run.py").write_text("load('models/one.urdf')\n")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
+
+
+CONFIGS = """
+from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+
+{one} = ArticulationCfg(actuators={{"legs": ImplicitActuatorCfg(
+    joint_names_expr=["left_knee", "right_knee"], stiffness={{"left_knee": 10.0, "right_knee": 20.0}}, damping=1.0)}})
+{two} = ArticulationCfg(actuators={{"legs": ImplicitActuatorCfg(
+    joint_names_expr=["left_knee", "right_knee"], stiffness={{"left_knee": 10.0, "right_knee": 20.0}}, damping=1.0)}})
+"""
+
+
+@pytest.mark.parametrize(
+    ("task", "more", "lines"),
+    [
+        ("from robots import DOG_CFG\n", "", {6: Severity.WARNING, 8: Severity.INFO}),
+        ("# from robots import DOG_CFG\n", "", {6: Severity.WARNING, 8: Severity.WARNING}),
+        ("from robots import DOG_CFG as X, CAT_CFG\n", "", {6: Severity.WARNING, 8: Severity.WARNING}),
+        ("from robots import DOG_CFG\n", "ANY = [CAT_CFG]\n", {6: Severity.WARNING, 8: Severity.WARNING}),
+        ("from robots import DOG_CFG, CAT_CFG_2\n", "", {6: Severity.WARNING, 8: Severity.INFO}),
+    ],
+)
+def test_a_configuration_that_nothing_imports(task: str, more: str, lines: dict[int, Severity]) -> None:
+    """It is run by nobody where another one of its file is; where nothing is imported, all are there for others."""
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG") + more)
+    Path("r/task.py").write_text(task)
+    found = audit(["r"], Settings()).findings
+    assert {
+        item.finding.span.line: item.severity
+        for item in found
+        if item.finding.code == "SYM101" and item.finding.span.path.endswith(".py")
+    } == lines
 
 
 def test_a_spec_is_there_for_every_file() -> None:
