@@ -81,6 +81,10 @@ class Case:
             if artifact.kind in kinds:
                 yield index, artifact
 
+    def is_met(self, artifact: int) -> bool:
+        """Whether an artifact's file was found in a folder that was named, and was not named itself."""
+        return self.artifacts[artifact].path in self.once(_met)
+
     def versions_of(self, artifact: int) -> Versions:
         """What an artifact is meant for."""
         return meant_for(self.versions, self.artifacts[artifact])
@@ -102,3 +106,8 @@ class Case:
     def option(self, code: str, name: str, default: float) -> float:
         """A rule's option, or its default."""
         return self.options.get(code, {}).get(name, default)
+
+
+def _met(case: Case) -> frozenset[str]:
+    """Files that were found in a folder."""
+    return frozenset(file.path for file in case.files if file.in_folder)

@@ -134,3 +134,38 @@ def test_a_name_that_is_not_looked_for(name: str) -> None:
     Path("r/models/two.urdf").rename(f"r/models/{name}.urdf")
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")
     assert set(severities("r").values()) == {Severity.WARNING}
+
+
+def test_a_model_that_nothing_drives() -> None:
+    """Of a folder without a configuration it is there to be seen; by name, or with a configuration, it is not."""
+    model = """<mujoco><worldbody><body>
+    <joint name="left_knee" actuatorfrcrange="-36 36"/><joint name="right_knee" axis="0 1 0" actuatorfrcrange="-30 30"/>
+    <geom size="0.1"/></body></worldbody></mujoco>"""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    Path("r/models/dog.xml").write_text(model)
+    assert severities("r") == {"dog": Severity.INFO}
+    assert severities("r/models/dog.xml") == {"dog": Severity.WARNING}
+    Path("r/dog.py").write_text(CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0"))
+    assert severities("r") == {"dog": Severity.WARNING}
+
+
+def test_what_an_mjcf_was_made_of() -> None:
+    """An exporter's limits of the URDF are nobody's where the MJCF has its own and no configuration takes the URDF."""
+    joint = """<joint name="{}" type="revolute"><parent link="base"/><child link="{}"/>
+    <limit lower="-1" upper="1" effort="10" velocity="10"/></joint>"""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    joints = "".join(joint.format(n, side) for n, side in (("hip", "left"), ("knee", "right")))
+    Path("r/models/dog.urdf").write_text(
+        f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+    )
+    Path("r/models/dog.xml").write_text(
+        '<mujoco model="dog"><worldbody><body><joint name="hip"/><joint name="knee" axis="0 1 0"/><geom size="0.1"/>'
+        '</body></worldbody><actuator><position joint="hip" kp="9" forcerange="-3 3"/>'
+        '<position joint="knee" kp="9" forcerange="-3 3"/></actuator></mujoco>'
+    )
+    files = ["r/models/dog.urdf", "r/models/dog.xml"]
+    for named, severity in ((["r"], Severity.INFO), (files, Severity.WARNING)):
+        found = audit(named, Settings(select=("LIM101",))).findings
+        assert {item.severity for item in found} == {severity}

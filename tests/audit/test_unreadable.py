@@ -164,7 +164,10 @@ def test_what_an_old_file_alone_speaks_against() -> None:
     joint += "".join(
         f'<joint name="{n}" axis="{n == "hip":d} 1 0" actuatorfrcrange="-5 5"/>' for n in ("hip", "toe")
     )
-    model = '<mujoco model="leg"><worldbody><body>' + joint + '<geom size="0.1"/></body></worldbody></mujoco>'
+    model = (
+        '<mujoco model="leg"><worldbody><body>' + joint + '<geom size="0.1"/></body></worldbody><actuator>'
+    )
+    model += "".join(f'<motor joint="{n}"/>' for n in ("knee", "hip", "toe")) + "</actuator></mujoco>"
     Path("robots/leg.xml").write_text(model.format(10))
     Path("robots/leg_old.xml").write_text(model.format(40))
     settings = Settings(select=("SRC101",))

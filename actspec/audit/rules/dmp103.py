@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
@@ -35,6 +36,10 @@ class DampingOutsideClamp(RuleInParts):
             if damping <= 0.0:
                 if own is not None:
                     yield ()
+                continue
+            if row.effort_limit == math.inf and row.kp:
+                # What another file says limits nothing here: a servo without a limit outruns the damping (LIM101). Of
+                # a motor the controller may clip the torque.
                 continue
             files = case.robot_of(artifact).artifacts
             limit = own or min(

@@ -144,14 +144,22 @@ def is_exporters(row: LedgerRow) -> bool:
     return limits in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0), (100.0, 100.0))
 
 
+_DRIVERS = (FileKind.CFG, FileKind.DEPLOY, FileKind.SPEC)
+"""Files that give a model its drives."""
+
+
 def is_undriven(case: Case, row: LedgerRow) -> bool:
-    """Whether an MJCF has actuators, and none on the row's joint: its limit there bounds no torque.
+    """Whether nothing drives a joint of an MJCF, so that its limit there bounds no torque.
+
+    No actuator of the file does, which has others, or was met in a folder without a configuration of its robot.
 
     Source: MuJoCo, XML reference, joint/actuatorfrcrange: the range clamps what actuators give.
     """
     if row.control != "none" or case.artifacts[row.artifact].kind is not FileKind.MJCF:
         return False
-    return any(other.control != "none" for other in case.rows_of(row.artifact))
+    if any(other.control != "none" for other in case.rows_of(row.artifact)):
+        return True
+    return case.is_met(row.artifact) and case.kinds_by_artifact[row.artifact].isdisjoint(_DRIVERS)
 
 
 _UNDRIVEN = re.compile(

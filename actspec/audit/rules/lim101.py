@@ -87,7 +87,8 @@ class NoEffectiveLimit(RuleInParts):
                 yield (replace(nothing, severity=Severity.INFO) if quiet else nothing,)
                 continue
             if urdf and is_exporters(row):
-                yield self._exporters(case, row)
+                found = self._exporters(case, row)
+                yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
                 continue
             if self._are_placeholders(case, limits):
                 nothing = self._placeholders(row, limits)
@@ -371,12 +372,11 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
 
 
 def _unused(case: Case) -> frozenset[int]:
-    """URDFs whose limits nothing takes: of furniture, or met in a folder in which no model with drives, configuration
-    or deploy file is of their robot, as those for kinematics.
+    """URDFs whose limits nothing takes: of furniture, or met in a folder in which no configuration or deploy file is of
+    their robot, as those for kinematics and those that an MJCF with drives was made of.
 
     Furniture has no limit on any joint, and no joint that moves another: a robot has joints behind each other.
     """
-    met = {file.path for file in case.files if file.in_folder}
     found = set()
     for index, artifact in case.of_kind(FileKind.URDF):
         limits = [
@@ -384,7 +384,7 @@ def _unused(case: Case) -> frozenset[int]:
         ]
         joints = () if artifact.robot is None else artifact.robot.joints
         furniture = limits and not any(limits) and not any(joint.parent for joint in joints)
-        if furniture or (artifact.path in met and case.kinds_by_artifact[index] == {FileKind.URDF}):
+        if furniture or (case.is_met(index) and case.kinds_by_artifact[index] <= set(_MODELS)):
             found.add(index)
     return frozenset(found)
 

@@ -52,16 +52,21 @@ class EffortLimit(SourceRule):
                 found.append(self.finding(case, item))
         for held in uniform.values():
             each = [self.finding(case, item) for item, _ in held]
-            found += self._of_one_limit(each, [side for _, side in held]) or each
+            found += self._of_one_limit(case, each, [side for _, side in held]) or each
         return found
 
-    def _of_one_limit(self, found: Sequence[Finding], held: Sequence[Disagreement]) -> list[Finding]:
+    def _of_one_limit(
+        self, case: Case, found: Sequence[Finding], held: Sequence[Disagreement]
+    ) -> list[Finding]:
         """What is said of a file with one limit, at each joint; nothing where the others have one for those joints."""
         limits = sorted(side.theirs.value or 0.0 for side in held)
         if limits[-1] <= limits[0] * (1.0 + _UNLIKE):
             return []
         unit = held[0].mine.unit
         worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
+        if all(is_of_control(case, side.rows) for side in held):
+            # A range for whatever the task commands is no motor's.
+            worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
             f"{shown(limits[0], unit)} to {shown(limits[-1], unit)} in another file of the robot: unlike motors have "
@@ -105,12 +110,19 @@ class EffortLimit(SourceRule):
 def _limits_nothing(case: Case, found: Disagreement) -> bool:
     """Whether one of the limits is of a joint that no actuator of its file drives, or whose range holds it.
 
-    Slides of two models of one kind have none to compare: fingers close as hard as the task of each asks.
+    Slides of two models of one kind have none to compare: fingers close as hard as the task of each asks. Nor have
+    joints of two MJCFs whose drives and rotors are others too: each task set up its own.
     """
     both = (found.rows[0], found.others[0])
-    if all(_is_slide(row) for row in both) and are_alternatives(case, found):
+    if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(*both)):
         return True
     return any(is_undriven(case, row) or is_held(row) for row in both)
+
+
+def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:
+    """Whether two rows of a joint have no figure of drive and rotor in common."""
+    pairs = [(getattr(one, name), getattr(other, name)) for name in ("kp", "kd", "armature")]
+    return all(a is not None and b is not None and a > 0.0 and b > 0.0 and not same(a, b) for a, b in pairs)
 
 
 def _of_one_limit(case: Case) -> frozenset[tuple[int, bool]]:
