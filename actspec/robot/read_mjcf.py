@@ -21,6 +21,7 @@ from actspec.robot.compiled import (
 from actspec.robot.inertia import POSES, known_inertia, reference_pose
 from actspec.robot.mjcf_elements import Written, read_elements
 from actspec.robot.view import ActuatorView, JointView, ModelFile, ModelFormat, RobotView
+from actspec.robot.xml_tree import report_behind
 
 if TYPE_CHECKING:
     import mujoco
@@ -107,6 +108,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
     out = Collector()
     for text in compiled.said:
         out.warning("ROBOT112", f"MuJoCo warns: {text}", span=main)
+    report_behind(document, out)
     written = read_elements(document)
     masses, reason = known_inertia(model, compiled.meshes, poses) if inertia else (None, "not asked for")
     lists = ModelLists(model)

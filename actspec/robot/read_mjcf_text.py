@@ -20,7 +20,7 @@ from actspec.robot.mjcf_actuator_text import actuator_text, class_text, numbers
 from actspec.robot.mjcf_elements import JointElement, Written, read_elements
 from actspec.robot.read_mjcf import nan_fields, stated_attributes, stated_fields
 from actspec.robot.view import ActuatorView, JointView, ModelFormat, RobotView
-from actspec.robot.xml_tree import Element, XmlDocument
+from actspec.robot.xml_tree import Element, XmlDocument, report_behind
 
 _KINDS = {kind.value: kind for kind in JointKind}
 _POSITIONS = {JointKind.FREE: 7, JointKind.BALL: 4}
@@ -50,6 +50,7 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
     written = read_elements(document)
     main = Span(document.files[0].path)
     out = Collector()
+    report_behind(document, out)
     compiler, option = _settings(document, "compiler"), _settings(document, "option")
     joints: list[JointView] = []
     dof = 0

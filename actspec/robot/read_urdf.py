@@ -17,7 +17,7 @@ from actspec.diagnostics import Collector, RobotError, Span, listed, nearest
 from actspec.joints import JointKind
 from actspec.robot.inertia import POSES, known_inertia
 from actspec.robot.view import JointView, ModelFile, ModelFormat, RobotView
-from actspec.robot.xml_tree import NUMBER
+from actspec.robot.xml_tree import NUMBER, report_behind
 from actspec.units import format_number
 
 if TYPE_CHECKING:
@@ -70,6 +70,7 @@ def read_urdf(
     if document is None:
         document = parse_document(tuple(files))
     out = Collector()
+    report_behind(document, out)
     joints = _joints(document, out)
     _check_depth(document, out)
     out.raise_if_failed(RobotError)

@@ -1,8 +1,9 @@
 """An MJCF or URDF as elements that know their bytes, as expat tells them.
 
 What expat refuses is refused, with the place and a way out, even where MuJoCo's parser takes it: a bare `&`, `<` in a
-value. Three things that change nothing in what a file says, and that people's files have, are read as MuJoCo reads
-them: `--` in a comment, no space between two attributes, and white space before the declaration.
+value. Four things that change nothing in what a file says, and that people's files have, are read as MuJoCo reads
+them: `--` in a comment, no space between two attributes, white space before the declaration, and elements or closing
+tags behind the root, which nobody reads.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from dataclasses import dataclass, field
 from xml.parsers import expat
 
 from actspec import files
-from actspec.diagnostics import Diagnostic, Severity, Span
+from actspec.diagnostics import Collector, Diagnostic, Severity, Span
 from actspec.robot.view import ModelFile
 
 
@@ -194,6 +195,21 @@ class XmlDocument:
         return sum(file.path == path for file in self.files) > 1
 
 
+_COMMENTS = re.compile(r"(?:\s|<!--.*?-->)*", re.DOTALL)
+
+
+def report_behind(document: XmlDocument, out: Collector) -> None:
+    """Report what follows the root of a file and is no comment: MuJoCo takes nothing from it."""
+    for root in (document.root, *(include.root for include in document.includes)):
+        comments = _COMMENTS.match(root.text, root.end)
+        if comments is not None and comments.end() < len(root.text):
+            file = document.files[root.file]
+            place = place_of(file.path, file.data, comments.end())
+            # A closing tag too many is none of anybody's figures.
+            report = out.info if root.text.startswith("</", comments.end()) else out.warning
+            report("ROBOT009", "what follows the root element is not read", span=place, help="delete it")
+
+
 MOST_DEPTH = 200
 """Chosen: elements inside one another, through includes; MuJoCo's parser stops at 500 in one file."""
 
@@ -273,6 +289,8 @@ def _scan(
     try:
         parser.Parse(lenient.data, True)
     except expat.ExpatError as err:
+        if found and not open_ and _is_behind(data[found[0].end :]):
+            return found
         root = found[0].tag if found else None
         inside = (open_[-1].tag, open_[-1].line) if open_ else None
         byte = lenient.place(parser.ErrorByteIndex)
@@ -342,6 +360,38 @@ def _as_mujoco_reads(data: bytes) -> _Lenient:
             added.append(last + len(added))
         at = data.find(b"<", at + 1 if tag is None else tag.end())
     return _Lenient(b"".join([*parts, data[last:]]), tuple(added))
+
+
+_CLOSING = re.compile(rb"(?:\s*</[\w:.-]+\s*>)+\s*")
+
+
+def _is_behind(rest: bytes) -> bool:
+    """Whether MuJoCo reads a file with this behind its root, and reads nothing of it: tags alone, no text between."""
+    if _CLOSING.fullmatch(rest):
+        return True
+    text: list[str] = []
+    depth = 0
+
+    def start(*_: object) -> None:
+        nonlocal depth
+        depth += 1
+
+    def end(_: str) -> None:
+        nonlocal depth
+        depth -= 1
+
+    parser = expat.ParserCreate("utf-8")
+    parser.StartElementHandler = start
+    parser.EndElementHandler = end
+    parser.CharacterDataHandler = lambda data: text.append(data) if depth == 1 else None
+    # MuJoCo takes any for a declaration, which has to come first.
+    parser.ProcessingInstructionHandler = lambda *_: text.append("<?")
+    try:
+        # A DOCTYPE is refused inside an element, and so are entities.
+        parser.Parse(b"<r>" + rest + b"</r>", True)
+    except expat.ExpatError:
+        return False
+    return not "".join(text).strip()
 
 
 def _blank(text: bytes) -> bytes:

@@ -663,7 +663,8 @@ def independent(path: Path) -> Any:
     """MuJoCo's own reading of a real file, meshes stripped by another XML parser."""
 
     def load(file: Path) -> ET.Element:
-        root = ET.parse(file).getroot()
+        # One file has a closing tag behind its root, which MuJoCo does not mind and this parser does.
+        root = ET.fromstring(file.read_bytes().partition(b"</mujoco>")[0] + b"</mujoco>")
         for parent in list(root.iter()):
             for child in list(parent):
                 if child.tag == "include":
@@ -687,12 +688,7 @@ def independent(path: Path) -> Any:
 @pytest.mark.parametrize("path", REAL, ids=lambda p: str(p.relative_to(CORPUS)))
 def test_real_file_equals_independent_compile(path: Path) -> None:
     """Every real MJCF: names, order and numbers are those of MuJoCo on the file without its meshes."""
-    try:
-        view = load_robot(str(path))
-    except RobotError:
-        with pytest.raises(ET.ParseError):
-            ET.parse(path)
-        return
+    view = load_robot(str(path))
     model = independent(path)
     named = [i for i in range(model.njnt) if model.joint(i).name]
     assert [j.name for j in view.joints] == [model.joint(i).name for i in named]

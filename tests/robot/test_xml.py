@@ -13,11 +13,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from actspec.diagnostics import RobotError, Span
+from actspec.diagnostics import Collector, RobotError, Severity, Span
 from actspec.robot import xml
 from actspec.robot.view import ModelFile
 from actspec.robot.xml import open_document, parse_document
-from actspec.robot.xml_tree import Element, XmlDocument
+from actspec.robot.xml_tree import Element, XmlDocument, report_behind
 
 CORPUS = Path(os.environ.get("ACTSPEC_CORPUS") or Path(__file__).parents[2].parent / "shared" / "corpus")
 MODELS = sorted(p for p in CORPUS.rglob("*") if p.suffix in (".xml", ".urdf"))
@@ -175,10 +175,10 @@ def test_walk_and_sections() -> None:
         ),
         pytest.param("<a>\n<b>", "2:4: ROBOT004: the file ends before <b> (line 2) is closed", id="open"),
         pytest.param(
-            "<a/>\n</b>", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"
+            "<a/>\n</b>c", "2:2: ROBOT004: a closing tag whose element is closed already", id="closed"
         ),
         pytest.param(
-            "<a/><a/>",
+            "<a/><a>",
             "1:5: ROBOT004: text or an element after the end of the root element",
             id="second root",
         ),
@@ -195,7 +195,7 @@ def test_walk_and_sections() -> None:
         ),
         pytest.param('<a x="1"y="2<"/>', "1:9: ROBOT004: no space between two attributes", id="space"),
         pytest.param(
-            '<a x="1"y="2"/>\n<b/>',
+            '<a x="1"y="2"/>\n<b/>c',
             "2:1: ROBOT004: text or an element after the end of the root element",
             id="behind a space that was added",
         ),
@@ -276,6 +276,43 @@ def test_a_late_declaration(before: str, tmp_path: Path) -> None:
         assert parsed(text).root.start == len(before) + 21
     else:
         assert "ROBOT004: a malformed XML declaration" in refused(text)
+
+
+@pytest.mark.parametrize(
+    ("tail", "read"),
+    [
+        ("\n</mujoco>", True),
+        ("</mujoco> </a>\n", True),
+        ("\n<mujoco><option timestep='1'/></mujoco>\n", True),
+        ("<!-- a --><a b='1'><c>text</c></a><d/>", True),
+        ("\ntext", False),
+        ("<a/>text", False),
+        ("<a>", False),
+        ("<a></b>", False),
+        ("<?xml version='1.0'?>", False),
+        ("<a/><?a?>", False),
+        ("<!DOCTYPE a [<!ENTITY b 'b'>]>", False),
+        ("<a>&b;</a>", False),
+        ("</r><r>", False),
+    ],
+)
+def test_what_is_behind_the_root(tail: str, read: bool) -> None:
+    """MuJoCo takes nothing from it; it is reported, and what MuJoCo refuses is refused."""
+    model = "<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+    text = model + tail
+    if not read:
+        assert refused(text)
+        return
+    assert mujoco.MjModel.from_xml_string(text).opt.timestep == 0.002
+    document, said = parsed(text), Collector()
+    assert [element.tag for element in document.walk()] == ["mujoco", "worldbody", "geom"]
+    report_behind(document, said)
+    line = 2 if tail.startswith("\n") else 1
+    behind = tail.removeprefix("<!-- a -->").lstrip()
+    column = text.rindex(behind) - text.rfind("\n", 0, text.rindex(behind))
+    place = Span("r.xml", line, column)
+    severity = Severity.INFO if behind.startswith("</") else Severity.WARNING
+    assert [(item.code, item.span, item.severity) for item in said] == [("ROBOT009", place, severity)]
 
 
 @pytest.mark.parametrize(
@@ -739,13 +776,12 @@ def test_real_files_as_lxml_reads_them(path: Path) -> None:
     """Tags, attributes, their order and the lines of every real file are those of lxml."""
     etree = pytest.importorskip("lxml.etree")
     data = path.read_bytes()
+    document = open_document(str(path))
     if path == CORPUS / BROKEN:
+        # Behind its root it has a closing tag more.
         with pytest.raises(etree.XMLSyntaxError):
             etree.fromstring(data)
-        with pytest.raises(RobotError, match="25:2: ROBOT004: a closing tag whose element is closed already"):
-            open_document(str(path))
-        return
-    document = open_document(str(path))
+        data = data[: document.root.end]
     theirs = [
         (f"{e.prefix}:{etree.QName(e).localname}" if e.prefix else e.tag, dict(e.attrib))
         for e in etree.fromstring(data).iter(etree.Element)

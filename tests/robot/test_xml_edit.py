@@ -13,7 +13,6 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from actspec.diagnostics import RobotError
 from actspec.robot.view import ModelFile
 from actspec.robot.xml import open_document, parse_document
 from actspec.robot.xml_edit import (
@@ -452,11 +451,8 @@ def test_numbers_that_are_none(x: float) -> None:
 
 
 def real(path: Path) -> XmlDocument:
-    """A real file, parsed; one of them is not well-formed."""
-    try:
-        return open_document(str(path))
-    except RobotError:
-        pytest.skip("not well-formed")
+    """A real file, parsed."""
+    return open_document(str(path))
 
 
 def reparsed(document: XmlDocument, edits: Sequence[Edit]) -> XmlDocument:
@@ -524,6 +520,8 @@ def test_random_edits_as_lxml_does_them(path: Path) -> None:
     etree = pytest.importorskip("lxml.etree")
     document = real(path)
     data = document.files[0].data
+    if data[document.root.end :].strip().startswith(b"</"):
+        pytest.skip("lxml does not read a closing tag behind the root")
     ours = [e for e in document.walk() if e.file == 0]
     tree = etree.fromstring(data)
     theirs = [e for e in tree.iter(etree.Element) if e.tag != "include"]
