@@ -149,7 +149,7 @@ _TABLE = (
     Field("inertia_min", "least inertia of the links", "inertia min", Role.DERIVED, Kind.INERTIA),
     Field("inertia_max", "largest inertia of the links", "inertia max", Role.DERIVED, Kind.INERTIA),
     Field("inertia_free_min", "least free inertia", "free inertia min", Role.DERIVED, Kind.INERTIA),
-    Field("inertia_free", "free inertia at the reference pose", "free inertia", Role.DERIVED, Kind.INERTIA),
+    Field("inertia_free_max", "largest free inertia", "free inertia max", Role.DERIVED, Kind.INERTIA),
     Field("natural_frequency", "natural frequency", "", Role.DERIVED, None, "rad/s"),
     Field("damping_ratio", "damping ratio", "", Role.DERIVED),
     Field("stability", "h kd/I", "", Role.DERIVED),

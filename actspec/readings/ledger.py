@@ -85,7 +85,7 @@ class LedgerRow:
         inertia_min: Least inertia over the poses, other joints held, armature included.
         inertia_max: Largest likewise.
         inertia_free_min: Least with the other joints free.
-        inertia_free: With the other joints free, at the reference pose.
+        inertia_free_max: Largest likewise.
         natural_frequency: sqrt(kp of all actuators / inertia at the reference pose) [rad/s].
         damping_ratio: total_damping / (2 sqrt(kp inertia)) at the reference pose [-].
         stability: h * Kd / inertia_free_min, with the damping that is integrated explicitly [-].
@@ -127,7 +127,7 @@ class LedgerRow:
     inertia_min: float | None = None
     inertia_max: float | None = None
     inertia_free_min: float | None = None
-    inertia_free: float | None = None
+    inertia_free_max: float | None = None
     natural_frequency: float | None = None
     damping_ratio: float | None = None
     stability: float | None = None
@@ -395,7 +395,7 @@ def dynamics_at(
         "inertia_min": None if held is None else held.low,
         "inertia_max": None if held is None else held.high,
         "inertia_free_min": None if free is None else free.low,
-        "inertia_free": None if free is None else free.reference,
+        "inertia_free_max": None if free is None else free.high,
         "natural_frequency": frequency,
         "damping_ratio": ratio,
         "stability": stability,

@@ -52,8 +52,8 @@ def idle(members: Mapping[str, FileReading], programs: tuple[str, ...]) -> Idle:
     models = {
         path: name
         for path, reading in members.items()
-        # A name with a space or beyond ASCII is not found again in a program.
-        if reading.kind in (FileKind.MJCF, FileKind.URDF)
+        # A name with a space or beyond ASCII is not found again in a program. What cannot be read has no kind.
+        if (reading.kind in (FileKind.MJCF, FileKind.URDF) or (reading.kind is None and not reading.readable))
         and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(path)))
     }
     configs = {path: names for path, reading in members.items() if (names := _configs(reading))}

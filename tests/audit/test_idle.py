@@ -169,3 +169,59 @@ def test_what_an_mjcf_was_made_of() -> None:
     for named, severity in ((["r"], Severity.INFO), (files, Severity.WARNING)):
         found = audit(named, Settings(select=("LIM101",))).findings
         assert {item.severity for item in found} == {severity}
+
+
+def test_a_file_that_cannot_be_read() -> None:
+    """Where programs name others, nobody is stopped by it."""
+    Path("r/models/two.urdf").write_text("<robot name=two></robot>")
+    Path("r/train.py").write_text("FILE = 'models/one.urdf'\n")
+    broken = Settings(select=("AUD008",))
+    assert [item.severity for item in audit(["r"], broken).findings] == [Severity.INFO]
+    Path("r/train.py").write_text("FILE = 'models/two.urdf'\n")
+    assert [item.severity for item in audit(["r"], broken).findings] == [Severity.WARNING]
+
+
+def test_one_limit_of_a_urdf_beside_an_mjcf() -> None:
+    """1000 N*m on every joint of a URDF whose MJCF has the limits: it is read for its links. By name it is meant."""
+    joint = """<joint name="{0}" type="revolute"><parent link="base"/><child link="{0}_link"/>
+    <limit lower="-1" upper="1" effort="200" velocity="9"/></joint>"""
+    names = ("hip", "knee", "ankle", "toe")
+    links = "".join(f'<link name="{name}_link"/>' for name in names)
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    Path("r/models/dog.urdf").write_text(
+        f'<robot name="dog"><link name="base"/>{links}{"".join(map(joint.format, names))}</robot>'
+    )
+    bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
+    motors = "".join(
+        f'<motor joint="{name}" forcerange="-{n} {n}"/>'
+        for name, n in zip(names, (48, 48, 16, 18), strict=True)
+    )
+    Path("r/models/dog.xml").write_text(
+        f'<mujoco model="dog"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    )
+    rule = Settings(select=("SRC101",))
+    for named, severities in (
+        (["r"], {Severity.INFO}),
+        (["r/models/dog.urdf", "r/models/dog.xml"], {Severity.ERROR}),
+    ):
+        found = audit(named, rule).findings
+        assert {Path(item.finding.span.path).name for item in found} == {"dog.urdf"}
+        assert {item.severity for item in found} == severities
+
+
+@pytest.mark.parametrize(("run", "severity"), [("dog.xml", Severity.WARNING), ("one.urdf", Severity.INFO)])
+def test_rotors_of_a_model_that_nothing_names(run: str, severity: Severity) -> None:
+    """They are no evidence against a configuration that is run."""
+    Path("r/models/dog.xml").write_text(
+        '<mujoco model="dog"><worldbody><body><joint name="left_knee" armature="0.1"/><geom size="0.1"/><body>'
+        '<joint name="right_knee" armature="0.2"/><geom size="0.1"/></body></body></worldbody><actuator>'
+        '<motor joint="left_knee"/><motor joint="right_knee"/></actuator></mujoco>'
+    )
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0")
+    Path("r/dog.py").write_text(
+        text.partition("DOG_2_CFG")[0].replace("damping=1.0", "damping=1.0, armature=0.02")
+    )
+    Path("r/run.py").write_text(f"load('models/{run}')\n")
+    found = audit(["r"], Settings(select=("SRC104",))).findings
+    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {("dog.py", severity)}

@@ -4,8 +4,9 @@ import math
 from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.randomized import ends, nominal, range_unit, ranges, rows_in, whose, written
+from actspec.audit.rules.randomized import FIELDS, ends, nominal, range_unit, ranges, rows_in, whose, written
 from actspec.readings.artifact import RandomizedRange, RobotConfig
+from actspec.readings.ledger import LedgerRow
 from actspec.units import format_quantity
 
 _AROUND_ZERO = ("encoder_bias", "joint_default_pos")
@@ -70,4 +71,13 @@ class RangeExcludesNominal(RuleOver[_Subject]):
                 value,
                 unit,
                 related=(row.span,),
+                # A 0 that a model does not state is nobody's.
+                severity=Severity.INFO
+                if value == 0.0 and one.field in _PASSIVE and not _is_stated(row, one)
+                else None,
             )
+
+
+def _is_stated(row: LedgerRow, one: RandomizedRange) -> bool:
+    field = FIELDS.get(one.field)
+    return field is None or field in row.stated

@@ -88,7 +88,8 @@ class NoEffectiveLimit(RuleInParts):
                 continue
             if urdf and is_exporters(row):
                 found = self._exporters(case, row)
-                yield (replace(one, severity=Severity.INFO) for one in found) if unused else found
+                quiet = unused or _is_overruled(case, row)
+                yield (replace(one, severity=Severity.INFO) for one in found) if quiet else found
                 continue
             if self._are_placeholders(case, limits):
                 nothing = self._placeholders(row, limits)

@@ -18,7 +18,7 @@ from actspec.audit.rules.joints import is_called_undriven, is_exporters
 from actspec.diagnostics import Severity, Span
 from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.joints import JointKind
-from actspec.readings.artifact import FileKind, Robot
+from actspec.readings.artifact import FileKind, Framework, Robot
 from actspec.readings.compare import Figure, angle_slip, times
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
@@ -29,9 +29,9 @@ from actspec.units import format_quantity
 TIMES = 3.0
 """From here a ratio is given as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
 
-SMALL = 0.05
+SMALL = 0.07
 """Up to here a limit that differs is a note. Chosen: published limits of one motor are so far apart (23.5 and 23.7 N*m,
-200.43 and 200); the least difference that anybody has reported is 1/15 (a B2's calf, 300 and 320 N*m)."""
+200.43 and 200), and of a B2's calf (300 and 320), where two readers would not have acted."""
 
 GRAVE = 2.0
 """From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
@@ -461,6 +461,19 @@ def are_alternatives(case: Case, found: Disagreement) -> bool:
 def is_times(ratio: float | None) -> bool:
     """Whether one figure is `GRAVE` times the other or more."""
     return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
+
+
+def is_beyond_the_joint(case: Case, found: Disagreement) -> bool:
+    """Whether an mjlab configuration states more than its MJCF gives the joint, which goes on to clamp what it gives.
+
+    Source: mjlab 1.6.0, BuiltinPositionActuatorCfg sets forcerange and leaves actuatorfrcrange.
+    """
+    config = case.artifacts[found.rows[0].artifact].config
+    other = case.artifacts[found.others[0].artifact]
+    if config is None or config.framework is not Framework.MJLAB or other.kind is not FileKind.MJCF:
+        return False
+    joint = None if other.robot is None else other.robot.joint(found.rows[0].joint)
+    return joint is not None and joint.effort_range is not None and (found.ratio or 0.0) > 1.0
 
 
 def is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:

@@ -12,6 +12,7 @@ from actspec.audit.rules.source_pairs import (
     Disagreement,
     SourceRule,
     are_alternatives,
+    is_beyond_the_joint,
     is_no_limit,
     is_of_control,
     is_small,
@@ -20,6 +21,7 @@ from actspec.audit.rules.source_pairs import (
 )
 from actspec.diagnostics import SEVERITIES, Severity
 from actspec.ir import JointKind
+from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
 _UNLIKE = 0.01
@@ -64,8 +66,8 @@ class EffortLimit(SourceRule):
             return []
         unit = held[0].mine.unit
         worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
-        if all(is_of_control(case, side.rows) for side in held):
-            # A range for whatever the task commands is no motor's.
+        if all(is_of_control(case, side.rows) for side in held) or _is_beside_a_model(case, held[0]):
+            # A range for whatever the task commands is no motor's, and the URDF of an MJCF is there for its links.
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
@@ -92,7 +94,8 @@ class EffortLimit(SourceRule):
         scale = any(
             is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
         )
-        return (Severity.INFO if scale or _limits_nothing(case, found) else self.severity), self.confidence
+        nothing = scale or _limits_nothing(case, found)
+        return (Severity.INFO if nothing else self.severity), self.confidence
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
         """Twice or half the limit, or more."""
@@ -116,7 +119,15 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     both = (found.rows[0], found.others[0])
     if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(*both)):
         return True
-    return any(is_undriven(case, row) or is_held(row) for row in both)
+    return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
+
+
+def _is_beside_a_model(case: Case, side: Disagreement) -> bool:
+    """Whether one limit for all is of a URDF met in a folder, with an MJCF and no configuration of its robot."""
+    one, other = side.rows[0].artifact, side.others[0].artifact
+    kinds = (case.artifacts[one].kind, case.artifacts[other].kind)
+    alone = case.kinds_by_artifact[one] <= {FileKind.MJCF, FileKind.URDF}
+    return kinds == (FileKind.URDF, FileKind.MJCF) and alone and case.is_met(one)
 
 
 def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:

@@ -6,6 +6,7 @@ from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown
+from actspec.diagnostics import Span
 from actspec.laws.stability import LIMIT, RINGING, StepDrive
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
@@ -32,6 +33,9 @@ class ExplicitDrive(RuleOver[_Subject]):
             config = case.artifacts[row.artifact].config
             step = config.physics_dt if config is not None else None
             inertia = row.inertia_free_min
+            if case.once(_drawn) & {row.place("kd")}:
+                # What inherits the gains draws an armature.
+                continue
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
             if not explicit or step is None or row.kd is None or inertia is None or inertia <= 0.0:
                 continue
@@ -57,12 +61,12 @@ class ExplicitDrive(RuleOver[_Subject]):
         if kd <= 0.0 or not math.isfinite(figure) or figure < self.option(case, "near"):
             return
         beyond = figure >= LIMIT
-        usual = figure if row.inertia_free is None else drive.figure(row.inertia_free)
+        least = figure if row.inertia_free_max is None else drive.figure(row.inertia_free_max)
         # What has the larger share is what to lower.
         gain = "kp" if StepDrive(step, 0.0, kd, drive.implicit).figure(inertia) < 0.5 * figure else "kd"
         value = row.kp if gain == "kp" else kd
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
-        pose = "" if usual >= LIMIT or not beyond else f" in some poses, {usual:.3g} in the reference pose"
+        pose = "" if least >= LIMIT or not beyond else f" in some poses, {least:.3g} in others"
         yield Finding(
             self.code,
             f"the drive ({row.control}) takes {gain} {shown(row, gain, value)} explicitly: with a step of "
@@ -76,7 +80,17 @@ class ExplicitDrive(RuleOver[_Subject]):
             f"lower {gain}, or state the true armature"
             if concerned
             else f"state the true armature, shorten the step, lower {gain}, or use an implicit class",
-            # Files that are run already, and do not fall over where they stand, do so in poses that nobody takes.
-            severity=self.severity if (figure >= RINGING if concerned else usual >= LIMIT) else Severity.INFO,
+            # Which poses a file that is run already takes, nobody knows.
+            severity=self.severity if (figure >= RINGING if concerned else least >= LIMIT) else Severity.INFO,
             confidence=Confidence.HIGH if beyond else self.confidence,
         )
+
+
+def _drawn(case: Case) -> frozenset[Span]:
+    """Where gains stand that a configuration has whose armature is drawn at random."""
+    return frozenset(
+        row.place("kd")
+        for _, rows in by_joint(case, FileKind.CFG).items()
+        for row in rows
+        if row.armature is None and row.kd is not None and "armature" in row.places
+    )
