@@ -165,6 +165,15 @@ def test_what_an_mjcf_was_made_of() -> None:
         '</body></worldbody><actuator><position joint="hip" kp="9" forcerange="-3 3"/>'
         '<position joint="knee" kp="9" forcerange="-3 3"/></actuator></mujoco>'
     )
+    Path("r/models/dog_cfg.py").write_text(
+        "from isaaclab.actuators import ImplicitActuatorCfg\nfrom isaaclab.assets import ArticulationCfg\n"
+        'DOG_CFG = ArticulationCfg(actuators={"legs": ImplicitActuatorCfg(joint_names_expr=["hip", "knee"],\n'
+        "    stiffness=9.0, damping=1.0, effort_limit_sim=3.0)})\n"
+    )
+    files = ["r/models/dog.urdf", "r/models/dog_cfg.py"]
+    found = audit(files, Settings(select=("LIM101",))).findings
+    assert {item.severity for item in found} == {Severity.INFO}
+    Path("r/models/dog_cfg.py").unlink()
     files = ["r/models/dog.urdf", "r/models/dog.xml"]
     for named, severity in ((["r"], Severity.INFO), (files, Severity.WARNING)):
         found = audit(named, Settings(select=("LIM101",))).findings
