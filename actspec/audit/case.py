@@ -13,6 +13,10 @@ from actspec.readings.versions import Versions, meant_for
 _T = TypeVar("_T")
 
 
+MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
+"""Files of a robot itself, to which the others give drives."""
+
+
 @dataclass(frozen=True, slots=True)
 class Case:
     """What the rules get; they change nothing.
@@ -81,9 +85,9 @@ class Case:
             if artifact.kind in kinds:
                 yield index, artifact
 
-    def is_met(self, artifact: int) -> bool:
-        """Whether an artifact's file was found in a folder that was named, and was not named itself."""
-        return self.artifacts[artifact].path in self.once(_met)
+    def is_met_alone(self, artifact: int) -> bool:
+        """Whether a model was found in a folder that was named, with nothing but models of its robot."""
+        return self.artifacts[artifact].path in self.once(_met) and self.kinds_by_artifact[artifact] <= MODELS
 
     def versions_of(self, artifact: int) -> Versions:
         """What an artifact is meant for."""

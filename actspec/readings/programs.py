@@ -84,33 +84,28 @@ def _idle_models(models: Mapping[str, bytes], programs: Iterable[bytes]) -> froz
     left = list(named)
     while left:
         for path in paths[left.pop()]:
-            found = {b"%b%b" % (_before(text, at)[2], ending) for text, at, ending in _endings(_read(path))}
-            left += found & known - named
-            named |= found & known
+            found = {name + ending for _, name, ending in _written(_read(path))} & known
+            left += found - named
+            named |= found
     return frozenset(path for path, name in models.items() if name not in named)
 
 
 def _names(text: bytes) -> Iterator[re.Pattern[bytes]]:
     """Names of models in a program, one that is put together when it runs as a pattern; `.*` may be any."""
-    for _, at, ending in _endings(text):
-        before = _before(text, at)
-        parts = re.split(_MADE, before[2])
-        made = b".*".join(map(re.escape, parts))
-        if before[1]:
-            made = b".*" + made
+    for added, name, ending in _written(text):
+        parts = re.split(_MADE, name)
+        made = (b".*" if added else b"") + b".*".join(map(re.escape, parts))
         yield re.compile(b".*" if not any(parts) and made else made + re.escape(ending))
 
 
-def _endings(text: bytes) -> Iterator[tuple[bytes, int, bytes]]:
-    for found in _MODEL_ENDING.finditer(text):
-        yield text, found.start(), found[0]
-
-
-def _before(text: bytes, at: int) -> re.Match[bytes]:
-    found = _BEFORE_ENDING.search(text[max(at - _MOST_NAME, 0) : at])
-    # It matches the empty text too.
-    assert found is not None
-    return found
+def _written(text: bytes) -> Iterator[tuple[bool, bytes, bytes]]:
+    """Names of models as they are written, up to the ending, and whether something is put before them."""
+    for ending in _MODEL_ENDING.finditer(text):
+        at = ending.start()
+        found = _BEFORE_ENDING.search(text[max(at - _MOST_NAME, 0) : at])
+        # It matches the empty text too.
+        assert found is not None
+        yield found[1] is not None, found[2], ending[0]
 
 
 def _configs(reading: FileReading) -> frozenset[bytes]:

@@ -144,10 +144,6 @@ def is_exporters(row: LedgerRow) -> bool:
     return limits in ((10.0, 10.0), (1.0, 20.0), (1.0, 1.0), (100.0, 100.0))
 
 
-_DRIVERS = (FileKind.CFG, FileKind.DEPLOY, FileKind.SPEC)
-"""Files that give a model its drives."""
-
-
 def is_undriven(case: Case, row: LedgerRow) -> bool:
     """Whether nothing drives a joint of an MJCF, so that its limit there bounds no torque.
 
@@ -159,7 +155,7 @@ def is_undriven(case: Case, row: LedgerRow) -> bool:
         return False
     if any(other.control != "none" for other in case.rows_of(row.artifact)):
         return True
-    return case.is_met(row.artifact) and case.kinds_by_artifact[row.artifact].isdisjoint(_DRIVERS)
+    return case.is_met_alone(row.artifact)
 
 
 _UNDRIVEN = re.compile(

@@ -385,7 +385,7 @@ def _unused(case: Case) -> frozenset[int]:
         ]
         joints = () if artifact.robot is None else artifact.robot.joints
         furniture = limits and not any(limits) and not any(joint.parent for joint in joints)
-        if furniture or (case.is_met(index) and case.kinds_by_artifact[index] <= set(_MODELS)):
+        if furniture or case.is_met_alone(index):
             found.add(index)
     return frozenset(found)
 

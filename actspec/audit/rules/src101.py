@@ -126,8 +126,7 @@ def _is_beside_a_model(case: Case, side: Disagreement) -> bool:
     """Whether one limit for all is of a URDF met in a folder, with an MJCF and no configuration of its robot."""
     one, other = side.rows[0].artifact, side.others[0].artifact
     kinds = (case.artifacts[one].kind, case.artifacts[other].kind)
-    alone = case.kinds_by_artifact[one] <= {FileKind.MJCF, FileKind.URDF}
-    return kinds == (FileKind.URDF, FileKind.MJCF) and alone and case.is_met(one)
+    return kinds == (FileKind.URDF, FileKind.MJCF) and case.is_met_alone(one)
 
 
 def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:

@@ -33,7 +33,7 @@ class ExplicitDrive(RuleOver[_Subject]):
             config = case.artifacts[row.artifact].config
             step = config.physics_dt if config is not None else None
             inertia = row.inertia_free_min
-            if case.once(_drawn) & {row.place("kd")}:
+            if row.place("kd") in case.once(_drawn):
                 # What inherits the gains draws an armature.
                 continue
             explicit = row.control in _EXPLICIT_CLASSES and len(rows) == 1
