@@ -5,17 +5,38 @@ from __future__ import annotations
 import os
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 
-_MODEL_ENDING = re.compile(rb"\.(?:urdf|xml|mjcf)\b")
+_HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
+_SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
+_MARKUP = re.compile(rb"<!--.*?-->", re.DOTALL)
+
+_COMMENTS: dict[str, re.Pattern[bytes]] = {
+    **dict.fromkeys((".py", ".ipynb", ".yaml", ".yml", ".toml", ".cfg", ".ini", ".sh", ".bash"), _HASH),
+    **dict.fromkeys(
+        (".c", ".cc", ".cpp", ".cxx", ".h", ".hh", ".hpp", ".hxx", ".cu", ".rs", ".js", ".ts", ".json"),
+        _SLASHES,
+    ),
+    **dict.fromkeys((".launch", ".xacro", ".sdf", ".world"), _MARKUP),
+}
+"""Endings of files that run or set up something, and what a comment looks like in them."""
+
+_NO_PROGRAMS = ("setup.py",)
+"""They name what they install, all of it."""
+
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
+_REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
 _MADE = rb"\{[^{}\n]*\}|%[sd]|\*"
-_BEFORE_ENDING = re.compile(rb"""(\+\s*f?["'])?((?:[\w.+-]|""" + _MADE + rb")*)$")
+_BEFORE_ENDING = re.compile(rb"""(\+\s*f?["'])?((?:[\w.+/\\-]|""" + _MADE + rb")*)$")
 """What a name begins with, and whether something is put before that when the program runs: robot + "_v2"."""
+
+_JOINED = re.compile(rb"""["']\s*[,/]\s*f?["']""")
+"""Between the parts of a path: os.path.join("dog", "scene.xml"), ROOT / "dog" / "scene.xml"."""
 
 _MOST_NAME = 200
 """Chosen: bytes before the ending of a name that are looked at."""
@@ -23,7 +44,31 @@ _MOST_NAME = 200
 _MOST_PROGRAM = 1024 * 1024
 """Chosen: bytes of a program that are looked through."""
 
-_COMMENT = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
+_OF_ANY_ROBOT = frozenset(
+    (
+        b"",
+        b"assets",
+        b"description",
+        b"mjcf",
+        b"model",
+        b"models",
+        b"mujoco",
+        b"robot",
+        b"robots",
+        b"urdf",
+        b"xml",
+        b"xmls",
+    )
+)
+"""Names of folders that do not tell a robot."""
+
+ASIDE = re.compile(
+    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
+    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp)[/\\]"
+    r"|_test\.(?:xml|urdf|mjcf)$",
+    re.IGNORECASE,
+)
+"""Words by which files and folders say that nobody runs them on a robot."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,80 +77,215 @@ class Idle:
 
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others.
-        configs: Path to the configurations that stand there alone, where a program imports another one of the file.
+        configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
-def idle(members: Mapping[str, FileReading], programs: tuple[str, ...]) -> Idle:
+def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tuple[str, ...]:
+    """Files of a folder that may run or set up something, but for those that call themselves old or a test.
+
+    Args:
+        folder: As the user named it.
+        exclude: As in `actspec.readings.read.expand`.
+    """
+    found = []
+    for inside, folders, names in os.walk(folder):
+        folders[:] = sorted(
+            name
+            for name in folders
+            if not (
+                name.startswith(".") or (exclude is not None and exclude(os.path.join(inside, name), False))
+            )
+        )
+        for name in sorted(names):
+            path = os.path.normpath(os.path.join(inside, name))
+            runs = os.path.splitext(name)[1].lower() in (*_COMMENTS, ".xml") and name not in _NO_PROGRAMS
+            if runs and not ASIDE.search(os.path.relpath(path, folder)):
+                found.append(path)
+    return tuple(found)
+
+
+def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     """What nothing in a folder names.
 
     Args:
         members: Path to what was read, for all files of the folder that may have to do with a robot.
-        programs: Endings of files that run or set up something.
+        programs: Files of the folder that may run or set up something; an XML file that is none is passed over.
     """
     if any(reading.kind is FileKind.SPEC for reading in members.values()):
         # A spec is there for every file of its robot.
         return Idle()
     models = {
-        path: name
+        path
         for path, reading in members.items()
         # A name with a space or beyond ASCII is not found again in a program. What cannot be read has no kind.
         if (reading.kind in (FileKind.MJCF, FileKind.URDF) or (reading.kind is None and not reading.readable))
-        and _MODEL_NAME.fullmatch(name := os.fsencode(os.path.basename(path)))
+        and _MODEL_NAME.fullmatch(os.fsencode(os.path.basename(path)))
     }
     configs = {path: names for path, reading in members.items() if (names := _configs(reading))}
     if not models and not configs:
         return Idle()
-    texts: dict[str, bytes] = {}
-    for path in members:
-        if path.lower().endswith(programs):
-            texts[path] = _COMMENT.sub(b"", _read(path))
-    return Idle(_idle_models(models, texts.values()), _idle_configs(configs, texts))
+    texts = dict(_texts(programs))
+    return Idle(_Models(models, texts).idle(), _idle_configs(configs, texts))
 
 
-def _idle_models(models: Mapping[str, bytes], programs: Iterable[bytes]) -> frozenset[str]:
-    known = set(models.values())
-    named: set[bytes] = set()
-    for text in programs:
-        for name in _names(text):
-            if name.fullmatch(b""):
-                # It may be any of them.
-                return frozenset()
-            named |= {model for model in known if name.fullmatch(model)}
-    if not named:
-        return frozenset()
-    paths: dict[bytes, list[str]] = {}
-    for path, model in models.items():
-        paths.setdefault(model, []).append(path)
-    # What a named scene includes is run.
-    left = list(named)
-    while left:
-        for path in paths[left.pop()]:
-            found = {name + ending for _, name, ending in _written(_read(path))} & known
-            left += found - named
-            named |= found
-    return frozenset(path for path, name in models.items() if name not in named)
+def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
+    """Programs without their comments; of XML files those of a launch."""
+    for path in programs:
+        text = _read(path)
+        ending = os.path.splitext(path)[1].lower()
+        if ending != ".xml":
+            yield path, _COMMENTS[ending].sub(b"", text)
+        elif b"<launch" in text:
+            yield path, _MARKUP.sub(b"", text)
 
 
-def _names(text: bytes) -> Iterator[re.Pattern[bytes]]:
-    """Names of models in a program, one that is put together when it runs as a pattern; `.*` may be any."""
-    for added, name, ending in _written(text):
-        parts = re.split(_MADE, name)
-        made = (b".*" if added else b"") + b".*".join(map(re.escape, parts))
-        yield re.compile(b".*" if not any(parts) and made else made + re.escape(ending))
+@dataclass(frozen=True, slots=True)
+class _Name:
+    """A name of a model, as a file has it.
+
+    Attributes:
+        stem: Of the file without its ending; None where nothing of it is written down.
+        literal: Whether all of it is.
+        ending: Of a model, a USD or a xacro, without the dot.
+        folders: What is written before it, the closest folder first.
+    """
+
+    stem: re.Pattern[bytes] | None
+    literal: bytes | None
+    ending: bytes
+    folders: tuple[bytes, ...]
 
 
-def _written(text: bytes) -> Iterator[tuple[bool, bytes, bytes]]:
-    """Names of models as they are written, up to the ending, and whether something is put before them."""
-    for ending in _MODEL_ENDING.finditer(text):
+def _names(text: bytes) -> Iterator[_Name]:
+    """What looks like a name of a model; a part that is put together when the program runs is a pattern."""
+    text = _JOINED.sub(b"/", text)
+    for ending in _REFERENCE.finditer(text):
         at = ending.start()
         found = _BEFORE_ENDING.search(text[max(at - _MOST_NAME, 0) : at])
         # It matches the empty text too.
         assert found is not None
-        yield found[1] is not None, found[2], ending[0]
+        *before, stem = re.split(rb"[/\\]+", found[2])
+        folders = []
+        for name in reversed(before):
+            if name in (b"", b".", b"..") or re.search(_MADE, name):
+                break
+            folders.append(name)
+        added = found[1] is not None and not before
+        parts = re.split(_MADE, stem)
+        literal = stem if len(parts) == 1 and not added else None
+        pattern = (b".*" if added else b"") + b".*".join(map(re.escape, parts))
+        # Of a glob it is every one.
+        tells = any(parts) or b"*" in stem
+        if literal != b"":
+            yield _Name(re.compile(pattern) if tells else None, literal, ending[1], tuple(folders))
+
+
+class _Models:
+    """The models of a folder and what its programs name of them."""
+
+    def __init__(self, paths: Collection[str], programs: Mapping[str, bytes]) -> None:
+        self.paths, self.programs = paths, programs
+        self.by_stem: dict[bytes, list[str]] = {}
+        for path in sorted(paths):
+            self.by_stem.setdefault(_stem(path), []).append(path)
+
+    def idle(self) -> frozenset[str]:
+        """Those that nothing names; none where no program names a model or a USD."""
+        named: set[str] = set()
+        usd = False
+        for program, text in self.programs.items():
+            for name in _names(text):
+                usd = usd or (name.ending.startswith(b"usd") and program.endswith(".py"))
+                named.update(self._meant(name, program))
+        if not named and not usd:
+            return frozenset()
+        # What a named scene includes is run.
+        left = sorted(named)
+        while left:
+            path = left.pop()
+            for name in _names(_MARKUP.sub(b"", _read(path))):
+                found = set(self._meant(name, path))
+                left += sorted(found - named)
+                named |= found
+        return frozenset(self.paths) - named
+
+    def _meant(self, name: _Name, by: str) -> Sequence[str]:
+        """The models that a name in a file may stand for."""
+        if name.literal is not None:
+            found = self.by_stem.get(name.literal, [])
+        elif name.stem is not None:
+            found = [
+                path for stem, paths in self.by_stem.items() if name.stem.fullmatch(stem) for path in paths
+            ]
+        else:
+            # It may be any of which the programs speak.
+            found = [path for stem, paths in self.by_stem.items() if stem in self.words for path in paths]
+        if name.ending in (b"urdf", b"xml", b"mjcf"):
+            ending = "." + name.ending.decode()
+            found = [path for path in found if path.endswith(ending)]
+        elif name.ending == b"xacro" and name.literal is not None:
+            found = [*found, *self._made_of(name)]
+        return _closest(found, name.folders, by, self.words) if len(found) > 1 else found
+
+    def _made_of(self, name: _Name) -> list[str]:
+        """URDFs beside a xacro: they were made of it."""
+        assert name.literal is not None
+        file = name.literal + b".xacro"
+        beside = {
+            os.path.dirname(path) for path in self.programs if os.fsencode(os.path.basename(path)) == file
+        }
+        return [path for path in self.paths if path.endswith(".urdf") and os.path.dirname(path) in beside]
+
+    @cached_property
+    def words(self) -> frozenset[bytes]:
+        """Of the names of models and of their folders, those of which programs speak."""
+        known = {*self.by_stem, *(name for path in self.paths for name in _folders(path))} - {b""}
+        pattern = re.compile(
+            rb"(?<!\w)(?:" + b"|".join(map(re.escape, sorted(known, key=len, reverse=True))) + rb")(?!\w)"
+        )
+        return frozenset(word for text in self.programs.values() for word in pattern.findall(text))
+
+
+def _closest(
+    paths: Sequence[str], folders: Sequence[bytes], by: str, words: Collection[bytes]
+) -> Sequence[str]:
+    """Of models with one name those that are meant: by the folders that stand before it, else by where it is used."""
+    agree = {path: _agreeing(_folders(path), folders) for path in paths}
+    most = max(agree.values())
+    if most:
+        paths = [path for path in paths if agree[path] == most]
+        if any(name not in _OF_ANY_ROBOT for name in folders[:most]):
+            return paths
+    beside = [path for path in paths if os.path.dirname(path) == os.path.dirname(by)]
+    return beside or [path for path in paths if _own_folder(path) in words] or paths
+
+
+def _agreeing(here: Sequence[bytes], there: Sequence[bytes]) -> int:
+    """How many folders agree, from the closest on."""
+    count = 0
+    for one, other in zip(here, there, strict=False):
+        if one != other:
+            break
+        count += 1
+    return count
+
+
+def _folders(path: str) -> list[bytes]:
+    """The closest first."""
+    return os.fsencode(os.path.dirname(path)).split(os.sep.encode())[::-1]
+
+
+def _own_folder(path: str) -> bytes:
+    """The closest folder that may tell the robot."""
+    return next((name for name in _folders(path) if name.lower() not in _OF_ANY_ROBOT), b"")
+
+
+def _stem(path: str) -> bytes:
+    return os.fsencode(os.path.splitext(os.path.basename(path))[0])
 
 
 def _configs(reading: FileReading) -> frozenset[bytes]:
@@ -119,17 +299,32 @@ def _configs(reading: FileReading) -> frozenset[bytes]:
 def _idle_configs(
     configs: Mapping[str, frozenset[bytes]], programs: Mapping[str, bytes]
 ) -> dict[str, frozenset[str]]:
-    every = frozenset().union(*configs.values()) if configs else frozenset()
-    if not every:
+    if not configs:
         return {}
+    every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
     # Whole words, each name that is not part of a longer one.
     pattern = re.compile(rb"(?<![\w])(?:" + b"|".join(map(re.escape, sorted(every))) + rb")(?![\w])")
     counts = {path: Counter(pattern.findall(text)) for path, text in programs.items()}
+    used: dict[bytes, set[str]] = {}
+    for path, count in counts.items():
+        for name, times in count.items():
+            # Where it is written twice, the second is its use.
+            if times > 1 or name not in configs.get(path, ()):
+                used.setdefault(name, set()).add(path)
+    elsewhere = {
+        path: {name for name in names if used.get(name, set()) - {path}} for path, names in configs.items()
+    }
     result = {}
     for path, names in configs.items():
-        elsewhere = {name for other, count in counts.items() if other != path for name in count}
-        alone = {name for name in names - elsewhere if counts.get(path, Counter())[name] == 1}
-        if names & elsewhere and alone:
+        alone = {name for name in names - elsewhere[path] if path not in used.get(name, ())}
+        if not elsewhere[path] and (
+            len(alone) < len(names)
+            or not any(elsewhere.values())
+            or used.get(_stem(path), set()) - {path}
+            or b"__main__" in programs.get(path, b"")
+        ):
+            continue
+        if alone:
             result[path] = frozenset(name.decode() for name in alone)
     return result
 

@@ -13,19 +13,11 @@ from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
-from actspec.readings.programs import Idle, idle
+from actspec.readings.programs import ASIDE, Idle, idle, programs_in
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
 from actspec.spec.yaml_text import is_spec
-
-_ASIDE = re.compile(
-    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
-    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp)[/\\]"
-    r"|_test\.(?:xml|urdf|mjcf)$",
-    re.IGNORECASE,
-)
-"""Words by which files and folders say that nobody runs them on a robot."""
 
 if TYPE_CHECKING:
     from actspec.robot.xml_tree import XmlDocument
@@ -288,7 +280,7 @@ class PendingFiles:
             found[index] = answer
             if progress is not None:
                 progress(len(found), len(self._files))
-        return tuple(_chosen(self._paths, self._files, found, self._skip_other))
+        return tuple(_chosen(self._paths, self._files, found, self._skip_other, self.exclude))
 
 
 def expand(
@@ -345,13 +337,17 @@ def _lost(path: str, reason: str) -> FileReading:
     return FileReading(path, None, reason, diagnostics=(fault,))
 
 
-def _idle(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> Idle:
+def _idle(
+    files: Sequence[NamedFile],
+    found: Mapping[int, FileReading],
+    exclude: Callable[[str, bool], bool] | None,
+) -> Idle:
     """What nobody runs of the folders that were named."""
     inside: dict[str, dict[str, FileReading]] = {}
     for index, file in enumerate(files):
         if file.folder is not None:
             inside.setdefault(file.folder, {})[file.path] = found[index]
-    each = [idle(members, (*PYTHON, *YAML)) for members in inside.values()]
+    each = [idle(members, programs_in(folder, exclude)) for folder, members in inside.items()]
     return Idle(
         frozenset().union(*(one.models for one in each)),
         {path: names for one in each for path, names in one.configs.items()},
@@ -359,14 +355,18 @@ def _idle(files: Sequence[NamedFile], found: Mapping[int, FileReading]) -> Idle:
 
 
 def _chosen(
-    paths: Sequence[str], files: Sequence[NamedFile], found: dict[int, FileReading], skip_other: bool
+    paths: Sequence[str],
+    files: Sequence[NamedFile],
+    found: dict[int, FileReading],
+    skip_other: bool,
+    exclude: Callable[[str, bool], bool] | None,
 ) -> list[FileReading]:
     """The readings without files that have nothing to do with actuators and that nobody named."""
     chosen = []
     concerned = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
     empty = {path for path in paths if os.path.isdir(path)} - concerned
     seen = Counter(file.folder for file in files)
-    idle_there = _idle(files, found)
+    idle_there = _idle(files, found, exclude)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
         named = file.folder is None and not (skip_other and os.path.exists(file.path))
@@ -374,7 +374,7 @@ def _chosen(
             reading = found[index]
             if not reading.readable and not os.path.exists(file.path):
                 reading = _nothing_at(file.path)
-            aside = file.folder is not None and bool(_ASIDE.search(os.path.relpath(file.path, file.folder)))
+            aside = file.folder is not None and bool(ASIDE.search(os.path.relpath(file.path, file.folder)))
             chosen.append(
                 replace(
                     reading,

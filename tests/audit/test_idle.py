@@ -47,6 +47,9 @@ def test_nothing_is_named() -> None:
         "FILE = 'models/one.urdf'\nOTHER = f'models/twos_{side if side else 0}.urdf'\n",
         "FILE = 'models/one.urdf'\nOTHER = f'models/{side}_two.urdf'\n",
         "FILE = 'models/o' + name\nOTHER = 'models/on%s.urdf' % name\n",
+        "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = f'{a}{b}.urdf'\nNAMES = ['twos']\n",
+        "FILE = 'robots/one.usd'\n",
     ],
 )
 def test_a_program_names_one(program: str) -> None:
@@ -60,10 +63,9 @@ def test_a_program_names_one(program: str) -> None:
     "program",
     [
         "FILES = ['one.urdf', 'two.urdf']\n",
-        "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\n",
-        "FILE = 'one.urdf'\nOTHER = name + '.urdf'\n",
+        "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\nNAMES = ['one', 'two']\n",
+        "FILE = 'one.urdf'\nOTHER = name + '.urdf'\nNAMES = ['two']\n",
         "FILE = 'one.urdf'\nOTHER = name + f'o.urdf'\n",
-        "FILE = 'one.urdf'\nOTHER = f'{a}{b}.urdf'\n",
         "FILE = 'one.urdf'\nOTHER = f't{a}.urdf'\n",
         "FILE = 'one.urdf'\nOTHERS = Path('models').glob('*.urdf')\n",
     ],
@@ -74,16 +76,89 @@ def test_every_one_may_be_named(program: str) -> None:
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
 
 
+@pytest.mark.parametrize(
+    ("program", "text"),
+    [
+        ("main.cpp", '// two.urdf\n/* two.urdf */ load("package://dog/models/one.urdf");'),
+        ("view.launch", '<launch><!-- two.urdf --><param textfile="$(find dog)/models/one.urdf"/></launch>'),
+        ("view.xml", '<launch><!-- two.urdf --><param textfile="$(find dog)/models/one.urdf"/></launch>'),
+        ("run.sh", "# two.urdf\nsim models/one.urdf"),
+        ("models/one.urdf.xacro", '<robot><xacro:include filename="one.urdf"/></robot>'),
+        ("view.launch", '<launch><arg model="$(find dog)/models/one.urdf.xacro"/></launch>'),
+        ("train.py", 'FILE = os.path.join(ROOT, "models", "one.urdf")'),
+    ],
+)
+def test_programs_of_other_kinds_name_one(program: str, text: str) -> None:
+    """C++, launch files and scripts run models as Python does; old programs and tests do not count."""
+    Path("r", program).write_text(text)
+    Path("r/tests").mkdir()
+    Path("r/tests/it.py").write_text("FILE = 'two.urdf'\n")
+    Path("r/legacy").mkdir()
+    Path("r/legacy/train.py").write_text("FILE = 'two.urdf'\n")
+    Path("r/setup.py").write_text("data_files = ['models/two.urdf']\n")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
+
+
+def test_urdfs_beside_a_xacro() -> None:
+    """They were made of it, which is run."""
+    Path("r/models/dog.xacro").write_text("<robot/>")
+    Path("r/view.launch").write_text('<launch><arg model="$(find dog)/models/dog.xacro"/></launch>')
+    Path("r/run.py").write_text("load('other/one.urdf')\n")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+
+
+@pytest.mark.parametrize(
+    ("program", "named"),
+    [
+        ("load('cat/urdf/r.urdf')", {"cat"}),
+        ("load(ROOT / 'cat' / 'urdf' / 'r.urdf')", {"cat"}),
+        ("load(f'robots/{robot}/urdf/r.urdf')\nROBOT = 'cat'", {"cat"}),
+        ("load('urdf/r.urdf')\nROBOT = 'cat'", {"cat"}),
+        ("load('r.urdf')\nROBOTS = 'cat', 'dog'", {"cat", "dog"}),
+        ("load('r.urdf')", {"cat", "dog"}),
+    ],
+)
+def test_models_of_one_name(program: str, named: set[str]) -> None:
+    """Folders tell them apart, or of which of them the programs speak."""
+    for robot in ("cat", "dog"):
+        Path("r", robot, "urdf").mkdir(parents=True)
+        Path("r", robot, "urdf", "r.urdf").write_text(Path("r/models/one.urdf").read_text())
+    Path("r/run.py").write_text(program)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert {
+        Path(item.finding.span.path).parts[1] for item in found if item.severity is Severity.WARNING
+    } == named
+
+
+def test_an_include_is_of_its_own_folder() -> None:
+    """Not the model of that name in another one."""
+    for robot in ("cat", "dog"):
+        Path("r", robot).mkdir()
+        Path("r", robot, "part.urdf").write_text(Path("r/models/one.urdf").read_text())
+        Path("r", robot, f"{robot}.xml").write_text(
+            "<mujoco><asset><model file='part.urdf'/></asset><worldbody/></mujoco>"
+        )
+    Path("r/run.py").write_text("load('dog/dog.xml')\nCATS = 'cat'\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert {Path(item.finding.span.path).parts[1] for item in found if item.severity is Severity.WARNING} == {
+        "dog"
+    }
+
+
 def test_a_model_names_another() -> None:
     """What a named scene includes is run."""
-    Path("r/models/scene.xml").write_text("<mujoco><!-- two.urdf --><worldbody/></mujoco>")
+    Path("r/models/scene.xml").write_text(
+        "<mujoco><!-- one.urdf --><asset><model file='two.urdf'/></asset><worldbody/></mujoco>"
+    )
     Path("r/run.py").write_text("load('models/scene.xml')\n")
     assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
 
 
 def test_a_scene_that_nothing_names() -> None:
     """What it includes is run no more than it is."""
-    Path("r/models/scene.xml").write_text("<mujoco><!-- two.urdf --><worldbody/></mujoco>")
+    Path("r/models/scene.xml").write_text(
+        "<mujoco><asset><model file='two.urdf'/></asset><worldbody/></mujoco>"
+    )
     Path("r/run.py").write_text("load('models/one.urdf')\n")
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
 
@@ -119,6 +194,32 @@ def test_a_configuration_that_nothing_imports(task: str, more: str, lines: dict[
         for item in found
         if item.finding.code == "SYM101" and item.finding.span.path.endswith(".py")
     } == lines
+
+
+@pytest.mark.parametrize(
+    ("task", "more", "severity"),
+    [
+        ("from robots import DOG_CFG\n", "", Severity.INFO),
+        ("from robots import DOG_CFG\nfrom strays import *\n", "", Severity.WARNING),
+        ("from robots import DOG_CFG\n", "if __name__ == '__main__':\n    run()\n", Severity.WARNING),
+        ("from robots import DOG_CFG\nMOUSE_CFG\n", "", Severity.WARNING),
+        ("", "", Severity.WARNING),
+    ],
+)
+def test_a_file_of_configurations_that_nothing_imports(task: str, more: str, severity: Severity) -> None:
+    """Where another file's are imported; neither its name nor its configurations' stand anywhere else."""
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
+    Path("r/strays.py").write_text(
+        CONFIGS.format(one="MOUSE_CFG", two="RAT_CFG").replace("20.0", "30.0") + more
+    )
+    Path("r/copy_of_strays.py").write_text(Path("r/strays.py").read_text())
+    Path("r/task.py").write_text(task)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert {
+        item.severity
+        for item in found
+        if Path(item.finding.span.path).name == "strays.py" and item.finding.span.line == 6
+    } == {severity}
 
 
 def test_a_spec_is_there_for_every_file() -> None:
