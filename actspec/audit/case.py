@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TypeVar, cast
 
+from actspec.diagnostics import Span
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Robot
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, meant_for
@@ -87,7 +88,26 @@ class Case:
 
     def is_met_alone(self, artifact: int) -> bool:
         """Whether a model was found in a folder that was named, with nothing but models of its robot."""
-        return self.artifacts[artifact].path in self.once(_met) and self.kinds_by_artifact[artifact] <= MODELS
+        return self.is_met(artifact) and self.kinds_by_artifact[artifact] <= MODELS
+
+    def is_met(self, artifact: int) -> bool:
+        """Whether an artifact's file was found in a folder that was named."""
+        return self.artifacts[artifact].path in self.once(_met)
+
+    def is_idle(self, place: Span) -> bool:
+        """Whether a place is in a file, or in a configuration of one, that nobody runs.
+
+        It calls itself a copy or old; or nothing in its folder names it, where programs there name others.
+        """
+        parts = self.once(_idle_parts).get(place.path)
+        if parts is None:
+            return False
+        before = [idle for line, idle in parts if line <= (place.line or 0)]
+        return bool(before) and before[-1]
+
+    def is_run(self, artifact: int) -> bool:
+        """Whether a program of its folder names a model."""
+        return self.artifacts[artifact].path in self.once(_run)
 
     def versions_of(self, artifact: int) -> Versions:
         """What an artifact is meant for."""
@@ -115,3 +135,24 @@ class Case:
 def _met(case: Case) -> frozenset[str]:
     """Files that were found in a folder."""
     return frozenset(file.path for file in case.files if file.in_folder)
+
+
+def _run(case: Case) -> frozenset[str]:
+    """Models that a program of their folder names."""
+    return frozenset(file.path for file in case.files if file.named)
+
+
+def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:
+    """Files with something that nobody runs: where their parts begin, in order, and whether each is idle."""
+    found: dict[str, list[tuple[int, bool]]] = {}
+    for file in case.files:
+        if file.put_aside or file.named is False:
+            # What an old model includes is as old.
+            for path in (file.path, *((part.path for part in file.files) if file.put_aside else ())):
+                found[path] = [(0, True)]
+        elif file.idle:
+            configs = (artifact.config for artifact in file.artifacts)
+            found[file.path] = sorted(
+                (config.span.line or 0, config.name in file.idle) for config in configs if config is not None
+            )
+    return found

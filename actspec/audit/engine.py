@@ -100,7 +100,7 @@ def judge(
     by_code = {rule.code: rule for rule in everything}
     said_of = cache(lambda code: _severity_said(by_code[code], settings))
     resolved = by_cause(
-        _resolve(found, by_code, said_of, real_path, case.files),
+        _resolve(found, by_code, said_of, real_path, case),
         counts=lambda item: not _unsure(item.confidence, settings),
         fixed=lambda code: said_of(code) is not None,
     )
@@ -213,27 +213,18 @@ def _resolve(
     by_code: Mapping[str, type[Rule]],
     said: Callable[[str], Severity | None],
     real_path: Callable[[str], str],
-    readings: Sequence[FileReading],
+    case: Case,
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once.
 
-    What is wrong in a file that calls itself a copy or old, or beside one alone, is a note: nobody runs it. So is what
-    is wrong in a model that nothing names, where programs name others, and in a configuration that nothing imports.
+    What is wrong in a file or configuration that nobody runs, or beside one alone, is a note.
     """
     unique: dict[tuple[object, ...], Reported] = {}
-    aside = {file.path for reading in readings if reading.put_aside for file in reading.files}
-    aside |= {reading.path for reading in readings if reading.put_aside}
-    unnamed = {reading.path for reading in readings if reading.unnamed}
-    idle = {reading.path: _parts_of(reading) for reading in readings if reading.idle}
     for finding in found:
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
-        if (
-            (span.path in unnamed or _is_idle(span, idle) or (aside and _is_aside(finding, aside)))
-            and severity is not Severity.INFO
-            and said(finding.code) is None
-        ):
+        if severity is not Severity.INFO and said(finding.code) is None and _is_idle(case, finding):
             severity = Severity.INFO
         key = (
             finding.code,
@@ -248,24 +239,10 @@ def _resolve(
     return _in_order(unique.values())
 
 
-def _parts_of(reading: FileReading) -> list[tuple[int, bool]]:
-    """Where the configurations of a file begin, in order, and whether each is idle."""
-    configs = (artifact.config for artifact in reading.artifacts)
-    return sorted(
-        (config.span.line or 0, config.name in reading.idle) for config in configs if config is not None
-    )
-
-
-def _is_idle(span: Span, idle: Mapping[str, Sequence[tuple[int, bool]]]) -> bool:
-    """Whether a place is in a configuration that nobody runs."""
-    before = [alone for line, alone in idle.get(span.path, ()) if line <= (span.line or 0)]
-    return bool(before) and before[-1]
-
-
-def _is_aside(finding: Finding, aside: Collection[str]) -> bool:
-    """Whether a finding is of files that were put aside, or what one of them alone speaks against."""
-    others = [span.path for span in finding.related if span.path != finding.span.path]
-    return finding.span.path in aside or (bool(others) and all(path in aside for path in others))
+def _is_idle(case: Case, finding: Finding) -> bool:
+    """Whether a finding is of what nobody runs, or what that alone speaks against."""
+    others = [span for span in finding.related if span.path != finding.span.path]
+    return case.is_idle(finding.span) or (bool(others) and all(map(case.is_idle, others)))
 
 
 def _severity_said(rule: type[Rule], settings: Settings) -> Severity | None:

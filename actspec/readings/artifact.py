@@ -282,8 +282,9 @@ class FileReading:
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         refused: The place that `reason` is about; None: the file as a whole.
-        unnamed: Whether it is a model in a folder whose programs name other models there, and nothing there names it.
-        idle: Configurations in a folder that no program there imports, where one imports another one of this file.
+        named: Of a model in a folder whose programs name models there: whether they name it, or one that they name
+            does. None where nothing tells.
+        idle: Configurations in a folder that no program there imports, where one imports others.
     """
 
     path: str
@@ -295,7 +296,7 @@ class FileReading:
     in_folder: bool = False
     put_aside: bool = False
     refused: Span | None = None
-    unnamed: bool = False
+    named: bool | None = None
     idle: frozenset[str] = frozenset()
 
     @property

@@ -77,10 +77,12 @@ class Idle:
 
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others.
+        run: Those that programs name, or models that they name.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
+    run: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
@@ -129,7 +131,12 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     if not models and not configs:
         return Idle()
     texts = dict(_texts(programs))
-    return Idle(_Models(models, texts).idle(), _idle_configs(configs, texts))
+    run = _Models(models, texts).run()
+    return Idle(
+        frozenset() if run is None else frozenset(models) - run,
+        run or frozenset(),
+        _idle_configs(configs, texts),
+    )
 
 
 def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:
@@ -193,8 +200,8 @@ class _Models:
         for path in sorted(paths):
             self.by_stem.setdefault(_stem(path), []).append(path)
 
-    def idle(self) -> frozenset[str]:
-        """Those that nothing names; none where no program names a model or a USD."""
+    def run(self) -> frozenset[str] | None:
+        """Those that are named; None where no program names a model or a USD."""
         named: set[str] = set()
         usd = False
         for program, text in self.programs.items():
@@ -202,7 +209,7 @@ class _Models:
                 usd = usd or (name.ending.startswith(b"usd") and program.endswith(".py"))
                 named.update(self._meant(name, program))
         if not named and not usd:
-            return frozenset()
+            return None
         # What a named scene includes is run.
         left = sorted(named)
         while left:
@@ -211,7 +218,7 @@ class _Models:
                 found = set(self._meant(name, path))
                 left += sorted(found - named)
                 named |= found
-        return frozenset(self.paths) - named
+        return frozenset(named)
 
     def _meant(self, name: _Name, by: str) -> Sequence[str]:
         """The models that a name in a file may stand for."""

@@ -320,8 +320,11 @@ def test_one_limit_of_a_urdf_beside_an_mjcf() -> None:
         assert {item.severity for item in found} == severities
 
 
-@pytest.mark.parametrize(("run", "severity"), [("dog.xml", Severity.WARNING), ("one.urdf", Severity.INFO)])
-def test_rotors_of_a_model_that_nothing_names(run: str, severity: Severity) -> None:
+@pytest.mark.parametrize(
+    ("run", "blamed", "severity"),
+    [("dog.xml", "dog.py", Severity.WARNING), ("one.urdf", "dog.xml", Severity.INFO)],
+)
+def test_rotors_of_a_model_that_nothing_names(run: str, blamed: str, severity: Severity) -> None:
     """They are no evidence against a configuration that is run."""
     Path("r/models/dog.xml").write_text(
         '<mujoco model="dog"><worldbody><body><joint name="left_knee" armature="0.1"/><geom size="0.1"/><body>'
@@ -334,4 +337,4 @@ def test_rotors_of_a_model_that_nothing_names(run: str, severity: Severity) -> N
     )
     Path("r/run.py").write_text(f"load('models/{run}')\n")
     found = audit(["r"], Settings(select=("SRC104",))).findings
-    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {("dog.py", severity)}
+    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {(blamed, severity)}

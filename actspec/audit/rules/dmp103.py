@@ -69,7 +69,8 @@ class DampingOutsideClamp(RuleInParts):
                 yield ()
                 continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
-                yield (self._known(row, damping, limit, speed, _has_spring(case, row)),)
+                meant = _has_spring(case, row) or (row.control == "position" and row.kd == 0.0)
+                yield (self._known(row, damping, limit, speed, meant),)
             elif (
                 speed is None
                 and unit(row, "velocity_limit") == "rad/s"
@@ -79,7 +80,7 @@ class DampingOutsideClamp(RuleInParts):
             else:
                 yield ()
 
-    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float, sprung: bool) -> Finding:
+    def _known(self, row: LedgerRow, damping: float, limit: float, speed: float, meant: bool) -> Finding:
         left = limit - damping * speed
         effect = (
             f"leaves {shown(row, 'effort_limit', left)} to drive the joint"
@@ -98,7 +99,7 @@ class DampingOutsideClamp(RuleInParts):
             help=_HELP,
             related=(row.span,),
             fields=("joint_damping",),
-            severity=None if damping * speed >= _HELD * limit and not sprung else Severity.INFO,
+            severity=None if damping * speed >= _HELD * limit and not meant else Severity.INFO,
         )
 
     def _slow(self, row: LedgerRow, damping: float, limit: float) -> Finding:
@@ -119,9 +120,9 @@ class DampingOutsideClamp(RuleInParts):
         )
 
 
-_HELD = 1.0 / 0.9
+_HELD = 2.0
 """Torque at the joint's speed, as a share of the limit, from which it is a warning. Chosen: a motor has no torque left
-at its top speed, and published top speeds vary by a tenth; damping that takes it all just there is no brake."""
+at its top speed, and few joints come near the one that is published; damping that takes it all at half of that does."""
 
 _HELP = (
     "leave only friction in the joint's damping; a D gain belongs to the drive (kv), a torque-speed line to a "

@@ -73,6 +73,7 @@ class Disagreement:
         variant: Whether the files describe variants: of the same kind, or with other joints.
         one_machine: Whether links and ranges speak of one machine, or do not speak.
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
+        backed: Whether files of more kinds that are run have the other figure than this one.
     """
 
     rows: Sequence[LedgerRow]
@@ -83,6 +84,7 @@ class Disagreement:
     variant: bool
     one_machine: bool
     published: str = ""
+    backed: bool = False
 
     @property
     def ratio(self) -> float | None:
@@ -121,8 +123,12 @@ def disagreements(
     """
     blamed = set()
     for robot in case.robots:
-        for found in _of_robot(case, robot, fields, tolerance, absolute) if len(robot.artifacts) > 1 else ():
+        every = tuple(_of_robot(case, robot, fields, tolerance, absolute)) if len(robot.artifacts) > 1 else ()
+        stated = _stated_by_kinds(case, robot, fields) if every else {}
+        for found in every:
             wrong = _by_what_is_published(case, found)
+            if not wrong.published:
+                wrong = _by_kinds(wrong, stated)
             # Several files may be right beside one that is not.
             at = (wrong.rows[0].artifact, wrong.rows[0].joint)
             if wrong is found or at not in blamed:
@@ -152,6 +158,33 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     if here is there:
         return found
     return replace(found.turned if here else found, published=name)
+
+
+def _by_kinds(found: Disagreement, stated: Mapping[str, Mapping[FileKind, set[float]]]) -> Disagreement:
+    """Turned where files of more kinds have the figure of the departing one than the other's.
+
+    Files of one kind are not counted: copies of a URDF are as old as the first.
+    """
+    kinds = stated.get(found.rows[0].joint, {}).values()
+    mine, theirs = (
+        sum(any(math.isclose(each, side.value or 0.0, rel_tol=_SAME) for each in values) for values in kinds)
+        for side in (found.mine, found.theirs)
+    )
+    if mine == theirs:
+        return found
+    return replace(found.turned if mine > theirs else found, backed=True)
+
+
+def _stated_by_kinds(
+    case: Case, robot: Robot, fields: Sequence[str]
+) -> dict[str, dict[FileKind, set[float]]]:
+    """What the files that are run state, by joint and kind of file."""
+    found: dict[str, dict[FileKind, set[float]]] = {}
+    for index in robot.artifacts:
+        for joint, (name, value) in _stated_joints(case, index, fields).items():
+            if not case.is_idle(_place(case.joints[index, joint], name)):
+                found.setdefault(joint, {}).setdefault(case.artifacts[index].kind, set()).add(value)
+    return found
 
 
 def _published(robot: KnownRobot, name: str, field: str) -> frozenset[float]:
@@ -261,7 +294,7 @@ def _of_robot(
                 ]
                 if held and not any(agree((index, mine), theirs, joint) for theirs in held):
                     other, theirs = min(held, key=lambda each: distance(index, each[0]))
-                    variant = kinds is None or distance(index, other)[0]
+                    variant = kinds is None or distance(index, other)[1]
                     rows, others = case.joints[index, joint], case.joints[other, joint]
                     figures = figure(rows, mine[0]), figure(others, theirs[0])
                     yield Disagreement(rows, others, mine[0], *figures, variant, one_machine(index, other))
@@ -352,10 +385,12 @@ def _is_one_place(one: Span, other: Span, real_path: Callable[[str], str]) -> bo
     return one.line == other.line and real_path(one.path) == real_path(other.path)
 
 
-def _distance(case: Case, one: int, other: int) -> tuple[bool, bool]:
-    """Sorting key of the files that another may be held to: those of the same variant, then of the same name."""
+def _distance(case: Case, one: int, other: int) -> tuple[bool, bool, bool]:
+    """Sorting key of the files that another may be held to: what is run, of the same variant, of the same name."""
+    artifact = case.artifacts[other]
+    idle = case.is_idle(Span(artifact.path) if artifact.config is None else artifact.config.span)
     stems = {os.path.splitext(os.path.basename(case.artifacts[index].path))[0] for index in (one, other)}
-    return _are_variants(case, one, other), len(stems) > 1
+    return idle, _are_variants(case, one, other), len(stems) > 1
 
 
 def _are_variants(case: Case, one: int, other: int) -> bool:
@@ -450,6 +485,19 @@ def _is_one_machine(case: Case, one: int, other: int) -> bool:
     """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn."""
     here, there = case.artifacts[one].robot, case.artifacts[other].robot
     return here is None or there is None or are_one_body(here, there)
+
+
+def is_overridden(case: Case, found: Disagreement) -> bool:
+    """Whether a configuration met in a folder has a figure of its own that nothing but the URDF speaks against.
+
+    Its figure is the one that trains and was written later; the URDF has the links.
+    """
+    here, there = (case.artifacts[rows[0].artifact] for rows in (found.rows, found.others))
+    return (
+        case.is_met(found.rows[0].artifact)
+        and not (found.published or found.backed)
+        and (here.kind, there.kind) == (FileKind.CFG, FileKind.URDF)
+    )
 
 
 def are_alternatives(case: Case, found: Disagreement) -> bool:
@@ -548,7 +596,9 @@ class SourceRule(RuleInParts):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
-        if not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
+        if is_overridden(case, found):
+            severity, confidence = Severity.INFO, Confidence.LOW
+        elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM
         file = found.others[0].file
         if found.published:

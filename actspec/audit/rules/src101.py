@@ -15,6 +15,7 @@ from actspec.audit.rules.source_pairs import (
     is_beyond_the_joint,
     is_no_limit,
     is_of_control,
+    is_overridden,
     is_small,
     is_times_off,
     shown,
@@ -66,9 +67,12 @@ class EffortLimit(SourceRule):
             return []
         unit = held[0].mine.unit
         worst = max(found, key=lambda one: SEVERITIES.index(one.severity or self.severity))
-        if all(is_of_control(case, side.rows) for side in held) or _is_beside_a_model(case, held[0]):
-            # A range for whatever the task commands is no motor's, and the URDF of an MJCF is there for its links.
+        if all(is_of_control(case, side.rows) for side in held) or _is_for_links(case, held[0]):
+            # A range for whatever the task commands is no motor's, and a URDF beside others is there for its links.
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
+        elif all(is_overridden(case, side) for side in held):
+            # The URDF was looked up, and the configuration was not.
+            worst = replace(worst, severity=self.severity, confidence=self.confidence)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
             f"{shown(limits[0], unit)} to {shown(limits[-1], unit)} in another file of the robot: unlike motors have "
@@ -122,11 +126,10 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
 
 
-def _is_beside_a_model(case: Case, side: Disagreement) -> bool:
-    """Whether one limit for all is of a URDF met in a folder, with an MJCF and no configuration of its robot."""
-    one, other = side.rows[0].artifact, side.others[0].artifact
-    kinds = (case.artifacts[one].kind, case.artifacts[other].kind)
-    return kinds == (FileKind.URDF, FileKind.MJCF) and case.is_met_alone(one)
+def _is_for_links(case: Case, side: Disagreement) -> bool:
+    """Whether one limit for all is of a URDF met in a folder, and the other of a file of another kind."""
+    one, other = (case.artifacts[rows[0].artifact].kind for rows in (side.rows, side.others))
+    return one is FileKind.URDF is not other and case.is_met(side.rows[0].artifact)
 
 
 def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:

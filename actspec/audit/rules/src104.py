@@ -29,9 +29,6 @@ class Armature(SourceRule):
         """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
         if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):
             return Severity.INFO, self.confidence
-        if case.artifacts[found.others[0].artifact].path in case.once(_unnamed):
-            # What the other file says of rotors, nobody runs.
-            return Severity.INFO, Confidence.LOW
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         mine, theirs = (
             rows[0].artifact in case.once(_of_one_armature) for rows in (found.rows, found.others)
@@ -63,8 +60,3 @@ def _of_one_armature(case: Case) -> frozenset[int]:
     joints = Counter(artifact for artifact, _ in stated)
     unlike = Counter(artifact for artifact, _ in set(stated))
     return frozenset(index for index, count in joints.items() if count >= _SEVERAL and unlike[index] == 1)
-
-
-def _unnamed(case: Case) -> frozenset[str]:
-    """Models that no program names, where programs name others."""
-    return frozenset(file.path for file in case.files if file.unnamed)
