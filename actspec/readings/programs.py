@@ -64,11 +64,11 @@ _OF_ANY_ROBOT = frozenset(
 
 ASIDE = re.compile(
     r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
-    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp)[/\\]"
+    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
 )
-"""Words by which files and folders say that nobody runs them on a robot."""
+"""Words by which files and folders say that nobody runs them on a robot, or steps them at all."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -222,6 +222,64 @@ def test_a_file_of_configurations_that_nothing_imports(task: str, more: str, sev
     } == {severity}
 
 
+@pytest.mark.parametrize("drive", ["motor", "position"])
+def test_a_motor_without_a_limit(drive: str) -> None:
+    """It gives what the program that loads the model sends; a servo computes its torque in the model."""
+    kp = " kp='9'" if drive == "position" else ""
+    Path("r/models/dog.xml").write_text(
+        "<mujoco model='dog'><worldbody><body><joint name='knee'/><geom size='0.1'/><body><joint name='hip'/>"
+        "<geom size='0.1'/></body></body></worldbody><actuator><motor joint='hip' forcerange='-9 9'/>"
+        f"<{drive} joint='knee'{kp}/></actuator></mujoco>"
+    )
+    rule = Settings(select=("LIM101",))
+    assert [item.severity for item in audit(["r"], rule).findings] == [Severity.WARNING]
+    Path("r/run.py").write_text("load('dog.xml')\n")
+    expected = Severity.INFO if drive == "motor" else Severity.WARNING
+    assert [item.severity for item in audit(["r"], rule).findings] == [expected]
+
+
+def test_a_model_for_inverse_kinematics() -> None:
+    """It is never stepped."""
+    Path("r/inverse_kinematics").mkdir()
+    Path("r/models/two.urdf").rename("r/inverse_kinematics/two.urdf")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
+
+
+@pytest.mark.parametrize(("more", "severity"), [(", 'flat/dog.urdf'", "error"), ("", "info")])
+def test_the_odd_one_of_three(more: str, severity: str) -> None:
+    """A configuration and a URDF agree against another URDF: that is blamed, an error where it is run."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    Path("r/models/flat").mkdir()
+    for name, effort in (("dog", 30), ("flat/dog", 15)):
+        joints = JOINT.format(side="left", effort=effort) + JOINT.format(side="right", effort=effort)
+        Path(f"r/models/{name}.urdf").write_text(
+            f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+        )
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, effort_limit_sim=30.0"))
+    Path("r/run.py").write_text(f"FILES = ['models/dog.urdf'{more}]\n")
+    said = audit(["r"], Settings(select=("SRC101",))).findings
+    assert {(item.finding.span.path, item.severity.value) for item in said} == {
+        ("r/models/flat/dog.urdf", severity)
+    }
+
+
+@pytest.mark.parametrize(
+    ("files", "severity"), [(["r"], "info"), (["r/dog.py", "r/models/one.urdf"], "error")]
+)
+def test_a_urdf_is_no_evidence_against_a_configuration(files: list[str], severity: str) -> None:
+    """In a folder; whoever names both wants to know. 45 is 2.25 times 20 and 1.5 times 30."""
+    Path("r/models/two.urdf").unlink()
+    text = CONFIGS.format(one="ONE_CFG", two="ONE_2_CFG").replace("20.0", "10.0").partition("ONE_2_CFG")[0]
+    limits = 'effort_limit_sim={"left_knee": 45.0, "right_knee": 67.5}'
+    Path("r/dog.py").write_text(text.replace("damping=1.0", f"damping=1.0, {limits}"))
+    said = audit(files, Settings(select=("SRC101",))).findings
+    assert {(Path(item.finding.span.path).name, item.severity.value) for item in said} == {
+        ("dog.py", severity)
+    }
+
+
 def test_a_spec_is_there_for_every_file() -> None:
     """What it holds files to does not ask who names them."""
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")

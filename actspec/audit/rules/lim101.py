@@ -118,6 +118,9 @@ class NoEffectiveLimit(RuleInParts):
         severity = self.severity
         if bound is None:
             effect = f"its {noun} is unlimited"
+            if row.control == "motor" and case.is_run(row.artifact):
+                # It gives what the program that loads the model sends, clipped there or not.
+                severity = Severity.INFO
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))

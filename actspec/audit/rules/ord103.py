@@ -44,6 +44,13 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
         selects = "selects a joint" if len(groups) == 1 else "select joints"
         has = "has" if len(before) == 1 else "have"
         alike = not raises and all(_alike(first, row) for row, first in again)
+        joints = {name: {row.joint for row in rows if row.actuator == name} for name in (*groups, *before)}
+        earlier = {joint for name in before for joint in joints[name]}
+        # A group of some of the joints that others have is there to replace what those say.
+        replaces = not raises and all(joints[name] < earlier for name in groups)
+        severity = Severity.WARNING if alike else self.severity
+        if replaces:
+            severity = Severity.INFO
         told: set[str] = set()
         for row, first in again:
             if row.joint in told:
@@ -56,7 +63,7 @@ class JointInTwoGroups(RuleOver[tuple[int, RobotConfig]]):
                 row.joint,
                 help="let the patterns of the groups exclude each other",
                 related=(first.span,),
-                severity=Severity.WARNING if alike else self.severity,
+                severity=severity,
             )
 
 

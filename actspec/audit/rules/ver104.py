@@ -3,10 +3,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from actspec.audit.known import likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
 from actspec.fields import PLACEHOLDER_SPEED
-from actspec.readings.artifact import Framework
+from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native
 
 
@@ -39,12 +40,28 @@ class ImplicitVelocityLimit(RuleOver[Group]):
                 setting.span,
                 joint,
                 help="write velocity_limit_sim if the solver is to enforce it, or leave it out",
-                # What no joint reaches was no limit before.
                 fields=("velocity_limit",),
-                severity=Severity.INFO
-                if (group.number(setting, joint) or 0.0) >= PLACEHOLDER_SPEED
-                else None,
+                severity=Severity.INFO if _changes_nothing(case, group, joint, setting) else None,
             )
+
+
+def _changes_nothing(case: Case, group: Group, joint: str, setting: Setting) -> bool:
+    """Whether no joint reaches the limit, or the robot's maker publishes it: the robot's USD has it then."""
+    limit = group.number(setting, joint)
+    if limit is None:
+        return False
+    published = case.once(_published).get((group.artifact, joint), ())
+    return limit >= PLACEHOLDER_SPEED or any(same(limit, speed) for speed in published)
+
+
+def _published(case: Case) -> dict[tuple[int, str], set[float]]:
+    """Speeds that makers publish, by configuration and joint."""
+    found: dict[tuple[int, str], set[float]] = {}
+    for known in case.once(likenesses):
+        for row, names in known.joints:
+            speeds = {variant[name].velocity for variant in known.robot.variants.values() for name in names}
+            found[known.index, row.joint] = {speed for speed in speeds if speed is not None}
+    return found
 
 
 def _renamed(case: Case) -> bool:
