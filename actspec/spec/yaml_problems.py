@@ -112,6 +112,9 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
     if "block collection" in context:
         return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
     if "block mapping" in context:
+        found = None if mark is None else _below_a_value(lines, mark.line)
+        if found is not None:
+            return found
         return Problem("a key is expected here, at the indentation of its mapping", _QUOTE, mark)
     message = f"not valid YAML: {problem or 'no reason given'}" + (f", {context}" if context else "")
     return Problem(message, None, mark)
@@ -143,14 +146,22 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
         found = _no_colon(lines[number].strip(), _Mark(number, own))
         if found is not None:
             return found
-    if own > _indent(lines[number]):
-        return Problem(
-            f"this line is indented by {own} spaces, below line {number + 1} which has {_indent(lines[number])} and a "
-            "value already",
-            f"indent it by {_indent(lines[number])} spaces as line {number + 1}, if it is a key beside it",
-            _Mark(mark.line, own),
-        )
-    return None
+    return _below_a_value(lines, mark.line)
+
+
+def _below_a_value(lines: list[str], number: int) -> Problem | None:
+    """A line that is indented below one that has a value already."""
+    above = _above(lines, number)
+    if above is None or number >= len(lines):
+        return None
+    own, its = _indent(lines[number]), _indent(lines[above])
+    if own <= its:
+        return None
+    return Problem(
+        f"this line is indented by {own} spaces, below line {above + 1} which has {its} and a value already",
+        f"indent it by {its} spaces as line {above + 1}, if it is a key beside it, or line {above + 1} by {own}",
+        _Mark(number, own),
+    )
 
 
 def _no_level(lines: list[str], mark: Any) -> Problem | None:

@@ -477,8 +477,15 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
             "a: 1\n  b: 2",
             2,
             "this line is indented by 2 spaces, below line 1 which has 0 and a value already",
-            "indent it by 0 spaces as line 1, if it is a key beside it",
+            "indent it by 0 spaces as line 1, if it is a key beside it, or line 1 by 2",
             id="indentation",
+        ),
+        pytest.param(
+            "a:\n  b:\n    c: 1\n  d: {e: 1}\n    f: 2",
+            5,
+            "this line is indented by 4 spaces, below line 4 which has 2 and a value already",
+            "indent it by 2 spaces as line 4, if it is a key beside it, or line 4 by 4",
+            id="a key too far left, and the next one not",
         ),
         pytest.param(
             "a:\n  b: 1\n  c:\n      d: 1\n    e: 2",
