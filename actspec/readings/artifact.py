@@ -284,6 +284,7 @@ class FileReading:
         refused: The place that `reason` is about; None: the file as a whole.
         named: Of a model in a folder whose programs name models there: whether they name it, or one that they name
             does. None where nothing tells.
+        written: Figures of models that programs of its folder write over when they have loaded one.
         idle: Configurations in a folder that no program there imports, where one imports others.
     """
 
@@ -297,6 +298,7 @@ class FileReading:
     put_aside: bool = False
     refused: Span | None = None
     named: bool | None = None
+    written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
 
     @property

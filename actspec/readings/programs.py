@@ -29,6 +29,19 @@ _COMMENTS: dict[str, re.Pattern[bytes]] = {
 _NO_PROGRAMS = ("setup.py",)
 """They name what they install, all of it."""
 
+_EXPORTED = frozenset(("display.launch", "gazebo.launch"))
+"""Written by a CAD exporter beside its URDF, both of them, and run by nobody who has written another program.
+
+Source: SolidWorks to URDF exporter."""
+
+_WRITES: dict[str, re.Pattern[bytes]] = {
+    "effort_limit": re.compile(
+        rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
+    ),
+    "joint_damping": re.compile(rb"dof_damping(?:\s*\[[^\]\n]*\])*\s*\*?=(?!=)|set_dofs_damping"),
+}
+"""What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names."""
+
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
 _MADE = rb"\{[^{}\n]*\}|%[sd]|\*"
@@ -63,7 +76,7 @@ _OF_ANY_ROBOT = frozenset(
 """Names of folders that do not tell a robot."""
 
 ASIDE = re.compile(
-    r"(?<![a-z])(?:old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
+    r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
     r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
@@ -78,11 +91,13 @@ class Idle:
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others.
         run: Those that programs name, or models that they name.
+        written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
     run: frozenset[str] = frozenset()
+    written: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
@@ -123,19 +138,25 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     models = {
         path
         for path, reading in members.items()
-        # A name with a space or beyond ASCII is not found again in a program. What cannot be read has no kind.
-        if (reading.kind in (FileKind.MJCF, FileKind.URDF) or (reading.kind is None and not reading.readable))
-        and _MODEL_NAME.fullmatch(os.fsencode(os.path.basename(path)))
+        # What cannot be read has no kind.
+        if reading.kind in (FileKind.MJCF, FileKind.URDF) or (reading.kind is None and not reading.readable)
     }
     configs = {path: names for path, reading in members.items() if (names := _configs(reading))}
     if not models and not configs:
         return Idle()
     texts = dict(_texts(programs))
-    run = _Models(models, texts).run()
+    others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
+    alone = _idle_configs(configs, texts, others)
+    # A configuration that nobody runs runs no model.
+    running = {
+        path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
+    }
+    run = _Models(models, running).run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
         run or frozenset(),
-        _idle_configs(configs, texts),
+        frozenset(name for name, form in _WRITES.items() if any(map(form.search, texts.values()))),
+        {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
 
 
@@ -202,14 +223,23 @@ class _Models:
 
     def run(self) -> frozenset[str] | None:
         """Those that are named; None where no program names a model or a USD."""
+        exported = [path for path in self.programs if self._is_exported(path)]
         named: set[str] = set()
         usd = False
         for program, text in self.programs.items():
-            for name in _names(text):
+            for name in _names(text) if program not in exported else ():
                 usd = usd or (name.ending.startswith(b"usd") and program.endswith(".py"))
                 named.update(self._meant(name, program))
+        named |= self._spelt_out()
         if not named and not usd:
-            return None
+            named = {
+                path
+                for program in exported
+                for name in _names(self.programs[program])
+                for path in self._meant(name, program)
+            }
+            if not named:
+                return None
         # What a named scene includes is run.
         left = sorted(named)
         while left:
@@ -219,6 +249,20 @@ class _Models:
                 left += sorted(found - named)
                 named |= found
         return frozenset(named)
+
+    def _is_exported(self, program: str) -> bool:
+        """Whether a launch file is one of the two that an exporter wrote."""
+        folder, name = os.path.split(program)
+        return name in _EXPORTED and all(os.path.join(folder, other) in self.programs for other in _EXPORTED)
+
+    def _spelt_out(self) -> set[str]:
+        """Models with a space in their name, or a letter beyond ASCII, that a program has."""
+        unusual = {path: os.fsencode(os.path.basename(path)) for path in self.paths}
+        return {
+            path
+            for path, name in unusual.items()
+            if not _MODEL_NAME.fullmatch(name) and any(name in text for text in self.programs.values())
+        }
 
     def _meant(self, name: _Name, by: str) -> Sequence[str]:
         """The models that a name in a file may stand for."""
@@ -304,8 +348,9 @@ def _configs(reading: FileReading) -> frozenset[bytes]:
 
 
 def _idle_configs(
-    configs: Mapping[str, frozenset[bytes]], programs: Mapping[str, bytes]
-) -> dict[str, frozenset[str]]:
+    configs: Mapping[str, frozenset[bytes]], programs: Mapping[str, bytes], others: bool
+) -> dict[str, frozenset[bytes]]:
+    """Path to what nobody imports; `others`: whether a program that is no configuration names a model."""
     if not configs:
         return {}
     every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
@@ -326,13 +371,13 @@ def _idle_configs(
         alone = {name for name in names - elsewhere[path] if path not in used.get(name, ())}
         if not elsewhere[path] and (
             len(alone) < len(names)
-            or not any(elsewhere.values())
+            or not (others or any(elsewhere.values()))
             or used.get(_stem(path), set()) - {path}
             or b"__main__" in programs.get(path, b"")
         ):
             continue
         if alone:
-            result[path] = frozenset(name.decode() for name in alone)
+            result[path] = frozenset(alone)
     return result
 
 

@@ -351,6 +351,7 @@ def _idle(
     return Idle(
         frozenset().union(*(one.models for one in each)),
         frozenset().union(*(one.run for one in each)),
+        frozenset().union(*(one.written for one in each)),
         {path: names for one in each for path, names in one.configs.items()},
     )
 
@@ -382,6 +383,7 @@ def _chosen(
                     in_folder=file.folder is not None,
                     put_aside=aside,
                     named=_is_named(file.path, idle_there),
+                    written=idle_there.written if file.folder is not None else frozenset(),
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )

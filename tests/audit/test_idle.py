@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 
 import pytest
@@ -288,11 +289,34 @@ def test_a_spec_is_there_for_every_file() -> None:
 
 
 @pytest.mark.parametrize("name", ["two arms", "zw\u00f6lf", "\udcff"])
-def test_a_name_that_is_not_looked_for(name: str) -> None:
-    """Nothing is told of a model whose name would not be found in a program."""
+def test_a_name_with_a_space_or_beyond_ascii(name: str) -> None:
+    """It is looked for as it is."""
     Path("r/models/two.urdf").rename(f"r/models/{name}.urdf")
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")
-    assert set(severities("r").values()) == {Severity.WARNING}
+    assert severities("r") == {"one": Severity.WARNING, name: Severity.INFO}
+    Path("r/train.py").write_bytes(b"FILE = 'one.urdf', 'models/" + os.fsencode(name) + b".urdf'\n")
+    assert severities("r") == {"one": Severity.WARNING, name: Severity.WARNING}
+
+
+def test_launch_files_of_an_exporter() -> None:
+    """Both stand beside what a CAD program exported; where programs run other models, nobody runs them."""
+    for name in ("display", "gazebo"):
+        Path(f"r/{name}.launch").write_text('<launch><param textfile="$(find dog)/two.urdf"/></launch>')
+    assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
+    Path("r/train.py").write_text("FILE = 'one.urdf'\n")
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
+    Path("r/display.launch").unlink()
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+
+
+@pytest.mark.parametrize("used", [True, False])
+def test_what_only_an_idle_configuration_names(used: bool) -> None:
+    """Nobody runs it either."""
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").partition("DOG_2_CFG")[0]
+    Path("r/dog.py").write_text(text.replace("ArticulationCfg(act", "ArticulationCfg(spawn='two.urdf', act"))
+    Path("r/run.py").write_text("FILE = 'one.urdf'\n" + "from dog import DOG_CFG\n" * used)
+    two = Severity.WARNING if used else Severity.INFO
+    assert severities("r") == {"one": Severity.WARNING, "two": two, "dog": two}
 
 
 def test_a_model_that_nothing_drives() -> None:
@@ -393,6 +417,6 @@ def test_rotors_of_a_model_that_nothing_names(run: str, blamed: str, severity: S
     Path("r/dog.py").write_text(
         text.partition("DOG_2_CFG")[0].replace("damping=1.0", "damping=1.0, armature=0.02")
     )
-    Path("r/run.py").write_text(f"load('models/{run}')\n")
+    Path("r/run.py").write_text(f"from dog import DOG_CFG\nload('models/{run}')\n")
     found = audit(["r"], Settings(select=("SRC104",))).findings
     assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {(blamed, severity)}
