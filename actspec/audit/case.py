@@ -105,6 +105,14 @@ class Case:
         before = [idle for line, idle in parts if line <= (place.line or 0)]
         return bool(before) and before[-1]
 
+    def written(self, place: Span) -> frozenset[str]:
+        """Figures of the MJCF at a place that programs of its folder write over."""
+        return self.once(_written).get(place.path, frozenset())
+
+    def has_programs(self, artifact: int) -> bool:
+        """Whether programs of a model's folder name models there, this one or others."""
+        return self.artifacts[artifact].path in self.once(_beside_programs)
+
     def is_run(self, artifact: int) -> bool:
         """Whether a program of its folder names a model."""
         return self.artifacts[artifact].path in self.once(_run)
@@ -140,6 +148,16 @@ def _met(case: Case) -> frozenset[str]:
 def _run(case: Case) -> frozenset[str]:
     """Models that a program of their folder names."""
     return frozenset(file.path for file in case.files if file.named)
+
+
+def _written(case: Case) -> dict[str, frozenset[str]]:
+    """MJCFs to what programs of their folder write over."""
+    return {file.path: file.written for file in case.files if file.written and file.kind is FileKind.MJCF}
+
+
+def _beside_programs(case: Case) -> frozenset[str]:
+    """Models in folders whose programs name models."""
+    return frozenset(file.path for file in case.files if file.named is not None)
 
 
 def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:

@@ -239,8 +239,14 @@ def _resolve(
     return _in_order(unique.values())
 
 
+_WRITTEN_OVER = ("DMP103", "LIM101", "SRC101", "SRC105")
+"""Rules about figures of models that programs may write over."""
+
+
 def _is_idle(case: Case, finding: Finding) -> bool:
     """Whether a finding is of what nobody runs, or what that alone speaks against."""
+    if finding.code in _WRITTEN_OVER and finding.fields and case.written(finding.span) >= set(finding.fields):
+        return True
     others = [span for span in finding.related if span.path != finding.span.path]
     return case.is_idle(finding.span) or (bool(others) and all(map(case.is_idle, others)))
 

@@ -25,6 +25,17 @@ MAKERS = (
 """How titles of sources begin that are the maker's own."""
 
 
+def _with_others(row: dict[str, Any], limits: dict[float, list[str]]) -> list[dict[str, Any]]:
+    """A row, or one for each of its joints that have other limits too."""
+    groups: dict[tuple[float, ...], list[str]] = {}
+    for joint in row["joints"]:
+        also = tuple(float(limit) for limit, joints in limits.items() if joint in joints)
+        groups.setdefault(also, []).append(joint)
+    return [
+        {**row, "joints": joints, **({"also": list(also)} if also else {})} for also, joints in groups.items()
+    ]
+
+
 def table() -> str:
     """The text of `robots/known.json`."""
     published = yaml.safe_load((ROBOTS / "limits" / "published.yaml").read_text(encoding="utf-8"))
@@ -48,9 +59,7 @@ def table() -> str:
             robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
     for name, limits in published["also"].items():
         for rows in robots[name]["variants"].values():
-            for row in rows:
-                also = [float(limit) for limit, joints in limits.items() if set(row["joints"]) <= set(joints)]
-                row.update({"also": also} if also else {})
+            rows[:] = [each for row in rows for each in _with_others(row, limits)]
     for name, arm in published["robots"].items():
         source = _title(published["sources"][arm["source"]])
         speeds = {joint: speed for speed, joints in arm.get("speeds", {}).items() for joint in joints}

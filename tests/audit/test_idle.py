@@ -402,21 +402,64 @@ def test_one_limit_of_a_urdf_beside_an_mjcf() -> None:
         assert {item.severity for item in found} == severities
 
 
-@pytest.mark.parametrize(
-    ("run", "blamed", "severity"),
-    [("dog.xml", "dog.py", Severity.WARNING), ("one.urdf", "dog.xml", Severity.INFO)],
-)
-def test_rotors_of_a_model_that_nothing_names(run: str, blamed: str, severity: Severity) -> None:
-    """They are no evidence against a configuration that is run."""
-    Path("r/models/dog.xml").write_text(
+@pytest.mark.parametrize(("named", "severity"), [("r", Severity.INFO), ("r/*", Severity.WARNING)])
+def test_rotors_and_friction_of_files_in_a_folder(named: str, severity: Severity) -> None:
+    """What two of them have apart is a note; whoever names both wants to know."""
+    Path("r/dog.xml").write_text(
         '<mujoco model="dog"><worldbody><body><joint name="left_knee" armature="0.1"/><geom size="0.1"/><body>'
-        '<joint name="right_knee" armature="0.2"/><geom size="0.1"/></body></body></worldbody><actuator>'
-        '<motor joint="left_knee"/><motor joint="right_knee"/></actuator></mujoco>'
+        '<joint name="right_knee" armature="0.2" frictionloss="3"/><geom size="0.1"/></body></body></worldbody>'
+        '<actuator><motor joint="left_knee"/><motor joint="right_knee"/></actuator></mujoco>'
     )
-    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0")
-    Path("r/dog.py").write_text(
-        text.partition("DOG_2_CFG")[0].replace("damping=1.0", "damping=1.0, armature=0.02")
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    more = "damping=1.0, armature=0.02, friction={'right_knee': 0.1}"
+    Path("r/dog.py").write_text(text.replace("damping=1.0", more))
+    files = ["r"] if named == "r" else ["r/dog.xml", "r/dog.py"]
+    found = audit(files, Settings(select=("SRC104",))).findings
+    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {("dog.py", severity)}
+
+
+@pytest.mark.parametrize(
+    ("program", "codes"),
+    [
+        ("load('models/dog.xml')\n", {"DMP103", "SRC101"}),
+        ("load('models/dog.xml')\nmodel.dof_damping[:] = 0\n", {"SRC101"}),
+        ("load('models/dog.xml')\nif model.dof_damping[0] == 0: pass\n", {"DMP103", "SRC101"}),
+        ("load('models/dog.xml')\nmodel.actuator_forcerange[:, 0] = -tau\n", {"DMP103"}),
+        ("load('models/dog.xml')\nrobot.set_dofs_force_range(-tau, tau)\n", {"DMP103"}),
+    ],
+)
+def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
+    """A figure of a model that a program sets when it has loaded it is not the one that runs."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=20)
+    Path("r/models/dog.urdf").write_text(
+        f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
     )
-    Path("r/run.py").write_text(f"from dog import DOG_CFG\nload('models/{run}')\n")
-    found = audit(["r"], Settings(select=("SRC104",))).findings
-    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {(blamed, severity)}
+    bodies = "".join(
+        f'<body><joint name="{side}_knee" damping="10" range="-1 1"/><geom size="0.1"/></body>'
+        for side in ("left", "right")
+    )
+    motors = "".join(f'<motor joint="{side}_knee" forcerange="-40 40"/>' for side in ("left", "right"))
+    Path("r/models/dog.xml").write_text(
+        f'<mujoco model="dog"><compiler angle="radian"/><worldbody>{bodies}</worldbody>'
+        f"<actuator>{motors}</actuator></mujoco>"
+    )
+    Path("r/run.py").write_text(f"load('models/dog.urdf')\n{program}")
+    found = audit(["r"], Settings(select=("DMP103", "SRC101"))).findings
+    assert {item.finding.code for item in found if item.severity is not Severity.INFO} == codes
+    assert {item.finding.code for item in found} == {"DMP103", "SRC101"}
+
+
+def test_speeds_and_damping_of_a_urdf_by_side() -> None:
+    """Few programs that load one read them; the effort they do."""
+    for name, effort, speed in (("one", 20, 18), ("two", 30, 9)):
+        joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=effort)
+        joints = joints.replace(
+            f'effort="{effort}" velocity="9"/></joint>', f'effort="{effort}" velocity="{speed}"/></joint>', 1
+        )
+        Path(f"r/models/{name}.urdf").write_text(
+            f'<robot name="{name}"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+        )
+    Path("r/run.py").write_text("FILES = ['one.urdf', 'two.urdf']\n")
+    assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}

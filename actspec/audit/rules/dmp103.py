@@ -69,7 +69,12 @@ class DampingOutsideClamp(RuleInParts):
                 yield ()
                 continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
-                meant = _has_spring(case, row) or (row.control == "position" and row.kd == 0.0)
+                meant = (
+                    _has_spring(case, row)
+                    or (row.control == "position" and row.kd == 0.0)
+                    # Importers make drives of a URDF, with gains in place of its damping.
+                    or (case.artifacts[artifact].kind is FileKind.URDF and case.is_met(artifact))
+                )
                 yield (self._known(row, damping, limit, speed, meant),)
             elif (
                 speed is None

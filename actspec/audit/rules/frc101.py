@@ -12,6 +12,10 @@ from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
 
+_SURE = 2.0
+"""Dry friction over the effort limit from which it is a warning. Chosen: MuJoCo's is soft, and a light gripper whose
+friction is its limit closes at four fifths of its speed."""
+
 
 class FrictionNotBelowEffort(RuleOver[_Subject]):
     code = "FRC101"
@@ -56,8 +60,8 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             "dimensionless coefficient?",
             related=(limiting.place("effort_limit"),),
             fields=("frictionloss",),
-            # It is the limit that is wrong then, which SYM101 tells.
+            # It is the limit that is wrong where SYM101 tells so; and a dry friction just as large leaves a motion.
             severity=Severity.INFO
-            if (limiting.artifact, limiting.joint) in case.once(doubted_limits)
+            if friction < _SURE * limit or (limiting.artifact, limiting.joint) in case.once(doubted_limits)
             else None,
         )

@@ -2,13 +2,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.known import KnownJoint, Likeness, likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import finite, shown, unit
+from actspec.audit.rules.joints import finite, is_exporters, shown, unit
 from actspec.diagnostics import listed
 from actspec.fields import is_placeholder
+from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
 
@@ -31,11 +33,16 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             limit = finite(row.effort_limit)
             if limit is None or is_placeholder(limit):
                 continue
+            # What an exporter writes where nobody stated any, and a list of a robot's own program, nobody simulates.
+            kind = case.artifacts[row.artifact].kind
+            quiet = case.is_met(row.artifact) and (
+                kind is FileKind.DEPLOY or (kind is FileKind.URDF and is_exporters(row))
+            )
             found = self._beyond(subject, row, names, limit, times) or self._other_joint(
                 subject, row, names, limit, times
             )
             if found is not None:
-                yield found
+                yield replace(found, severity=Severity.INFO) if quiet else found
 
     def _beyond(
         self, subject: Likeness, row: LedgerRow, names: tuple[str, ...], limit: float, times: float
@@ -43,7 +50,7 @@ class LimitBeyondPublished(RuleOver[Likeness]):
         most = {name: _most(subject, name) for name in names}
         worst = min(names, key=lambda name: most[name].effort)
         published = most[worst]
-        if limit < times * published.effort:
+        if limit < times * max((published.effort, *published.also)):
             return None
         which = f", at {worst}" if len({joint.effort for joint in most.values()}) > 1 else ""
         return Finding(

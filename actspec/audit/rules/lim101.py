@@ -1,8 +1,10 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from itertools import takewhile
 from typing import ClassVar
 
 from actspec.audit.known import likenesses
@@ -78,7 +80,8 @@ class NoEffectiveLimit(RuleInParts):
             undriven = is_called_undriven(row) or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
-            unused = row.artifact in case.once(_unused)
+            # In a folder it is read for its links, or a configuration has the limits.
+            unused = row.artifact in case.once(_unused) or (urdf and case.has_programs(row.artifact))
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
                 quiet = (
@@ -124,8 +127,13 @@ class NoEffectiveLimit(RuleInParts):
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
-            others = (other.effort_limit or 0.0 for other in partners)
-            most = max((limit for limit in others if 0.0 < limit < PLACEHOLDER), default=None)
+            others = [
+                (_common(other.file, row.file), other.effort_limit or 0.0)
+                for other in partners
+                if 0.0 < (other.effort_limit or 0.0) < PLACEHOLDER
+            ]
+            nearest = max((common for common, _ in others), default=0)
+            most = max((limit for common, limit in others if common == nearest), default=None)
             if most is not None and bound >= _TIMES * most:
                 effect += f", and another file limits the joint to {shown(row, 'effort_limit', most, 6)}"
             else:
@@ -139,7 +147,8 @@ class NoEffectiveLimit(RuleInParts):
             what = f'forcerange="{ends}" is switched off by forcelimited="false"'
             if bound is not None and view is not None and bound <= abs(view.gear) * largest(written):
                 return
-            severity = self.severity
+            # Of the default class it is a model's design.
+            severity = Severity.INFO if case.is_met(row.artifact) else self.severity
         yield Finding(
             self.code,
             f"{what}: {effect}",
@@ -246,6 +255,12 @@ class NoEffectiveLimit(RuleInParts):
             help=f"state the motor's {_noun(field)}",
             fields=(field,),
         )
+
+
+def _common(one: str, other: str) -> int:
+    """How many folders two paths have in common: files of one robot lie together."""
+    here, there = (os.path.dirname(path).split(os.sep) for path in (one, other))
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
 
 
 def _is_unlimited_by_intent(case: Case, index: int) -> bool:

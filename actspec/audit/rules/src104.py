@@ -26,8 +26,13 @@ class Armature(SourceRule):
     needs = "an armature of one joint"
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
-        if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):
+        """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces.
+
+        And in a folder, as published armatures of one motor differ by as much.
+        """
+        if case.is_met(found.rows[0].artifact) or any(
+            _is_default(case, rows[0]) for rows in (found.rows, found.others)
+        ):
             return Severity.INFO, self.confidence
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         mine, theirs = (

@@ -28,12 +28,15 @@ class Friction(SourceRule):
         return found.field == "joint_damping" and angle_slip(found.ratio, tolerance)
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where the difference is nothing beside what the motor gives."""
+        """A note where the difference is nothing beside what the motor gives, and in a folder: friction is identified
+        for a simulator, and left out of files that are read for their links.
+        """
         limiting = limiting_row(case, found.rows[0])
         change = abs((found.mine.value or 0.0) - (found.theirs.value or 0.0))
         limit = None if limiting is None else limiting.effort_limit
+        met = case.is_met(found.rows[0].artifact)
         small = found.field == "frictionloss" and limit is not None and change < _UNFELT * limit
-        return Severity.INFO if small else self.severity, self.confidence
+        return Severity.INFO if met or small else self.severity, self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

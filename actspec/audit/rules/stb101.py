@@ -69,6 +69,9 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
             ):
                 # Step, integrator and what it carries are those of the model that includes or mounts it.
                 found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
+            elif found.severity is Severity.WARNING and case.is_met(rows[0].artifact):
+                # One pose among many may be met by nobody.
+                found = replace(found, severity=Severity.INFO)
             yield found
 
     def _finding(
@@ -83,7 +86,8 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         beyond = figure >= limit
         sure = beyond and reference is not None and drive.figure(reference) >= limit
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
-        if beyond and row.effort_limit is not None and 0.0 < row.effort_limit < math.inf:
+        clamped = robot.eulerdamp or not row.joint_damping
+        if beyond and clamped and row.effort_limit is not None and 0.0 < row.effort_limit < math.inf:
             what += f" as far as the limit of {shown(row, 'effort_limit', row.effort_limit)} lets it"
         return Finding(
             self.code,

@@ -128,7 +128,9 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
             return None
         # Where one side has 0, that one is the odd one; else the second, the first being the pattern.
         field, a, b = differing[0] if differing else ("", 1.0, 1.0)
-        odd, other = (left[0], right[0]) if a == 0.0 else (right[0], left[0])
+        odd, other = (
+            (left[0], right[0]) if a == 0.0 or _is_rarer(case, left[0], field, a, b) else (right[0], left[0])
+        )
         dead = 0.0 in (a, b) and field == "effort_limit"
         identified = not kinds and (
             (all(name in _PASSIVE for name, _, _ in differing) and left[0].artifact in case.once(_identified))
@@ -172,6 +174,12 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         )
 
 
+def _is_rarer(case: Case, row: LedgerRow, field: str, one: float, other: float) -> bool:
+    """Whether fewer joints of the file have one figure than the other: a leg that is unlike the three others."""
+    values = [getattr(each, field) for each in case.rows_of(row.artifact)] if field else []
+    return 0 < values.count(one) < values.count(other)
+
+
 def _is_a_line_of_each(left: LedgerRow, right: LedgerRow, field: str) -> bool:
     """Whether one setting gives each side its own end of a torque-speed line: somebody measured them."""
     return field == "no_load_speed" and left.place(field) == right.place(field)
@@ -191,10 +199,19 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     """Whether it makes no difference: nearly equal friction, gains or speeds, a speed out of reach, an unmet limit."""
     if field in ("kp", "kd"):
         return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
-    if field == "frictionloss":
-        return abs(one - other) <= _ROUGH * max(abs(one), abs(other))
+    if field in ("frictionloss", "joint_damping") and (
+        abs(one - other) <= _ROUGH * max(abs(one), abs(other))
+        or (
+            field == "joint_damping"
+            and case.artifacts[sides[0].artifact].kind is FileKind.URDF
+            and case.is_met(sides[0].artifact)
+        )
+    ):
+        return True
     if field == "velocity_limit" and (
-        min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
+        # Of the programs that read a URDF few read its speeds, and they read those of a configuration first.
+        (case.artifacts[sides[0].artifact].kind is FileKind.URDF and case.has_programs(sides[0].artifact))
+        or min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
         or abs(one - other) <= _NEAR * max(abs(one), abs(other))
     ):
         return True
