@@ -224,7 +224,7 @@ def _resolve(
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
-        if severity is not Severity.INFO and said(finding.code) is None and _is_idle(case, finding):
+        if severity is not Severity.INFO and said(finding.code) is None and _acts_on_nothing(case, finding):
             severity = Severity.INFO
         key = (
             finding.code,
@@ -243,7 +243,7 @@ _WRITTEN_OVER = ("DMP103", "LIM101", "SRC101", "SRC105")
 """Rules about figures of models that programs may write over."""
 
 
-def _is_idle(case: Case, finding: Finding) -> bool:
+def _acts_on_nothing(case: Case, finding: Finding) -> bool:
     """Whether a finding is of what nobody runs, or what that alone speaks against."""
     if finding.code in _WRITTEN_OVER and finding.fields and case.written(finding.span) >= set(finding.fields):
         return True

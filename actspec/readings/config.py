@@ -13,6 +13,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import takewhile
 from typing import Any
 
 from actspec.diagnostics import Span
@@ -127,18 +128,22 @@ def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifac
     return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
 
 
-def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[bool, int, bool]]:
+def agreement(named: str, path: str) -> int:
+    """How many names of two paths agree from the end on: of `d1/urdf/robot.urdf` and `d2/urdf/robot.usd` two."""
+    here, there = (os.path.splitext(each.replace("\\", "/"))[0].split("/")[::-1] for each in (named, path))
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
+
+
+def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[int, int, bool]]:
     """Sorting key of models: the one that a configuration names, then by the joints that it selects in it.
 
     Of equals an MJCF comes first: it says whether the base is free, and a URDF does not.
     """
-    stem = os.path.splitext(os.path.basename(config.model or ""))[0]
 
-    def key(model: Artifact) -> tuple[bool, int, bool]:
+    def key(model: Artifact) -> tuple[int, int, bool]:
         joints = joint_names(model) or ()
         most = sum(len(selected(config, group, joints)) for group in config.groups)
-        other = os.path.splitext(os.path.basename(model.path))[0] != stem
-        return other, -most, model.kind is not FileKind.MJCF
+        return -agreement(config.model or "", model.path), -most, model.kind is not FileKind.MJCF
 
     return key
 
@@ -150,10 +155,14 @@ def _simulated(config: RobotConfig, models: Sequence[Artifact]) -> list[RobotVie
     """
     name = os.path.basename(config.model or "")
     of_file = name.lower().endswith((".urdf", ".xml", ".mjcf"))
+    if not of_file:
+        return [model.robot for model in models if model.robot is not None]
+    named = [model for model in models if os.path.basename(model.path) == name]
+    most = max((agreement(config.model or "", model.path) for model in named), default=0)
     return [
         model.robot
-        for model in models
-        if model.robot is not None and (not of_file or os.path.basename(model.path) == name)
+        for model in named
+        if model.robot is not None and agreement(config.model or "", model.path) == most
     ]
 
 

@@ -162,8 +162,10 @@ def _marks(item: Reported) -> Iterator[tuple[object, ...]]:
         texts = [text.replace(span.path, "#") for text in texts]
     if not finding.joint or item.severity is Severity.INFO:
         yield (*about, *texts)
-    # A warning or error of other joints is another one: each file has its line. A limit that nobody filled in is one
-    # thing that was left out, whatever the joints.
+    # A warning or error of other joints is another one: each file has its line. A limit that nobody filled in, or that
+    # has no effect where it is written, is one thing, whatever the joints.
+    if finding.fields == ("velocity_limit",) and finding.value is None and not held:
+        yield (*about, texts[0])
     value = finding.value if LIMITS.intersection(finding.fields[:1]) else None
     if value is not None and (value == 0.0 or is_placeholder(value)):
         yield (*about, _plain(texts[0]))

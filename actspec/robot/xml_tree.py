@@ -307,6 +307,9 @@ _DECLARED = re.compile(rb"""<\?xml\b[^>]*?\bencoding\s*=\s*["']([A-Za-z][A-Za-z0
 _LENIENT = " (MuJoCo reads it as it is, other readers of XML do not)"
 
 
+_DECLARATIONS = (b"<!DOCTYPE", b"<!ENTITY", b"<!ELEMENT", b"<!ATTLIST", b"<!NOTATION", b"<![")
+"""What expat knows, which is refused or read by itself."""
+
 _LATE = re.compile(rb"\s+<\?xml\b[^>]*\?>")
 _TAG = re.compile(rb"""<[^<>"']*(?:(?:"[^"<]*"|'[^'<]*')[^<>"']*)*>""")
 _VALUE = re.compile(rb"""(?:"[^"]*"|'[^']*')((?=[^\s"'/>?]))?""")
@@ -318,8 +321,8 @@ class _Lenient:
     """A file as expat takes it.
 
     Attributes:
-        data: With spaces for comments that have `--` and for a declaration behind white space, and with one between
-            attributes that touch.
+        data: With spaces for comments that have `--`, for tags that begin with `<!` and are nothing, and for a
+            declaration behind white space, and with one between attributes that touch.
         added: Places in `data` of the latter, in order.
     """
 
@@ -349,6 +352,15 @@ def _as_mujoco_reads(data: bytes) -> _Lenient:
             if data.find(b"--", at + 4, end + 2) < end:
                 parts += [data[last : at + 4], _blank(data[at + 4 : end])]
                 last = end
+            at = data.find(b"<", end)
+            continue
+        if data.startswith(b"<!", at) and not data.startswith(_DECLARATIONS, at):
+            # `<!-\\- a comment, almost -\\->`: MuJoCo reads it as nothing, as far as its first `>`.
+            end = data.find(b">", at) + 1
+            if end == 0:
+                break
+            parts += [data[last:at], _blank(data[at:end])]
+            last = end
             at = data.find(b"<", end)
             continue
         tag = _TAG.match(data, at)

@@ -279,6 +279,29 @@ def test_a_late_declaration(before: str, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("tag", "joints"),
+    [
+        (r"<!-\- a comment, almost -\->", 1),
+        ("<!x y='1'>", 1),
+        ("<!x <joint name='b'/> >", 1),
+        ("<!x ><joint name='b'/>", 2),
+    ],
+)
+def test_a_tag_that_is_nothing(tag: str, joints: int) -> None:
+    """MuJoCo reads `<!` as nothing up to the first `>`; what follows has its place in the file."""
+    text = f"<mujoco>\n<worldbody><body>{tag}\n<joint name='a'/><geom size='1'/></body></worldbody></mujoco>"
+    assert mujoco.MjModel.from_xml_string(text).njnt == joints
+    found = [
+        element
+        for body in parsed(text).root.children[0].children
+        for element in body.children
+        if element.tag == "joint"
+    ]
+    assert len(found) == joints
+    assert text[found[-1].start :].startswith("<joint name='a'/>")
+
+
+@pytest.mark.parametrize(
     ("tail", "read"),
     [
         ("\n</mujoco>", True),

@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from os.path import basename
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
@@ -27,6 +28,7 @@ _ZERO = {
 }
 """Field of Isaac Lab 2.x to what 0 does there."""
 
+_MIMIC = re.compile(rb"mimic[\w ]*joint", re.IGNORECASE)
 _PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
 
 
@@ -42,7 +44,11 @@ class DictMissesJoint(RuleInParts):
         """Find joints without a key."""
         if not is_native(case.versions):
             for group in groups_of(case, Framework.ISAACLAB):
-                yield from self._missed(group)
+                found = self._missed(group)
+                if group.artifact in case.once(_with_mimics):
+                    # Such a joint follows another one, in the USD, and needs no drive.
+                    found = ([replace(one, severity=Severity.INFO) for one in some] for some in found)
+                yield from found
         for index, artifact in case.of_kind(FileKind.CFG):
             config = artifact.config
             if config is None or config.framework is not Framework.LEGGED_GYM:
@@ -97,6 +103,12 @@ class DictMissesJoint(RuleInParts):
                     joint,
                     help=f"keys: {', '.join(map(repr, keys[:8]))}",
                 )
+
+
+def _with_mimics(case: Case) -> frozenset[int]:
+    """Configurations whose file speaks of mimic joints."""
+    files = {file.path for file in case.files if any(_MIMIC.search(part.data) for part in file.files)}
+    return frozenset(index for index, artifact in case.of_kind(FileKind.CFG) if artifact.path in files)
 
 
 def _keys(setting: Setting | None) -> Sequence[str] | None:

@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from itertools import takewhile
-from os.path import splitext
+from os.path import basename, splitext
 
 from actspec.audit.case import Case
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
+from actspec.readings.config import agreement
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.pair import matching
 
@@ -108,12 +108,9 @@ def names_model(case: Case, config: RobotConfig, model: Artifact) -> bool:
     """
     if config.model is None:
         return True
-    named = _from_the_end(config.model)
-    if named[0] != _from_the_end(model.path)[0]:
-        return False
-    return _alike(named, model.path) == max(
-        _alike(named, path) for path in case.once(_models_by_stem)[named[0]]
-    )
+    found = agreement(config.model, model.path)
+    paths = case.once(_models_by_stem).get(_stem(config.model), ())
+    return found > 0 and found == max(agreement(config.model, path) for path in paths)
 
 
 def _models_by_stem(case: Case) -> dict[str, list[str]]:
@@ -121,19 +118,12 @@ def _models_by_stem(case: Case) -> dict[str, list[str]]:
     found: dict[str, list[str]] = {}
     for artifact in case.artifacts:
         if artifact.robot is not None:
-            found.setdefault(_from_the_end(artifact.path)[0], []).append(artifact.path)
+            found.setdefault(_stem(artifact.path), []).append(artifact.path)
     return found
 
 
-def _from_the_end(path: str) -> list[str]:
-    """A file's name without its ending, then its folders from the last one on."""
-    return splitext(path.replace("\\", "/"))[0].split("/")[::-1]
-
-
-def _alike(named: list[str], path: str) -> int:
-    """How many names from the end on are those of a path."""
-    pairs = zip(named, _from_the_end(path), strict=False)
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], pairs))
+def _stem(path: str) -> str:
+    return splitext(basename(path.replace("\\", "/")))[0]
 
 
 def major_version(version: str | None) -> int:

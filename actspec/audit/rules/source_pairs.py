@@ -20,6 +20,7 @@ from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Framework, Robot
 from actspec.readings.compare import Figure, angle_slip, times
+from actspec.readings.config import agreement
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
@@ -74,6 +75,7 @@ class Disagreement:
         one_machine: Whether links and ranges speak of one machine, or do not speak.
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
         backed: Whether files of more kinds that are run have the other figure than this one.
+        both_published: Whether the robot's maker publishes both figures.
     """
 
     rows: Sequence[LedgerRow]
@@ -85,6 +87,7 @@ class Disagreement:
     one_machine: bool
     published: str = ""
     backed: bool = False
+    both_published: bool = False
 
     @property
     def ratio(self) -> float | None:
@@ -142,7 +145,7 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
         return found
     mine = found.rows[0]
     joints = {
-        (known.robot.name, _published(known.robot, name, found.field))
+        (known.robot.name, *_published(known.robot, name, found.field))
         for known in case.once(likenesses)
         for row, names in known.joints
         # A task's configuration has the name of its task, and its robot's figures where the robot has them.
@@ -153,9 +156,11 @@ def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:
     # The same for all joints that the row may be: else nobody is right or wrong by it.
     if len(joints) != 1:
         return found
-    ((name, figures),) = joints
+    ((name, figures, one_figure),) = joints
     here, there = (any(same(each.value, figure) for figure in figures) for each in (found.mine, found.theirs))
-    if here is there:
+    if here and there:
+        return replace(found, both_published=True)
+    if here is there or not one_figure:
         return found
     return replace(found.turned if here else found, published=name)
 
@@ -187,12 +192,15 @@ def _stated_by_kinds(
     return found
 
 
-def _published(robot: KnownRobot, name: str, field: str) -> frozenset[float]:
-    """What the maker publishes of a joint, of all variants: the figure may be all that tells them apart."""
+def _published(robot: KnownRobot, name: str, field: str) -> tuple[frozenset[float], bool]:
+    """What the maker publishes of a joint, of all variants: the figure may be all that tells them apart.
+
+    And whether all variants have one motor there: else another figure may be of a variant that is not known.
+    """
     joints = [variant[name] for variant in robot.variants.values()]
-    figures = (getattr(joint, _PUBLISHED[field]) for joint in joints if joint.maker)
-    also = (figure for joint in joints for figure in joint.also if field == "effort_limit")
-    return frozenset(figure for figure in (*figures, *also) if figure is not None)
+    figures = {getattr(joint, _PUBLISHED[field]) for joint in joints if joint.maker} - {None}
+    also = {figure for joint in joints for figure in joint.also if field == "effort_limit"}
+    return frozenset(figures | also), len(figures) == 1
 
 
 def compared(case: Case, fields: Sequence[str], kind: FileKind | None = None) -> bool:
@@ -385,12 +393,16 @@ def _is_one_place(one: Span, other: Span, real_path: Callable[[str], str]) -> bo
     return one.line == other.line and real_path(one.path) == real_path(other.path)
 
 
-def _distance(case: Case, one: int, other: int) -> tuple[bool, bool, bool]:
-    """Sorting key of the files that another may be held to: what is run, of the same variant, of the same name."""
-    artifact = case.artifacts[other]
+def _distance(case: Case, one: int, other: int) -> tuple[bool, bool, int, bool]:
+    """Sorting key of the files that another may be held to.
+
+    What is run, of the same variant, what a configuration names, of the same name.
+    """
+    artifact, config = case.artifacts[other], case.artifacts[one].config
+    named = 0 if config is None else agreement(config.model or "", artifact.path)
     idle = case.is_idle(Span(artifact.path) if artifact.config is None else artifact.config.span)
     stems = {os.path.splitext(os.path.basename(case.artifacts[index].path))[0] for index in (one, other)}
-    return idle, _are_variants(case, one, other), len(stems) > 1
+    return idle, _are_variants(case, one, other), -named, len(stems) > 1
 
 
 def _are_variants(case: Case, one: int, other: int) -> bool:
@@ -596,7 +608,7 @@ class SourceRule(RuleInParts):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
-        if is_overridden(case, found):
+        if is_overridden(case, found) or found.both_published:
             severity, confidence = Severity.INFO, Confidence.LOW
         elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM

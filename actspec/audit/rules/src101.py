@@ -39,8 +39,12 @@ class EffortLimit(SourceRule):
     needs = "an effort limit of one joint"
 
     def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
-        """A placeholder."""
-        return is_no_limit(found)
+        """A placeholder; or a limit that two actuators of a joint have each, and another file has for the joint."""
+        each = any(
+            len(rows) > 1 and all(same(row.effort_limit, figure.value or 0.0) for row in rows)
+            for rows, figure in ((found.rows, found.theirs), (found.others, found.mine))
+        )
+        return each or is_no_limit(found)
 
     def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
         """One each; those with a file that has one limit for joints of which another tells the motors apart are one."""

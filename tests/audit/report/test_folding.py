@@ -75,6 +75,13 @@ def test_what_several_files_have_is_reported_once() -> None:
     assert render(_report(*alike), "github", ReportOptions()).count("LIM901") == 4
 
 
+def test_what_has_no_effect_is_reported_once() -> None:
+    """A speed limit that several configurations write in vain is one habit; an effort limit is each robot's own."""
+    for field, count in (("velocity_limit", 1), ("effort_limit", 3)):
+        found = [_one(1, "it is ignored", j, path=f"{j}.py", fields=(field,)) for j in "abc"]
+        assert len(_groups(*found)) == count
+
+
 def test_what_nobody_filled_in_is_reported_once() -> None:
     """Zeros of several robots are one thing that was left out, as placeholders are; other figures are not."""
     zeros = [
