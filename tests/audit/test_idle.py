@@ -402,20 +402,29 @@ def test_one_limit_of_a_urdf_beside_an_mjcf() -> None:
         assert {item.severity for item in found} == severities
 
 
-@pytest.mark.parametrize(("named", "severity"), [("r", Severity.INFO), ("r/*", Severity.WARNING)])
-def test_rotors_and_friction_of_files_in_a_folder(named: str, severity: Severity) -> None:
-    """What two of them have apart is a note; whoever names both wants to know."""
+@pytest.mark.parametrize(
+    ("hip", "named", "severity"), [(0.1, "r", "info"), (0.2, "r", "warning"), (0.1, "", "warning")]
+)
+def test_one_armature_for_all_in_a_folder(hip: float, named: str, severity: str) -> None:
+    """It is nobody's, and no evidence against a configuration; whoever names both files wants to know."""
+    joints = "".join(
+        f'<joint name="{name}" armature="{armature}"/>'
+        for name, armature in (("left_knee", 0.1), ("right_knee", 0.1), ("left_hip", hip), ("right_hip", hip))
+    )
+    motors = "".join(
+        f'<motor joint="{side}_{name}"/>' for side in ("left", "right") for name in ("hip", "knee")
+    )
     Path("r/dog.xml").write_text(
-        '<mujoco model="dog"><worldbody><body><joint name="left_knee" armature="0.1"/><geom size="0.1"/><body>'
-        '<joint name="right_knee" armature="0.2" frictionloss="3"/><geom size="0.1"/></body></body></worldbody>'
-        '<actuator><motor joint="left_knee"/><motor joint="right_knee"/></actuator></mujoco>'
+        f'<mujoco model="dog"><worldbody><body>{joints}<geom size="0.1"/></body></worldbody>'
+        f"<actuator>{motors}</actuator></mujoco>"
     )
     text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
-    more = "damping=1.0, armature=0.02, friction={'right_knee': 0.1}"
-    Path("r/dog.py").write_text(text.replace("damping=1.0", more))
-    files = ["r"] if named == "r" else ["r/dog.xml", "r/dog.py"]
+    Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, armature=0.009"))
+    files = [named] if named else ["r/dog.xml", "r/dog.py"]
     found = audit(files, Settings(select=("SRC104",))).findings
-    assert {(Path(item.finding.span.path).name, item.severity) for item in found} == {("dog.py", severity)}
+    assert {(Path(item.finding.span.path).name, item.severity.value) for item in found} == {
+        ("dog.py", severity)
+    }
 
 
 @pytest.mark.parametrize(

@@ -28,16 +28,18 @@ class Armature(SourceRule):
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
         """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces.
 
-        And in a folder, as published armatures of one motor differ by as much.
+        In a folder it is also where it is far off, and where a framework has one number for all.
         """
-        if case.is_met(found.rows[0].artifact) or any(
-            _is_default(case, rows[0]) for rows in (found.rows, found.others)
-        ):
+        if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):
             return Severity.INFO, self.confidence
-        near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         mine, theirs = (
             rows[0].artifact in case.once(_of_one_armature) for rows in (found.rows, found.others)
         )
+        config = case.artifacts[found.rows[0].artifact].config
+        of_all = config is not None and config.framework is Framework.LEGGED_GYM
+        if case.is_met(found.rows[0].artifact) and (theirs or of_all):
+            return Severity.INFO, Confidence.LOW
+        near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         return (Severity.INFO if near and theirs and not mine else self.severity), self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
