@@ -13,7 +13,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import takewhile
 from typing import Any
 
 from actspec.diagnostics import Span
@@ -28,7 +27,7 @@ from actspec.readings.artifact import (
     Setting,
 )
 from actspec.readings.ledger import LedgerRow, dynamics_at
-from actspec.readings.pair import joint_names, matching
+from actspec.readings.pair import agreement, joint_names, matching
 from actspec.readings.versions import Versions, friction_unit_of, has_dynamic, is_native
 from actspec.robot.view import JointInertia, JointView, ModelFormat, RobotView
 from actspec.simulators.isaaclab import FrictionUnit
@@ -126,12 +125,6 @@ def models_of(config: RobotConfig, partners: Sequence[Artifact]) -> list[Artifac
         partners: Artifacts of the same robot.
     """
     return sorted((partner for partner in partners if partner.robot is not None), key=_fit(config))
-
-
-def agreement(named: str, path: str) -> int:
-    """How many names of two paths agree from the end on: of `d1/urdf/robot.urdf` and `d2/urdf/robot.usd` two."""
-    here, there = (os.path.splitext(each.replace("\\", "/"))[0].split("/")[::-1] for each in (named, path))
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
 
 
 def _fit(config: RobotConfig) -> Callable[[Artifact], tuple[int, int, bool]]:

@@ -12,6 +12,7 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, lru_cache
+from itertools import takewhile
 
 from actspec.fields import PLACEHOLDER
 from actspec.ir import JointKind
@@ -181,15 +182,25 @@ def _with_nameless(
 def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[Sequence[int]]) -> list[int]:
     """The groups with the model whose file a configuration names; none where it is called as any may be."""
     config = artifacts[index].config
-    stem = _stem((config.model if config is not None else None) or "")
-    if not telling(stem) - _KINDS:
+    named = (config.model if config is not None else None) or ""
+    found = {i: agreement(named, one.path) for i, one in enumerate(artifacts) if one.robot is not None}
+    most = max(found.values(), default=0)
+    # `robot.urdf` may be any; `PF_TRON1A/urdf/robot.urdf` is one.
+    told = "-".join(os.path.splitext(named.replace("\\", "/"))[0].split("/")[-most:]) if most else ""
+    if not telling(told) - _KINDS:
         return []
     return [
         g
         for g, group in enumerate(groups)
-        if any(_stem(artifacts[i].path) == stem for i in group if artifacts[i].robot is not None)
+        if any(found.get(i) == most for i in group)
         and _fits(config, [n for i in group for n in joint_names(artifacts[i]) or ()], VARIANT)
     ]
+
+
+def agreement(named: str, path: str) -> int:
+    """How many names of two paths agree from the end on: of `d1/urdf/robot.urdf` and `d2/urdf/robot.usd` two."""
+    here, there = (os.path.splitext(each.replace("\\", "/"))[0].split("/")[::-1] for each in (named, path))
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
 
 
 def _stem(path: str) -> str:

@@ -14,9 +14,8 @@ from os.path import basename, splitext
 
 from actspec.audit.case import Case
 from actspec.readings.artifact import ActuatorGroup, Artifact, FileKind, Framework, RobotConfig, Setting
-from actspec.readings.config import agreement
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import matching
+from actspec.readings.pair import agreement, matching
 
 FRAMEWORKS = {Framework.ISAACLAB: "Isaac Lab", Framework.MJLAB: "mjlab"}
 

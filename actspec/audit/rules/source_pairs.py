@@ -20,11 +20,10 @@ from actspec.fields import FIELDS, LIMITS, is_placeholder
 from actspec.joints import JointKind
 from actspec.readings.artifact import FileKind, Framework, Robot
 from actspec.readings.compare import Figure, angle_slip, times
-from actspec.readings.config import agreement
 from actspec.readings.dynamics import figure
 from actspec.readings.joint import read_joint
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import are_one_body, distinctive, joint_names, last_numbers, series
+from actspec.readings.pair import agreement, are_one_body, distinctive, joint_names, last_numbers, series
 from actspec.units import format_quantity
 
 TIMES = 3.0

@@ -41,8 +41,8 @@ class EffortLimit(SourceRule):
     def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
         """A placeholder; or a limit that two actuators of a joint have each, and another file has for the joint."""
         each = any(
-            len(rows) > 1 and all(same(row.effort_limit, figure.value or 0.0) for row in rows)
-            for rows, figure in ((found.rows, found.theirs), (found.others, found.mine))
+            len(side.rows) > 1 and same(side.mine.value, len(side.rows) * (side.theirs.value or 0.0))
+            for side in (found, found.turned)
         )
         return each or is_no_limit(found)
 
