@@ -46,7 +46,11 @@ _SECTIONS = (
     "asset actuator body compiler contact custom default equality keyframe sensor tendon visual worldbody"
 )
 _ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
-"""Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files."""
+"""Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files, or
+that everything in it is of `_IN_ROOTS`."""
+_IN_ROOTS = frozenset(
+    (*_SECTIONS.split(), "deformable", "extension", "include", "option", "size", "statistic")
+)
 _MODELS = frozenset(("mujoco", "robot"))
 """Roots of an attached model."""
 
@@ -188,7 +192,8 @@ class _Assembly:
             return None
         root = elements[0]
         self._elements += len(elements)
-        if site is not None and root.tag not in roots:
+        sections = bool(chain and root.children) and all(child.tag in _IN_ROOTS for child in root.children)
+        if site is not None and root.tag not in roots and not sections:
             self._no_model(file, site, chain)
             return None
         if chain and len(elements) == 1:
@@ -204,7 +209,7 @@ class _Assembly:
     def _no_model(self, file: ModelFile, site: Span, chain: tuple[str, ...]) -> None:
         # Nothing of the file is shown: it may be any file of this machine.
         message = f"the included file {file.include!r} is not an MJCF file"
-        help = "an included file is XML with the root <mujocoinclude>, <mujoco> or another element of MJCF"
+        help = "an included file is XML with the root <mujocoinclude> or <mujoco>, or with sections of MJCF alone"
         if not chain:
             message = f"the attached model {file.include!r} is not an MJCF or URDF file"
             help = "an attached model is XML with the root <mujoco> or <robot>"

@@ -677,8 +677,25 @@ def test_content_of_a_foreign_file_is_never_shown(secret: str, kind: str, tmp_pa
         open_document(path)
     assert str(caught.value) == (
         f"{path}:1:9: ROBOT008: the included file '../secret' {kind}\n"
-        "  help: an included file is XML with the root <mujocoinclude>, <mujoco> or another element of MJCF"
+        "  help: an included file is XML with the root <mujocoinclude> or <mujoco>, or with sections of MJCF alone"
     )
+
+
+@pytest.mark.parametrize(
+    ("inside", "read"),
+    [("<asset/><option timestep='0.1'/>", True), ("<asset/><password/>", False), ("", False)],
+)
+def test_a_root_of_any_name(inside: str, read: bool, tmp_path: Path) -> None:
+    """MuJoCo takes any root of an include away; what has nothing but sections of MJCF in it is one."""
+    path = written(
+        tmp_path, {"m/main.xml": including("parts.xml"), "m/parts.xml": f"<parts>{inside}</parts>"}
+    )
+    if not read:
+        with pytest.raises(RobotError, match="ROBOT008"):
+            open_document(path)
+        return
+    assert [element.tag for element in open_document(path).walk()] == ["mujoco", "asset", "option"]
+    assert mujoco.MjModel.from_xml_path(str(path)).opt.timestep == 0.1
 
 
 def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:
