@@ -77,7 +77,7 @@ _OF_ANY_ROBOT = frozenset(
 
 ASIDE = re.compile(
     r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
-    r"|(?:^|[/\\])(?:tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
+    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|vendor|tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
 )

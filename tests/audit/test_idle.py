@@ -239,10 +239,11 @@ def test_a_motor_without_a_limit(drive: str) -> None:
     assert [item.severity for item in audit(["r"], rule).findings] == [expected]
 
 
-def test_a_model_for_inverse_kinematics() -> None:
-    """It is never stepped."""
-    Path("r/inverse_kinematics").mkdir()
-    Path("r/models/two.urdf").rename("r/inverse_kinematics/two.urdf")
+@pytest.mark.parametrize("folder", ["inverse_kinematics", "third_party", "archive", "before_the_fix"])
+def test_a_model_that_is_aside(folder: str) -> None:
+    """It is never stepped, or somebody else's, or old."""
+    Path("r", folder).mkdir()
+    Path("r/models/two.urdf").rename(f"r/{folder}/two.urdf")
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
 
 
@@ -320,7 +321,7 @@ def test_what_only_an_idle_configuration_names(used: bool) -> None:
 
 
 def test_a_model_that_nothing_drives() -> None:
-    """Of a folder without a configuration it is there to be seen; by name, or with a configuration, it is not."""
+    """In a folder it is there to be seen; by name, or with a configuration that gives it actuators, it is not."""
     model = """<mujoco><worldbody><body>
     <joint name="left_knee" actuatorfrcrange="-36 36"/><joint name="right_knee" axis="0 1 0" actuatorfrcrange="-30 30"/>
     <geom size="0.1"/></body></worldbody></mujoco>"""
@@ -330,6 +331,12 @@ def test_a_model_that_nothing_drives() -> None:
     assert severities("r") == {"dog": Severity.INFO}
     assert severities("r/models/dog.xml") == {"dog": Severity.WARNING}
     Path("r/dog.py").write_text(CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0"))
+    assert severities("r") == {"dog": Severity.INFO}
+    Path("r/dog.py").write_text(
+        "from mjlab.actuator import BuiltinPositionActuatorCfg\nfrom mjlab.entity import EntityArticulationInfoCfg\n"
+        'KNEES = BuiltinPositionActuatorCfg(target_names_expr=(".*_knee",), stiffness=10.0, damping=1.0)\n'
+        "DOG_ARTICULATION = EntityArticulationInfoCfg(actuators=(KNEES,))\n"
+    )
     assert severities("r") == {"dog": Severity.WARNING}
 
 

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
-from actspec.audit.rules.joints import finite, is_exporters, partner_rows, shown, top_speed, unit
+from actspec.audit.rules.joints import finite, is_exporters, is_undriven, partner_rows, shown, top_speed, unit
 from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
@@ -65,7 +65,7 @@ class DampingOutsideClamp(RuleInParts):
                 told = (top_speed(row) for row in every if row.velocity_limit not in exported)
                 speeds[key] = min(filter(None, told), default=None)
             speed = speeds[key]
-            if _brakes_by_intent(case, row):
+            if is_undriven(case, row) or _brakes_by_intent(case, row):
                 yield ()
                 continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:

@@ -10,7 +10,7 @@ from itertools import product
 from actspec.audit.case import Case
 from actspec.fields import PLACEHOLDER_SPEED, unit_of
 from actspec.ir import JointKind
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 from actspec.readings.versions import Versions, friction_unit_of
 from actspec.units import format_quantity
@@ -147,7 +147,8 @@ def is_exporters(row: LedgerRow) -> bool:
 def is_undriven(case: Case, row: LedgerRow) -> bool:
     """Whether nothing drives a joint of an MJCF, so that its limit there bounds no torque.
 
-    No actuator of the file does, which has others, or was met in a folder without a configuration of its robot.
+    No actuator of the file does, which has others, or was met in a folder without a configuration of its robot that may
+    give it some.
 
     Source: MuJoCo, XML reference, joint/actuatorfrcrange: the range clamps what actuators give.
     """
@@ -155,7 +156,13 @@ def is_undriven(case: Case, row: LedgerRow) -> bool:
         return False
     if any(other.control != "none" for other in case.rows_of(row.artifact)):
         return True
-    return case.is_met_alone(row.artifact)
+    return case.is_met(row.artifact) and not is_driven_by_mjlab(case, row)
+
+
+def is_driven_by_mjlab(case: Case, row: LedgerRow) -> bool:
+    """Whether an mjlab configuration of the robot gives a model its actuators, and decides on step and integrator."""
+    configs = (case.artifacts[other.artifact].config for other in partner_rows(case, row, FileKind.CFG))
+    return any(config is not None and config.framework is Framework.MJLAB for config in configs)
 
 
 _UNDRIVEN = re.compile(

@@ -8,9 +8,9 @@ from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, partner_rows, shown
+from actspec.audit.rules.joints import by_joint, is_driven_by_mjlab, shown
 from actspec.laws.stability import LIMIT, StepDrive
-from actspec.readings.artifact import Artifact, FileKind, Framework, without_comments
+from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.ledger import LedgerRow
 from actspec.robot.view import RobotView
 
@@ -58,7 +58,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         figure = drive.figure(least)
         limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
         threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
-        if drive.explicit > 0.0 and figure >= threshold and not _runs_in_mjlab(case, rows[0]):
+        if drive.explicit > 0.0 and figure >= threshold and not is_driven_by_mjlab(case, rows[0]):
             found = self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
             artifact = case.artifacts[rows[0].artifact]
             if not artifact.states(b"<option") and (
@@ -149,12 +149,3 @@ def _with_options_of_others(case: Case) -> frozenset[int]:
         if file.include
     }
     return frozenset(index for index, artifact in models if os.path.realpath(artifact.path) in included)
-
-
-def _runs_in_mjlab(case: Case, row: LedgerRow) -> bool:
-    """Whether an mjlab configuration of the robot decides on step and integrator."""
-    for other in partner_rows(case, row, FileKind.CFG):
-        config = case.artifacts[other.artifact].config
-        if config is not None and config.framework is Framework.MJLAB:
-            return True
-    return False
