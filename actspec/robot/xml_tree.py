@@ -321,8 +321,8 @@ class _Lenient:
     """A file as expat takes it.
 
     Attributes:
-        data: With spaces for comments that have `--`, for tags that begin with `<!` and are nothing, and for a
-            declaration behind white space, and with one between attributes that touch.
+        data: With spaces for comments that have `--`, for tags that begin with `<!` and are nothing, for text before
+            the root and for a declaration behind white space, and with one between attributes that touch.
         added: Places in `data` of the latter, in order.
     """
 
@@ -344,6 +344,10 @@ def _as_mujoco_reads(data: bytes) -> _Lenient:
         parts.append(_blank(late[0]))
         last = late.end()
     at = data.find(b"<", last)
+    if last == 0 and at > 0 and data[:at].removeprefix(_BOM).strip() and not data.startswith(b"<?xml", at):
+        # MuJoCo passes over text before the root, as over any between elements.
+        parts.append(_blank(data[:at]))
+        last = at
     while at >= 0:
         if data.startswith(b"<!--", at):
             end = data.find(b"-->", at + 4)

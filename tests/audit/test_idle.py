@@ -282,6 +282,34 @@ def test_a_urdf_is_no_evidence_against_a_configuration(files: list[str], severit
     }
 
 
+@pytest.mark.parametrize(("limits", "severity"), [((20, 20, 20, 20), "info"), ((20, 20, 20, 21), "error")])
+def test_one_limit_for_all_is_no_evidence(limits: tuple[int, ...], severity: str) -> None:
+    """URDF and MJCF of one export agree on 20 N*m for every joint: nobody looked a motor up, and the task has 6."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    names = ("left_hip", "right_hip", "left_knee", "right_knee")
+    joints = "".join(
+        f'<joint name="{name}" type="revolute"><parent link="base"/><child link="{name}_link"/>'
+        f'<limit lower="-1" upper="1" effort="{limit}" velocity="9"/></joint>'
+        for name, limit in zip(names, limits, strict=True)
+    )
+    links = "".join(f'<link name="{name}_link"/>' for name in names)
+    Path("r/models/dog.urdf").write_text(f'<robot name="dog"><link name="base"/>{links}{joints}</robot>')
+    bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
+    motors = "".join(
+        f'<motor joint="{name}" forcerange="-{limit} {limit}"/>'
+        for name, limit in zip(names, limits, strict=True)
+    )
+    Path("r/models/dog.xml").write_text(
+        f'<mujoco model="dog"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    )
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    drive = 'damping=1.0, effort_limit_sim={"left_knee": 6.0, "right_knee": 6.0}'
+    Path("r/dog.py").write_text(text.replace("damping=1.0", drive))
+    found = audit(["r"], Settings(select=("SRC101",))).findings
+    assert {(item.finding.span.path, item.severity.value) for item in found} == {("r/dog.py", severity)}
+
+
 def test_a_spec_is_there_for_every_file() -> None:
     """What it holds files to does not ask who names them."""
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")

@@ -260,6 +260,29 @@ def test_help_for_what_mujoco_reads(data: bytes | str) -> None:
     assert "MuJoCo reads it as it is, other readers of XML do not" in refused(data)
 
 
+@pytest.mark.parametrize(
+    ("before", "reads"),
+    [
+        ("C:\\a path ", True),
+        ("a\nb\n", True),
+        ('x<?xml version="1.0"?>', False),
+        ("x<!DOCTYPE mujoco>", False),
+    ],
+)
+def test_text_before_the_root(before: str, reads: bool) -> None:
+    """MuJoCo passes over it; what follows has its place in the file. A DOCTYPE is refused here, wherever it stands."""
+    text = f"{before}<mujoco><worldbody><geom size='1'/></worldbody></mujoco>"
+    if "DOCTYPE" not in before:
+        try:
+            assert mujoco.MjModel.from_xml_string(text).ngeom == 1
+        except ValueError:
+            assert not reads
+    if reads:
+        assert parsed(text).root.start == len(before)
+    else:
+        assert refused(text)
+
+
 @pytest.mark.parametrize("before", ["\n", " ", "<!-- licence -->\n", "<!-- a -->"])
 def test_a_late_declaration(before: str, tmp_path: Path) -> None:
     """It is read where the installed MuJoCo reads it: behind white space, not behind a comment."""

@@ -31,8 +31,8 @@ class LineBelowLimit(RuleOver[_Subject]):
         if stall < limit < math.inf and not math.isclose(stall, limit, rel_tol=1e-3):
             yield Finding(
                 self.code,
-                f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached: the torque-speed line "
-                f"begins at {shown(row, 'effort_limit', stall)}, at standstill",
+                f"the effort limit of {shown(row, 'effort_limit', limit)} is never reached by what drives the joint: "
+                f"the torque-speed line begins at {shown(row, 'effort_limit', stall)}, at standstill",
                 row.place("stall_torque"),
                 row.joint,
                 stall,

@@ -56,11 +56,24 @@ class EffortLimit(SourceRule):
             if len(one) == 1 and not is_small(item):
                 uniform.setdefault(one[0], []).append((item, sides[one[0]]))
             else:
-                found.append(self.finding(case, item))
-        for held in uniform.values():
+                found.append(self._beside_one_for_all(case, item, self.finding(case, item), one))
+        for key, held in uniform.items():
             each = [self.finding(case, item) for item, _ in held]
-            found += self._of_one_limit(case, each, [side for _, side in held]) or each
+            found += self._of_one_limit(case, each, [side for _, side in held]) or [
+                self._beside_one_for_all(case, item, one, [key])
+                for (item, _), one in zip(held, each, strict=True)
+            ]
         return found
+
+    def _beside_one_for_all(
+        self, case: Case, item: Disagreement, finding: Finding, one: Sequence[tuple[int, bool]]
+    ) -> Finding:
+        """A note where a configuration met in a folder has its own limit, and a model has one for all of its joints."""
+        rows, others = item.rows[0], item.others[0]
+        is_config = case.artifacts[rows.artifact].kind is FileKind.CFG and case.is_met(rows.artifact)
+        if is_config and not item.published and (others.artifact, _is_slide(others)) in one:
+            return replace(finding, severity=Severity.INFO, confidence=Confidence.LOW)
+        return finding
 
     def _of_one_limit(
         self, case: Case, found: Sequence[Finding], held: Sequence[Disagreement]

@@ -45,10 +45,12 @@ class RangeInDegrees(RuleInParts):
                 if _is_degrees_of(command, joint) and index not in locked:
                     found.append(row)
         least = self.option(case, "least")
+        # One range that is radians by its servo tells that all of the file are, endless joints' too.
+        radians = {row.artifact for row in found if not _turns(row)}
         fixes = _range_fixes(case) if any(_turns(row) for row in found) else {}
         for row in found:
             assert row.command_range is not None and row.position_range is not None
-            if _turns(row):
+            if _turns(row) and row.artifact not in radians:
                 found_here = self._of_control(row, row.command_range, row.position_range, fixes.get(row.span))
                 # Included by a file in radians, both would be the same few turns.
                 few = case.artifacts[row.artifact].is_part and largest(row.command_range) < least

@@ -3,9 +3,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
+from actspec.audit.case import MODELS
 from actspec.audit.known import likenesses, same
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.configs import IMPLICIT, Group, groups_of
+from actspec.audit.rules.joints import partner_rows
 from actspec.fields import PLACEHOLDER_SPEED
 from actspec.readings.artifact import Framework, Setting
 from actspec.readings.versions import is_native
@@ -46,12 +48,16 @@ class ImplicitVelocityLimit(RuleOver[Group]):
 
 
 def _changes_nothing(case: Case, group: Group, joint: str, setting: Setting) -> bool:
-    """Whether no joint reaches the limit, or the robot's maker publishes it: the robot's USD has it then."""
+    """Whether no joint reaches the limit, or the robot's USD has it too: its maker publishes it, or its URDF has it."""
     limit = group.number(setting, joint)
     if limit is None:
         return False
     published = case.once(_published).get((group.artifact, joint), ())
-    return limit >= PLACEHOLDER_SPEED or any(same(limit, speed) for speed in published)
+    # The USD was made of the robot's URDF, where that is beside it.
+    row = next(row for row in group.rows if row.joint == joint) if joint and group.rows else None
+    models = () if row is None else partner_rows(case, row, *MODELS)
+    speeds = (*published, *(other.velocity_limit for other in models if other.velocity_limit))
+    return limit >= PLACEHOLDER_SPEED or any(same(limit, speed) for speed in speeds)
 
 
 def _published(case: Case) -> dict[tuple[int, str], set[float]]:
