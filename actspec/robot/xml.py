@@ -49,7 +49,18 @@ _ROOTS = frozenset(("mujoco", "mujocoinclude", *_SECTIONS.split()))
 """Of an included file. MuJoCo takes any away and keeps what is in it; here the root tells an MJCF from other files, or
 that everything in it is of `_IN_ROOTS`."""
 _IN_ROOTS = frozenset(
-    (*_SECTIONS.split(), "deformable", "extension", "include", "option", "size", "statistic")
+    (
+        *_SECTIONS.split(),
+        "deformable",
+        "extension",
+        "include",
+        "option",
+        "size",
+        "statistic",
+        "material",
+        "mesh",
+        "texture",
+    )
 )
 _MODELS = frozenset(("mujoco", "robot"))
 """Roots of an attached model."""

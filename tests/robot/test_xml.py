@@ -721,6 +721,19 @@ def test_a_root_of_any_name(inside: str, read: bool, tmp_path: Path) -> None:
     assert mujoco.MjModel.from_xml_path(str(path)).opt.timestep == 0.1
 
 
+def test_a_root_of_any_name_around_assets(tmp_path: Path) -> None:
+    """As that of a list of meshes that stands in the assets of what includes it."""
+    path = written(
+        tmp_path,
+        {
+            "m/main.xml": "<mujoco><asset><include file='all.xml'/></asset></mujoco>",
+            "m/all.xml": "<textures><texture name='a' type='skybox' builtin='flat' width='8' height='8'/></textures>",
+        },
+    )
+    assert [element.tag for element in open_document(path).walk()] == ["mujoco", "asset", "texture"]
+    assert mujoco.MjModel.from_xml_path(str(path)).ntex == 1
+
+
 def test_an_error_inside_an_include_has_its_own_place(tmp_path: Path) -> None:
     """Once the root shows that a file is an MJCF, its errors are given in full, at its own lines."""
     path = written(tmp_path, {"m/main.xml": including("b.xml"), "m/b.xml": "<mujoco>\n<a>\n</mujoco>"})
