@@ -6,8 +6,9 @@ import json
 import os
 import re
 import stat
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from itertools import takewhile
 from typing import Any
 
 from actspec.diagnostics import bytes_escaped
@@ -100,6 +101,11 @@ def _byte(found: re.Match[str]) -> str:
 
 _NAMED_BYTE = re.compile(r"\\x(5c|[89a-f][0-9a-f])")
 _LIKE_BYTE = re.compile(r"\\(?=x(?:5c|[89a-f][0-9a-f]))")
+
+
+def in_common(one: Sequence[object], other: Sequence[object]) -> int:
+    """How many items two rows have in common, from the first on: folders of two paths, say."""
+    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(one, other, strict=False)))
 
 
 def json_of(data: Any, *, indent: int | None = 2, sort_keys: bool = False) -> str:

@@ -92,7 +92,8 @@ class Case:
 
     def is_met(self, artifact: int) -> bool:
         """Whether an artifact's file was found in a folder that was named."""
-        return self.artifacts[artifact].path in self.once(_met)
+        file = self._file(self.artifacts[artifact].path)
+        return file is not None and file.in_folder
 
     def is_idle(self, place: Span) -> bool:
         """Whether a place is in a file, or in a configuration of one, that nobody runs.
@@ -107,15 +108,21 @@ class Case:
 
     def written(self, place: Span) -> frozenset[str]:
         """Figures of the MJCF at a place that programs of its folder write over."""
-        return self.once(_written).get(place.path, frozenset())
+        file = self._file(place.path)
+        return file.written if file is not None and file.kind is FileKind.MJCF else frozenset()
 
     def has_programs(self, artifact: int) -> bool:
         """Whether programs of a model's folder name models there, this one or others."""
-        return self.artifacts[artifact].path in self.once(_beside_programs)
+        file = self._file(self.artifacts[artifact].path)
+        return file is not None and file.named is not None
 
     def is_run(self, artifact: int) -> bool:
         """Whether a program of its folder names a model."""
-        return self.artifacts[artifact].path in self.once(_run)
+        file = self._file(self.artifacts[artifact].path)
+        return file is not None and file.named is True
+
+    def _file(self, path: str) -> FileReading | None:
+        return self.once(_files).get(path)
 
     def versions_of(self, artifact: int) -> Versions:
         """What an artifact is meant for."""
@@ -140,24 +147,9 @@ class Case:
         return self.options.get(code, {}).get(name, default)
 
 
-def _met(case: Case) -> frozenset[str]:
-    """Files that were found in a folder."""
-    return frozenset(file.path for file in case.files if file.in_folder)
-
-
-def _run(case: Case) -> frozenset[str]:
-    """Models that a program of their folder names."""
-    return frozenset(file.path for file in case.files if file.named)
-
-
-def _written(case: Case) -> dict[str, frozenset[str]]:
-    """MJCFs to what programs of their folder write over."""
-    return {file.path: file.written for file in case.files if file.written and file.kind is FileKind.MJCF}
-
-
-def _beside_programs(case: Case) -> frozenset[str]:
-    """Models in folders whose programs name models."""
-    return frozenset(file.path for file in case.files if file.named is not None)
+def _files(case: Case) -> dict[str, FileReading]:
+    """The files by their paths."""
+    return {file.path: file for file in case.files}
 
 
 def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:

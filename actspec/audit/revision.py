@@ -9,10 +9,10 @@ import os
 import subprocess
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import takewhile
 from pathlib import PurePosixPath
 
 from actspec.diagnostics import AuditError, Span, shortened
+from actspec.files import in_common
 
 _TAKEN = (
     ".xml",
@@ -128,8 +128,7 @@ def _near(path: str, modes: Iterable[str]) -> str | None:
     wanted = path.split("/")[::-1]
 
     def alike(known: str) -> int:
-        pairs = zip(wanted, known.split("/")[::-1], strict=False)
-        return len(list(takewhile(lambda pair: pair[0] == pair[1], pairs)))
+        return in_common(wanted, known.split("/")[::-1])
 
     best = max(modes, key=alike, default="")
     return best if best and alike(best) else None

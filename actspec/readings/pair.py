@@ -12,9 +12,9 @@ import os
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache, lru_cache
-from itertools import takewhile
 
 from actspec.fields import PLACEHOLDER
+from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, Framework, Robot, RobotConfig
@@ -200,7 +200,7 @@ def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[S
 def agreement(named: str, path: str) -> int:
     """How many names of two paths agree from the end on: of `d1/urdf/robot.urdf` and `d2/urdf/robot.usd` two."""
     here, there = (os.path.splitext(each.replace("\\", "/"))[0].split("/")[::-1] for each in (named, path))
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
+    return in_common(here, there)
 
 
 def _stem(path: str) -> str:

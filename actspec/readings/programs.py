@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import dataclass, field
 from functools import cached_property
 
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, in_common, read_regular
 from actspec.readings.artifact import FileKind, FileReading
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
@@ -101,15 +101,16 @@ class Idle:
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
-def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tuple[str, ...]:
-    """Files of a folder that may run or set up something, but for those that call themselves old or a test.
+def files_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> Iterator[str]:
+    """Files of a folder and of those below it, by name; hidden ones are passed over, links to folders not followed.
 
     Args:
         folder: As the user named it.
-        exclude: As in `actspec.readings.read.expand`.
+        exclude: Whether to pass over a folder below it, by its path and whether it was named.
     """
-    found = []
     for inside, folders, names in os.walk(folder):
+        # `sim/a.xml` and not `./sim/a.xml`, as what it includes or imports is named.
+        inside = os.path.normpath(inside) if os.path.normpath(folder) == os.curdir else inside
         folders[:] = sorted(
             name
             for name in folders
@@ -118,11 +119,24 @@ def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tup
             )
         )
         for name in sorted(names):
-            path = os.path.normpath(os.path.join(inside, name))
-            runs = os.path.splitext(name)[1].lower() in (*_COMMENTS, ".xml") and name not in _NO_PROGRAMS
-            if runs and not ASIDE.search(os.path.relpath(path, folder)):
-                found.append(path)
-    return tuple(found)
+            if not name.startswith("."):
+                yield name if inside == os.curdir else os.path.join(inside, name)
+
+
+def programs_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> tuple[str, ...]:
+    """Files of a folder that may run or set up something, but for those that call themselves old or a test.
+
+    Args:
+        folder: As the user named it.
+        exclude: As in `files_in`.
+    """
+    return tuple(
+        path
+        for path in files_in(folder, exclude)
+        if os.path.splitext(path)[1].lower() in (*_COMMENTS, ".xml")
+        and os.path.basename(path) not in _NO_PROGRAMS
+        and not ASIDE.search(os.path.relpath(path, folder))
+    )
 
 
 def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
@@ -144,7 +158,8 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     configs = {path: names for path, reading in members.items() if (names := _configs(reading))}
     if not models and not configs:
         return Idle()
-    texts = dict(_texts(programs))
+    kinds = {path: reading.kind for path, reading in members.items()}
+    texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
     # A configuration that nobody runs runs no model.
@@ -305,7 +320,7 @@ def _closest(
     paths: Sequence[str], folders: Sequence[bytes], by: str, words: Collection[bytes]
 ) -> Sequence[str]:
     """Of models with one name those that are meant: by the folders that stand before it, else by where it is used."""
-    agree = {path: _agreeing(_folders(path), folders) for path in paths}
+    agree = {path: in_common(_folders(path), folders) for path in paths}
     most = max(agree.values())
     if most:
         paths = [path for path in paths if agree[path] == most]
@@ -313,16 +328,6 @@ def _closest(
             return paths
     beside = [path for path in paths if os.path.dirname(path) == os.path.dirname(by)]
     return beside or [path for path in paths if _own_folder(path) in words] or paths
-
-
-def _agreeing(here: Sequence[bytes], there: Sequence[bytes]) -> int:
-    """How many folders agree, from the closest on."""
-    count = 0
-    for one, other in zip(here, there, strict=False):
-        if one != other:
-            break
-        count += 1
-    return count
 
 
 def _folders(path: str) -> list[bytes]:

@@ -13,7 +13,7 @@ from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
 from actspec.files import NotRegular, TooLarge, read_regular
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
-from actspec.readings.programs import ASIDE, Idle, idle, programs_in
+from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
 from actspec.robot.sizes import TOO_LARGE
 from actspec.robot.view import ModelFile, RobotView
 from actspec.spec.variants import split
@@ -307,18 +307,9 @@ def expand(
             if not skip_other or _has_known_ending(path) or not os.path.exists(path):
                 found.setdefault(path, NamedFile(path))
             continue
-        for folder, folders, names in os.walk(path):
-            # `sim/a.xml` and not `./sim/a.xml`, as what it includes or imports is named.
-            folder = os.path.normpath(folder) if os.path.normpath(path) == os.curdir else folder
-            folders[:] = sorted(
-                name
-                for name in folders
-                if not name.startswith(".") and not exclude(os.path.join(folder, name), False)
-            )
-            for name in sorted(names):
-                full = name if folder == os.curdir else os.path.join(folder, name)
-                if _has_known_ending(name) and not name.startswith(".") and not exclude(full, False):
-                    found.setdefault(full, NamedFile(full, path))
+        for full in files_in(path, exclude):
+            if _has_known_ending(full) and not exclude(full, False):
+                found.setdefault(full, NamedFile(full, path))
     return tuple(found.values())
 
 

@@ -197,6 +197,19 @@ def test_a_configuration_that_nothing_imports(task: str, more: str, lines: dict[
     } == lines
 
 
+@pytest.mark.parametrize("named", ["r", "./r", "r/", "./r/../r", "."])
+def test_however_the_folder_is_named(named: str) -> None:
+    """What programs name and import is found in it."""
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
+    Path("r/task.py").write_text("from robots import DOG_CFG\nFILE = 'one.urdf'\n")
+    found = audit([named], Settings(select=("SYM101",))).findings
+    assert sorted(
+        (Path(item.finding.span.path).name, item.finding.span.line)
+        for item in found
+        if item.severity is Severity.INFO
+    ) == [("robots.py", 8), ("two.urdf", 3)]
+
+
 @pytest.mark.parametrize(
     ("task", "more", "severity"),
     [

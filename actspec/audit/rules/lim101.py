@@ -4,7 +4,6 @@ import math
 import os
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
-from itertools import takewhile
 from typing import ClassVar
 
 from actspec.audit.known import likenesses
@@ -13,6 +12,7 @@ from actspec.audit.rules.actuator_texts import WrittenActuator, written_actuator
 from actspec.audit.rules.joints import is_called_undriven, is_exporters, partner_rows, shown, unit
 from actspec.diagnostics import Span
 from actspec.fields import PLACEHOLDER
+from actspec.files import in_common
 from actspec.ir import JointKind
 from actspec.readings.artifact import FileKind
 from actspec.readings.joint import largest
@@ -259,8 +259,7 @@ class NoEffectiveLimit(RuleInParts):
 
 def _common(one: str, other: str) -> int:
     """How many folders two paths have in common: files of one robot lie together."""
-    here, there = (os.path.dirname(path).split(os.sep) for path in (one, other))
-    return sum(1 for _ in takewhile(lambda pair: pair[0] == pair[1], zip(here, there, strict=False)))
+    return in_common(*(os.path.dirname(path).split(os.sep) for path in (one, other)))
 
 
 def _is_unlimited_by_intent(case: Case, index: int) -> bool:
