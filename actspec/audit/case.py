@@ -86,14 +86,13 @@ class Case:
             if artifact.kind in kinds:
                 yield index, artifact
 
-    def is_met_alone(self, artifact: int) -> bool:
-        """Whether a model was found in a folder that was named, with nothing but models of its robot."""
-        return self.is_met(artifact) and self.kinds_by_artifact[artifact] <= MODELS
-
     def is_met(self, artifact: int) -> bool:
         """Whether an artifact's file was found in a folder that was named."""
-        file = self._file(self.artifacts[artifact].path)
-        return file is not None and file.in_folder
+        return self.is_met_at(Span(self.artifacts[artifact].path))
+
+    def is_met_at(self, place: Span) -> bool:
+        """Whether a place is in a file that was found in a folder that was named, or in a part of such files alone."""
+        return self.once(_met).get(place.path, False)
 
     def is_idle(self, place: Span) -> bool:
         """Whether a place is in a file, or in a configuration of one, that nobody runs.
@@ -110,16 +109,6 @@ class Case:
         """Figures of the MJCF at a place that programs of its folder write over."""
         file = self._file(place.path)
         return file.written if file is not None and file.kind is FileKind.MJCF else frozenset()
-
-    def has_programs(self, artifact: int) -> bool:
-        """Whether programs of a model's folder name models there, this one or others."""
-        file = self._file(self.artifacts[artifact].path)
-        return file is not None and file.named is not None
-
-    def is_run(self, artifact: int) -> bool:
-        """Whether a program of its folder names a model."""
-        file = self._file(self.artifacts[artifact].path)
-        return file is not None and file.named is True
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)
@@ -152,11 +141,20 @@ def _files(case: Case) -> dict[str, FileReading]:
     return {file.path: file for file in case.files}
 
 
+def _met(case: Case) -> dict[str, bool]:
+    """Files and what they include, and whether nobody named them or what includes them."""
+    found: dict[str, bool] = {}
+    for file in case.files:
+        for path in (file.path, *(part.path for part in file.files)):
+            found[path] = found.get(path, True) and file.in_folder
+    return found
+
+
 def _idle_parts(case: Case) -> dict[str, list[tuple[int, bool]]]:
     """Files with something that nobody runs: where their parts begin, in order, and whether each is idle."""
     found: dict[str, list[tuple[int, bool]]] = {}
     for file in case.files:
-        if file.put_aside or file.named is False:
+        if file.put_aside or file.unnamed:
             # What an old model includes is as old.
             for path in (file.path, *((part.path for part in file.files) if file.put_aside else ())):
                 found[path] = [(0, True)]

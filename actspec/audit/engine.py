@@ -217,14 +217,14 @@ def _resolve(
 ) -> tuple[Reported, ...]:
     """Findings with name, severity and confidence; the same one of two files that share a part counts once.
 
-    What is wrong in a file or configuration that nobody runs, or beside one alone, is a note.
+    What nobody runs, and what a rule is too seldom right of, is a note in a folder.
     """
     unique: dict[tuple[object, ...], Reported] = {}
     for finding in found:
         rule = by_code[finding.code]
         severity = said(finding.code) or finding.severity or rule.severity
         span = finding.span
-        if severity is not Severity.INFO and said(finding.code) is None and _acts_on_nothing(case, finding):
+        if severity is not Severity.INFO and said(finding.code) is None and _is_noted(case, rule, finding):
             severity = Severity.INFO
         key = (
             finding.code,
@@ -239,13 +239,11 @@ def _resolve(
     return _in_order(unique.values())
 
 
-_WRITTEN_OVER = ("DMP103", "LIM101", "SRC101", "SRC105")
-"""Rules about figures of models that programs may write over."""
-
-
-def _acts_on_nothing(case: Case, finding: Finding) -> bool:
-    """Whether a finding is of what nobody runs, or what that alone speaks against."""
-    if finding.code in _WRITTEN_OVER and finding.fields and case.written(finding.span) >= set(finding.fields):
+def _is_noted(case: Case, rule: type[Rule], finding: Finding) -> bool:
+    """Whether a finding in a folder is a note: by its rule, or of what nobody runs, or spoken against by that alone."""
+    if (rule.noted_in_folders and case.is_met_at(finding.span)) or rule.written_over & case.written(
+        finding.span
+    ):
         return True
     others = [span for span in finding.related if span.path != finding.span.path]
     return case.is_idle(finding.span) or (bool(others) and all(map(case.is_idle, others)))

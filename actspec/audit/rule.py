@@ -42,6 +42,10 @@ class Rule:
         confidence: Likewise.
         fix: Whether it offers a fix; None: never.
         options: Its options and their defaults.
+        noted_in_folders: Whether its findings are notes in a file that was met in a folder, and not named: of those in
+            strangers' folders fewer than half were worth acting on (docs/survey.md).
+        written_over: Figures of a model on which it leans; where a program of its folder writes over one of them, its
+            findings are notes.
         paired: Whether another file of the robot can give it a finding in a model that the model by itself would not
             get.
     """
@@ -53,6 +57,8 @@ class Rule:
     fix: ClassVar[Safety | None] = None
     aliases: ClassVar[Mapping[str, str]] = {}
     options: ClassVar[dict[str, float]] = {}
+    noted_in_folders: ClassVar[bool] = False
+    written_over: ClassVar[frozenset[str]] = frozenset()
     paired: ClassVar[bool] = False
 
     def check(self, case: Case) -> Iterator[Finding | Skipped]:

@@ -282,8 +282,8 @@ class FileReading:
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
         refused: The place that `reason` is about; None: the file as a whole.
-        named: Of a model in a folder whose programs name models there: whether they name it, or one that they name
-            does. None where nothing tells.
+        unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
+            name name it.
         written: Figures of models that programs of its folder write over when they have loaded one.
         idle: Configurations in a folder that no program there imports, where one imports others.
     """
@@ -297,7 +297,7 @@ class FileReading:
     in_folder: bool = False
     put_aside: bool = False
     refused: Span | None = None
-    named: bool | None = None
+    unnamed: bool = False
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
 

@@ -38,7 +38,7 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
     "effort_limit": re.compile(
         rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
     ),
-    "joint_damping": re.compile(rb"dof_damping(?:\s*\[[^\]\n]*\])*\s*\*?=(?!=)|set_dofs_damping"),
+    "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names."""
 
@@ -90,13 +90,11 @@ class Idle:
 
     Attributes:
         models: Paths of models that no program names, nor a model that one names, where programs name others.
-        run: Those that programs name, or models that they name.
         written: Figures of models that programs write over.
         configs: Path to the configurations that stand there alone, where a program imports others.
     """
 
     models: frozenset[str] = frozenset()
-    run: frozenset[str] = frozenset()
     written: frozenset[str] = frozenset()
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
@@ -169,7 +167,6 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = _Models(models, running).run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        run or frozenset(),
         frozenset(name for name, form in _WRITES.items() if any(map(form.search, texts.values()))),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )

@@ -341,7 +341,6 @@ def _idle(
     each = [idle(members, programs_in(folder, exclude)) for folder, members in inside.items()]
     return Idle(
         frozenset().union(*(one.models for one in each)),
-        frozenset().union(*(one.run for one in each)),
         frozenset().union(*(one.written for one in each)),
         {path: names for one in each for path, names in one.configs.items()},
     )
@@ -373,7 +372,7 @@ def _chosen(
                     reading,
                     in_folder=file.folder is not None,
                     put_aside=aside,
-                    named=_is_named(file.path, idle_there),
+                    unnamed=file.path in idle_there.models,
                     written=idle_there.written if file.folder is not None else frozenset(),
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
@@ -382,12 +381,6 @@ def _chosen(
         if path in empty:
             chosen.append(_nothing_in(path, seen[path]))
     return chosen
-
-
-def _is_named(path: str, found: Idle) -> bool | None:
-    if path in found.run:
-        return True
-    return False if path in found.models else None
 
 
 def _nothing_at(path: str) -> FileReading:

@@ -6,9 +6,6 @@ from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
 from actspec.readings.artifact import FileReading
 
-_NOT_THERE = "ROBOT006"
-"""Code of an include that is not there."""
-
 
 class Unreadable(Rule):
     code = "AUD008"
@@ -28,10 +25,8 @@ class Unreadable(Rule):
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
-        severity = None if named or lost else Severity.WARNING
-        if severity and reasons and all(item.code == _NOT_THERE for item in reasons):
-            # Whoever loads it is told at once; put together at its destination, it may be whole.
-            severity = Severity.INFO
+        # In a folder it may be no robot, a template, or whole at its destination; whoever loads it is told at once.
+        severity = None if named or lost else Severity.INFO
         # Of a file that somebody has in a folder, one reason is enough to pass over it or to look at it.
         for item in reasons if named else reasons[:1]:
             where = f"{item.where}: " if item.where else ""

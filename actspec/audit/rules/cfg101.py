@@ -35,6 +35,7 @@ _PLAIN = re.compile(r"[A-Za-z0-9_/:-]*")
 class DictMissesJoint(RuleInParts):
     code = "CFG101"
     name = "dict-misses-a-joint"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     paired = True

@@ -14,6 +14,7 @@ from actspec.readings.ledger import LedgerRow
 class DampingOutsideClamp(RuleInParts):
     code = "DMP103"
     name = "damping-outside-the-clamp"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True
@@ -69,12 +70,7 @@ class DampingOutsideClamp(RuleInParts):
                 yield ()
                 continue
             if speed is not None and damping * speed >= self.option(case, "share") * limit:
-                meant = (
-                    _has_spring(case, row)
-                    or (row.control == "position" and row.kd == 0.0)
-                    # Importers make drives of a URDF, with gains in place of its damping.
-                    or (case.artifacts[artifact].kind is FileKind.URDF and case.is_met(artifact))
-                )
+                meant = _has_spring(case, row) or (row.control == "position" and row.kd == 0.0)
                 yield (self._known(row, damping, limit, speed, meant),)
             elif (
                 speed is None

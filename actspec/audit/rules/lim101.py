@@ -43,6 +43,7 @@ _EMPTY_RANGE = 'forcerange="0 0" is no limit: MuJoCo takes an empty range for no
 class NoEffectiveLimit(RuleInParts):
     code = "LIM101"
     name = "no-effective-limit"
+    noted_in_folders = True
     aliases: ClassVar[dict[str, str]] = {
         "LIM101": "no-limit-of-any-kind",
         "LIM102": "limit-is-a-placeholder",
@@ -80,8 +81,7 @@ class NoEffectiveLimit(RuleInParts):
             undriven = is_called_undriven(row) or _is_passive(case, row)
             limits = {field: getattr(row, field) for field in _LIMITS if field in row.stated}
             urdf = case.artifacts[row.artifact].kind is FileKind.URDF
-            # In a folder it is read for its links, or a configuration has the limits.
-            unused = row.artifact in case.once(_unused) or (urdf and case.has_programs(row.artifact))
+            unused = row.artifact in case.once(_furniture)
             if urdf and not idle and limits == dict.fromkeys(_LIMITS, 0.0):
                 nothing = self._zero(row, "effort_limit", _BOTH_ZERO)
                 quiet = (
@@ -121,9 +121,6 @@ class NoEffectiveLimit(RuleInParts):
         severity = self.severity
         if bound is None:
             effect = f"its {noun} is unlimited"
-            if row.control == "motor" and case.is_run(row.artifact):
-                # It gives what the program that loads the model sends, clipped there or not.
-                severity = Severity.INFO
         else:
             effect = f"its clamped command bounds its {noun} at {shown(row, 'effort_limit', bound)} ({how})"
             partners = (other for other in partner_rows(case, row, *_MODELS) if not is_exporters(other))
@@ -147,8 +144,7 @@ class NoEffectiveLimit(RuleInParts):
             what = f'forcerange="{ends}" is switched off by forcelimited="false"'
             if bound is not None and view is not None and bound <= abs(view.gear) * largest(written):
                 return
-            # Of the default class it is a model's design.
-            severity = Severity.INFO if case.is_met(row.artifact) else self.severity
+            severity = self.severity
         yield Finding(
             self.code,
             f"{what}: {effect}",
@@ -389,11 +385,9 @@ def _without(case: Case, field: str, other: str) -> frozenset[int]:
     return frozenset(found)
 
 
-def _unused(case: Case) -> frozenset[int]:
-    """URDFs whose limits nothing takes: of furniture, or met in a folder in which no configuration or deploy file is of
-    their robot, as those for kinematics and those that an MJCF with drives was made of.
-
-    Furniture has no limit on any joint, and no joint that moves another: a robot has joints behind each other.
+def _furniture(case: Case) -> frozenset[int]:
+    """URDFs whose limits nothing takes: without a limit on any joint, and no joint that moves another. A robot has
+    joints behind each other.
     """
     found = set()
     for index, artifact in case.of_kind(FileKind.URDF):
@@ -401,8 +395,7 @@ def _unused(case: Case) -> frozenset[int]:
             getattr(row, field) for row in case.rows_of(index) for field in _LIMITS if field in row.stated
         ]
         joints = () if artifact.robot is None else artifact.robot.joints
-        furniture = limits and not any(limits) and not any(joint.parent for joint in joints)
-        if furniture or case.is_met_alone(index):
+        if limits and not any(limits) and not any(joint.parent for joint in joints):
             found.add(index)
     return frozenset(found)
 

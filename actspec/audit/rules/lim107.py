@@ -14,6 +14,7 @@ _Subject = tuple[LedgerRow, float, float]
 class LineBelowLimit(RuleOver[_Subject]):
     code = "LIM107"
     name = "saturation-below-limit"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     needs = "no drive with both a torque-speed line and an effort limit among the files"

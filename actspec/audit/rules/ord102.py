@@ -25,6 +25,7 @@ _Subject = tuple[Artifact, list[tuple[str, tuple[str, ...]]], tuple[str, ...], S
 class DeployOrder(RuleOver[_Subject]):
     code = "ORD102"
     name = "deploy-order-against-model"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     paired = True

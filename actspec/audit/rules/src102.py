@@ -23,6 +23,7 @@ _STILL = 0.01
 class VelocityLimit(SourceRule):
     code = "SRC102"
     name = "velocity-limit-disagrees"
+    noted_in_folders = True
     groups = (("velocity_limit", "no_load_speed"),)
     needs = "a speed limit of one joint"
 

@@ -21,24 +21,18 @@ _SEVERAL = 4
 class Armature(SourceRule):
     code = "SRC104"
     name = "armature-disagrees"
+    noted_in_folders = True
     options: ClassVar[dict[str, float]] = {"tolerance": 0.05}
     groups = (("armature",),)
     needs = "an armature of one joint"
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces.
-
-        In a folder it is also where it is far off, and where a framework has one number for all.
-        """
+        """A note where a figure is nobody's: a framework's 0, or one for unlike motors that another replaces."""
         if any(_is_default(case, rows[0]) for rows in (found.rows, found.others)):
             return Severity.INFO, self.confidence
         mine, theirs = (
             rows[0].artifact in case.once(_of_one_armature) for rows in (found.rows, found.others)
         )
-        config = case.artifacts[found.rows[0].artifact].config
-        of_all = config is not None and config.framework is Framework.LEGGED_GYM
-        if case.is_met(found.rows[0].artifact) and (theirs or of_all):
-            return Severity.INFO, Confidence.LOW
         near = found.ratio is not None and 1.0 / _FAR < found.ratio < _FAR
         return (Severity.INFO if near and theirs and not mine else self.severity), self.confidence
 

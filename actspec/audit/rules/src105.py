@@ -16,6 +16,7 @@ _UNFELT = 0.02
 class Friction(SourceRule):
     code = "SRC105"
     name = "friction-disagrees"
+    noted_in_folders = True
     groups = (("frictionloss",), ("joint_damping",))
     needs = "a friction of one joint"
 
@@ -28,15 +29,12 @@ class Friction(SourceRule):
         return found.field == "joint_damping" and angle_slip(found.ratio, tolerance)
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where the difference is nothing beside what the motor gives, and in a folder: friction is identified
-        for a simulator, and left out of files that are read for their links.
-        """
+        """A note where the difference is nothing beside what the motor gives."""
         limiting = limiting_row(case, found.rows[0])
         change = abs((found.mine.value or 0.0) - (found.theirs.value or 0.0))
         limit = None if limiting is None else limiting.effort_limit
-        met = case.is_met(found.rows[0].artifact)
         small = found.field == "frictionloss" and limit is not None and change < _UNFELT * limit
-        return Severity.INFO if met or small else self.severity, self.confidence
+        return Severity.INFO if small else self.severity, self.confidence
 
     def consequence(self, case: Case, found: Disagreement) -> str:
         """How much torque."""

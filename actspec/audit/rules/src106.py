@@ -22,6 +22,7 @@ POSE = 0.01
 class ActionOrPose(SourceRule):
     code = "SRC106"
     name = "action-or-pose-disagrees"
+    noted_in_folders = True
     confidence = Confidence.HIGH
     groups = (("action_scale",), ("default_position",))
     needs = "an action scale or default position of one joint"

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Iterator, Sequence
@@ -8,7 +7,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.joints import by_joint, is_driven_by_mjlab, shown
+from actspec.audit.rules.joints import by_joint, finite, is_driven_by_mjlab, shown
 from actspec.laws.stability import LIMIT, StepDrive
 from actspec.readings.artifact import Artifact, FileKind, without_comments
 from actspec.readings.ledger import LedgerRow
@@ -33,6 +32,7 @@ _Subject = tuple[Sequence[LedgerRow], RobotView, float, str]
 class ExplicitVelocityGain(RuleOver[_Subject]):
     code = "STB101"
     name = "kv-under-euler"
+    written_over = frozenset({"timestep"})
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     needs = "no MJCF with drives on joints of known inertia among the files"
@@ -59,7 +59,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         limit = LIMIT if robot.integrator == "Euler" else RUNGE_KUTTA
         threshold = self.option(case, "near") if robot.integrator == "Euler" else limit
         if drive.explicit > 0.0 and figure >= threshold and not is_driven_by_mjlab(case, rows[0]):
-            found = self._finding(rows[0], robot, drive, figure, limit, _reference(robot, joint))
+            found = self._finding(rows, robot, drive, figure, limit, _reference(robot, joint))
             artifact = case.artifacts[rows[0].artifact]
             if not artifact.states(b"<option") and (
                 artifact.is_part
@@ -76,7 +76,7 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
 
     def _finding(
         self,
-        row: LedgerRow,
+        rows: Sequence[LedgerRow],
         robot: RobotView,
         drive: StepDrive,
         figure: float,
@@ -86,9 +86,11 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         beyond = figure >= limit
         sure = beyond and reference is not None and drive.figure(reference) >= limit
         what = "the velocity diverges" if beyond else "the velocity changes its sign with every step"
-        clamped = robot.eulerdamp or not row.joint_damping
-        if beyond and clamped and row.effort_limit is not None and 0.0 < row.effort_limit < math.inf:
-            what += f" as far as the limit of {shown(row, 'effort_limit', row.effort_limit)} lets it"
+        row = rows[0]
+        if beyond and all(each.kd_clamped for each in rows) and (robot.eulerdamp or not row.joint_damping):
+            limit_here = finite(row.effort_limit)
+            of = "" if limit_here is None else f" of {shown(row, 'effort_limit', limit_here)}"
+            what += f" as far as the limit{of} lets it"
         return Finding(
             self.code,
             f"{robot.integrator} takes the damping of {shown(row, 'kd', drive.explicit)} explicitly: with a step of "

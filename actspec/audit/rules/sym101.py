@@ -199,17 +199,16 @@ def _is_unfelt(case: Case, sides: tuple[LedgerRow, LedgerRow], field: str, one: 
     """Whether it makes no difference: nearly equal friction, gains or speeds, a speed out of reach, an unmet limit."""
     if field in ("kp", "kd"):
         return abs(one - other) <= _DERIVED * max(abs(one), abs(other))
-    artifact = sides[0].artifact
-    urdf = case.artifacts[artifact].kind is FileKind.URDF
+    if field in (*_PASSIVE, "velocity_limit") and case.is_met(sides[0].artifact):
+        # Of the programs that load a model few read its speeds, and friction and rotors were identified or guessed.
+        return True
     rough = abs(one - other) <= _ROUGH * max(abs(one), abs(other))
     if field == "frictionloss":
         return rough
-    if field == "joint_damping" and (rough or (urdf and case.is_met(artifact))):
+    if field == "joint_damping" and rough:
         return True
     if field == "velocity_limit" and (
-        # Of the programs that read a URDF few read its speeds, and they read those of a configuration first.
-        (urdf and case.has_programs(artifact))
-        or min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
+        min(abs(one), abs(other)) >= PLACEHOLDER_SPEED
         or abs(one - other) <= _NEAR * max(abs(one), abs(other))
     ):
         return True

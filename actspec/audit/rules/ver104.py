@@ -16,6 +16,7 @@ from actspec.readings.versions import is_native
 class ImplicitVelocityLimit(RuleOver[Group]):
     code = "VER104"
     name = "implicit-velocity-limit-ignored"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.HIGH
     needs = "no implicit drives of Isaac Lab among the files"
