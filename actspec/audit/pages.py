@@ -47,6 +47,8 @@ def page(rule: type[Rule]) -> str:
     facts = f"{rule.severity.value}, {rule.confidence.value} confidence"
     if rule.fix is not None:
         facts += f", {rule.fix.value} fix"
+    if rule.noted_in_folders:
+        facts += "; in a folder a note"
     body = "".join(f"\n## {heading}\n\n{text.strip()}\n" for heading, text in found.items())
     return f"{head}{facts[0].upper()}{facts[1:]}.\n{_options(rule)}{_aliases(rule)}{body}"
 

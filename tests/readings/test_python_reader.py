@@ -634,6 +634,17 @@ def test_a_drive_of_physx_is_no_torque(tmp_path: Path, mode: int, cls: str) -> N
     assert control_of_group(config.framework, config.groups[0]) == ("ideal_pd" if mode == 3 else "implicit")
 
 
+@pytest.mark.parametrize(
+    ("used", "cls", "control"), [("True", "actuator_net", "other"), ("False", "P", "ideal_pd")]
+)
+def test_a_network_in_place_of_the_gains(tmp_path: Path, used: str, cls: str, control: str) -> None:
+    """legged_gym's ANYmal C: the torque is the network's, whatever `stiffness` and `damping` say."""
+    text = BASE.replace("decimation = 4", f"decimation = 4\n        use_actuator_network = {used}")
+    (config,) = read(tmp_path, text.replace('file = ""', 'file = "dog.urdf"')).values()
+    assert config.groups[0].cls == cls
+    assert control_of_group(config.framework, config.groups[0]) == control
+
+
 def test_legged_gym_without_its_base(tmp_path: Path) -> None:
     """A robot alone has what it writes; what it inherits is a note, not a default."""
     (config,) = read(tmp_path, DOG).values()

@@ -473,9 +473,10 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
     if not is_times(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
         return False
     one, other = found.rows[0].artifact, found.others[0].artifact
-    # Of the files of a folder nobody said that they are of one robot.
-    met = case.is_met(one) and not (found.published or found.backed)
-    if found.variant and (met or _revision(case, one) != _revision(case, other)):
+    if found.variant and _revision(case, one) != _revision(case, other):
+        return False
+    if case.is_met(one) and not (found.published or found.backed) and _are_variants(case, one, other):
+        # Of files in a folder with unlike joints nobody said that they are of one robot.
         return False
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True

@@ -99,6 +99,10 @@ def _group(draft: Draft, cls: Cls, control: Cls, get: Get) -> None:
     mode = None if asset is None else get(asset, "default_dof_drive_mode")
     if mode is not None and mode.data in _PHYSX_DRIVES:
         cls_name = PHYSX
+    network = get(control, "use_actuator_network")
+    if network is not None and network.data is True:
+        # The gains are not used then.
+        cls_name = "actuator_net"
     patterns = tuple(joints) if certain else None
     draft.groups.append(ActuatorGroup("control", cls_name, control.span, patterns, settings))
 
