@@ -64,6 +64,8 @@ def audit(
         with pending_files(files, exclude=exclude) as pending:
             return audit(pending, settings, spec=spec, progress=progress)
     readings = without_fragments(files.finish(progress))
+    if settings.as_named:
+        readings = tuple(reading.as_named() for reading in readings)
     case = case_of(readings, settings.versions, settings.options, spec)
     globs = files.exclude
     said = globs.misspelt(files.named, files.met) if isinstance(globs, Exclude) else ()

@@ -49,6 +49,7 @@ class Settings:
         baseline: File with known findings; None: there is none.
         exclude: Globs below `folder` of files and folders that are passed over; see `actspec.audit.exclude`.
         force_exclude: Whether those that are named are passed over too.
+        as_named: Whether the files of a folder are judged as if each was named.
         folder: Folder that globs are relative to.
     """
 
@@ -64,6 +65,7 @@ class Settings:
     baseline: str | None = None
     exclude: tuple[str, ...] = ()
     force_exclude: bool = False
+    as_named: bool = False
     folder: str = "."
 
 
@@ -210,6 +212,7 @@ class _Reader:
             "baseline": ("baseline", self._baseline),
             "exclude": ("exclude", self._texts),
             "force-exclude": ("force_exclude", self._yes_or_no),
+            "as-named": ("as_named", self._yes_or_no),
         }
         self._known(data, tuple(readers), way)
         taken: dict[str, Any] = {}

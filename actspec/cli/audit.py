@@ -48,6 +48,11 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
         action="store_true",
         help="pass over excluded files that are named too: for hooks",
     )
+    command.add_argument(
+        "--as-named",
+        action="store_true",
+        help="judge the files of a folder as if each was named: for a folder that is your own",
+    )
     command.add_argument("--spec", metavar="FILE", help="the spec that the other files are held to")
     rules = command.add_argument_group("rules")
     rules.add_argument(

@@ -221,6 +221,8 @@ def _settings(arguments: argparse.Namespace) -> Settings:
     )
     if arguments.min_confidence is not None:
         settings = replace(settings, min_confidence=Confidence(arguments.min_confidence))
+    if arguments.as_named:
+        settings = replace(settings, as_named=True)
     if arguments.min_severity is not None:
         settings = replace(settings, min_severity=Severity(arguments.min_severity))
     fail_on = NEVER if arguments.exit_zero else arguments.fail_on

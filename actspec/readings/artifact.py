@@ -7,7 +7,7 @@ files. An `Artifact` is one robot as one file has it. Nothing here was executed.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import TYPE_CHECKING
 
@@ -300,6 +300,12 @@ class FileReading:
     unnamed: bool = False
     written: frozenset[str] = frozenset()
     idle: frozenset[str] = frozenset()
+
+    def as_named(self) -> FileReading:
+        """The same file as if it was named, whatever its folder says of it."""
+        return replace(
+            self, in_folder=False, put_aside=False, unnamed=False, written=frozenset(), idle=frozenset()
+        )
 
     @property
     def names_nothing(self) -> bool:

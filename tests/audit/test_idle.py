@@ -58,6 +58,8 @@ def test_a_program_names_one(program: str) -> None:
     Path("r/train.py").write_text(program)
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
     assert severities("r/train.py", "r/models/two.urdf") == {"two": Severity.WARNING}
+    own = audit(["r"], Settings(select=("SYM101",), as_named=True)).findings
+    assert {item.severity for item in own} == {Severity.WARNING}
 
 
 @pytest.mark.parametrize(
@@ -439,6 +441,7 @@ def test_a_rule_that_speaks_in_notes_of_a_folder(files: list[str], severity: str
     Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, armature=0.009"))
     for settings, expected in (
         (Settings(select=("SRC104",)), severity),
+        (Settings(select=("SRC104",), as_named=True), "warning"),
         (Settings(select=("SRC104",), severity={"SRC104": Severity.ERROR}), "error"),
     ):
         found = audit(files, settings).findings

@@ -89,6 +89,7 @@ def test_concise(capsys: pytest.CaptureFixture[str]) -> None:
         (["folder"], 0),
         (["folder", "--fail-on", "warning", "--select", "LIM107"], 0),
         (["folder", "--fail-on", "info", "--select", "LIM107"], 1),
+        (["folder", "--as-named", "--select", "LIM107"], 1),
         (["folder", "--fail-on", "info", "--select", "LIM107", "--ignore", "unreadable-file"], 0),
         (["--fail-on", "bad"], 2),
         (["--select", "LIN101"], 2),
