@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import ClassVar
 
 from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
-from actspec.audit.rules.source_pairs import shown
+from actspec.audit.rules.source_rule import shown
 from actspec.audit.rules.spec_pairs import NO_SPEC, SpecJoint, counted_twice, spec_joints
 from actspec.readings.compare import times
 from actspec.readings.dynamics import figure

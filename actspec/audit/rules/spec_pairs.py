@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from actspec.audit.case import Case
 from actspec.audit.rules.joints import by_joint
-from actspec.audit.rules.source_pairs import shown
+from actspec.audit.rules.source_rule import shown
 from actspec.ir import JointActuator
 from actspec.readings.artifact import FileKind
 from actspec.readings.compare import Figure, times, torque_slip

@@ -7,9 +7,9 @@ from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
 from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
-from actspec.audit.rules.source_pairs import (
+from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_rule import (
     TIMES,
-    Disagreement,
     SourceRule,
     are_alternatives,
     is_beyond_the_joint,

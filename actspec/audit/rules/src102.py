@@ -2,9 +2,9 @@ from __future__ import annotations
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.source_pairs import (
+from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_rule import (
     TIMES,
-    Disagreement,
     SourceRule,
     are_alternatives,
     is_no_limit,

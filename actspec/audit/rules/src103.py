@@ -4,7 +4,8 @@ import math
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.source_pairs import Disagreement, SourceRule, is_of_one_training
+from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_rule import SourceRule, is_of_one_training
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 

@@ -5,7 +5,8 @@ from typing import ClassVar
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence
-from actspec.audit.rules.source_pairs import Disagreement, SourceRule, shown
+from actspec.audit.rules.source_pairs import Disagreement
+from actspec.audit.rules.source_rule import SourceRule, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import Framework
 from actspec.readings.ledger import LedgerRow

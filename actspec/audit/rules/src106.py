@@ -4,14 +4,8 @@ from collections.abc import Iterable, Iterator
 
 from actspec.audit.case import Case
 from actspec.audit.finding import Confidence, Finding
-from actspec.audit.rules.source_pairs import (
-    Disagreement,
-    SourceRule,
-    compared,
-    disagreements,
-    is_of_one_training,
-    shown,
-)
+from actspec.audit.rules.source_pairs import Disagreement, compared, disagreements
+from actspec.audit.rules.source_rule import SourceRule, is_of_one_training, shown
 from actspec.diagnostics import Severity
 from actspec.readings.artifact import FileKind
 

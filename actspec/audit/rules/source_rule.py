@@ -1,0 +1,257 @@
+"""What the SRC rules say of figures in which files of a robot differ, and how grave it is."""
+
+from __future__ import annotations
+
+import math
+import os
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import ClassVar
+
+from actspec.audit.case import Case
+from actspec.audit.finding import Confidence, Finding
+from actspec.audit.rule import RuleInParts
+from actspec.audit.rules.joints import is_called_undriven, is_exporters
+from actspec.audit.rules.source_pairs import SAME, Disagreement, are_variants, compared, disagreements
+from actspec.diagnostics import Severity
+from actspec.fields import FIELDS, LIMITS, is_placeholder
+from actspec.readings.artifact import FileKind, Framework
+from actspec.readings.compare import angle_slip
+from actspec.readings.dynamics import figure
+from actspec.readings.joint import read_joint
+from actspec.readings.ledger import LedgerRow
+from actspec.readings.pair import distinctive
+from actspec.units import format_quantity
+
+TIMES = 3.0
+"""From here a ratio is given as a factor. Chosen: 200 % more is read as a factor of 2 as often as of 3."""
+
+SMALL = 0.07
+"""Up to here a limit that differs is a note. Chosen: published limits of one motor are so far apart (23.5 and 23.7 N*m,
+200.43 and 200), and of a B2's calf (300 and 320), where two readers would not have acted."""
+
+GRAVE = 2.0
+"""From here a limit that differs is an error. Chosen: revisions and safety margins of one motor stay below."""
+
+_REVISION = re.compile(
+    r"(?:(?<![A-Za-z])(?i:v|rev|version|mode|mark|mk)|(?<=[a-z])V)[_-]?\d+(?:[._]\d+)*|(?i:limit|stronger|weaker)"
+)
+"""A hardware's version in a name, as of `atlas_v4`, `naoV33`, `mini_mark2` and `g1_29dof_mode_13`, or limits that are
+others on purpose, as of `t1_softlimit` and `robot_stronger_ankle`."""
+
+_FOLDERS = 4
+"""Last parts of a path that may tell which revision a file is of. Chosen: of the robot, of the kind of file."""
+
+
+def is_no_limit(found: Disagreement) -> bool:
+    """Whether one of two limits is a placeholder, an exporter's or 0, which the LIM rules report."""
+    # Where both files have the effort, somebody stated it.
+    efforts = {rows[0].effort_limit for rows in (found.rows, found.others)}
+    if len(efforts) > 1 and any(is_exporters(rows[0]) for rows in (found.rows, found.others)):
+        return True
+    values = [found.mine.value or 0.0, found.theirs.value or 0.0]
+    return min(values) <= 0.0 or is_placeholder(max(values))
+
+
+def is_of_one_training(case: Case, found: Disagreement) -> bool:
+    """Whether a deploy file runs what a configuration trains.
+
+    Policies of a robot with several sets of gains have a training each, and which of them belongs to the configuration
+    at hand, no file tells. Nor is it the file's own where no gain of any joint agrees: a project beside another one.
+    """
+    one, other = (case.joints_by_artifact.get(rows[0].artifact, {}) for rows in (found.rows, found.others))
+    pairs = [_both(one, other, name) for name in ("kp", "kd")]
+    if all(pairs) and not any(math.isclose(*pair, rel_tol=SAME) for gains in pairs for pair in gains):
+        return False
+    members = case.robot_of(found.rows[0].artifact).artifacts
+    gains = set()
+    for index in members:
+        if case.artifacts[index].kind is FileKind.DEPLOY:
+            joints = case.joints_by_artifact.get(index, {})
+            own = frozenset((joint, rows[0].kp, rows[0].kd) for joint, rows in joints.items() if rows[0].kp)
+            gains |= {own} if own else set()
+    return len(gains) < 2
+
+
+def is_small(found: Disagreement) -> bool:
+    """Whether two figures are so near that both are one motor's."""
+    return found.ratio is not None and abs(found.ratio - 1.0) <= SMALL
+
+
+def _both(
+    one: Mapping[str, Sequence[LedgerRow]], other: Mapping[str, Sequence[LedgerRow]], name: str
+) -> list[tuple[float, float]]:
+    """What two files state of one figure, at each joint of which both do."""
+    pairs = ((rows[0], other[joint][0]) for joint, rows in one.items() if joint in other)
+    stated = (
+        (getattr(mine, name), getattr(its, name)) for mine, its in pairs if name in mine.stated & its.stated
+    )
+    return [(mine, its) for mine, its in stated if mine is not None and its is not None]
+
+
+def is_times_off(case: Case, found: Disagreement) -> bool:
+    """Whether a limit of the hardware is `GRAVE` times the other: not one that only the range of a control makes.
+
+    Variants that are called otherwise are held to each other where most of their joints agree: where most do not,
+    they have other motors.
+    """
+    if not is_times(found.ratio) or any(is_of_control(case, rows) for rows in (found.rows, found.others)):
+        return False
+    one, other = found.rows[0].artifact, found.others[0].artifact
+    if found.variant and _revision(case, one) != _revision(case, other):
+        return False
+    if case.is_met(one) and not (found.published or found.backed) and are_variants(case, one, other):
+        # Of files in a folder with unlike joints nobody said that they are of one robot.
+        return False
+    if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
+        return True
+    differ = []
+    theirs = case.joints_by_artifact.get(other, {})
+    for joint, rows in case.joints_by_artifact.get(one, {}).items():
+        a, b = (figure(each, found.field).value if each else None for each in (rows, theirs.get(joint)))
+        if a and b:
+            differ.append(not math.isclose(a, b, rel_tol=SAME))
+    return 2 * sum(differ) < len(differ)
+
+
+def _revision(case: Case, artifact: int) -> frozenset[str]:
+    """The versions in the names of a file and its folders: `atlas_v3/model.urdf` and `atlas_v4/model.urdf` differ."""
+    parts = os.path.abspath(case.artifacts[artifact].path).split(os.sep)
+    return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
+
+
+def is_overridden(case: Case, found: Disagreement) -> bool:
+    """Whether a configuration met in a folder has a figure of its own that nothing but the URDF speaks against.
+
+    Its figure is the one that trains and was written later; the URDF has the links.
+    """
+    here, there = (case.artifacts[rows[0].artifact] for rows in (found.rows, found.others))
+    return (
+        case.is_met(found.rows[0].artifact)
+        and not (found.published or found.backed)
+        and (here.kind, there.kind) == (FileKind.CFG, FileKind.URDF)
+    )
+
+
+def are_alternatives(case: Case, found: Disagreement) -> bool:
+    """Whether both files are URDFs, or both MJCF, and no maker's figure tells who is right: one of them is used."""
+    one, other = (case.artifacts[rows[0].artifact].kind for rows in (found.rows, found.others))
+    return one is other and one in (FileKind.URDF, FileKind.MJCF) and not found.published
+
+
+def is_times(ratio: float | None) -> bool:
+    """Whether one figure is `GRAVE` times the other or more."""
+    return ratio is not None and ratio > 0.0 and max(ratio, 1.0 / ratio) >= GRAVE - 1e-9
+
+
+def is_beyond_the_joint(case: Case, found: Disagreement) -> bool:
+    """Whether an mjlab configuration states more than its MJCF gives the joint, which goes on to clamp what it gives.
+
+    Source: mjlab 1.6.0, BuiltinPositionActuatorCfg sets forcerange and leaves actuatorfrcrange.
+    """
+    config = case.artifacts[found.rows[0].artifact].config
+    other = case.artifacts[found.others[0].artifact]
+    if config is None or config.framework is not Framework.MJLAB or other.kind is not FileKind.MJCF:
+        return False
+    joint = None if other.robot is None else other.robot.joint(found.rows[0].joint)
+    return joint is not None and joint.effort_range is not None and (found.ratio or 0.0) > 1.0
+
+
+def is_of_control(case: Case, rows: Sequence[LedgerRow]) -> bool:
+    """Whether the control range of an MJCF's motors limits a joint, which is a matter of its task."""
+    robot, limit = case.artifacts[rows[0].artifact].robot, rows[0].effort_limit
+    if robot is None or limit is None:
+        return False
+    bound = read_joint(robot, rows[0].joint).force_bound.value
+    return bound is not None and bound > limit * (1.0 + 1e-9)
+
+
+def shown(value: float | None, unit: str) -> str:
+    """A figure for a message, three digits."""
+    return format_quantity(value, unit, 3)
+
+
+class SourceRule(RuleInParts):
+    """What the rules of this family have in common."""
+
+    severity = Severity.WARNING
+    confidence = Confidence.MEDIUM
+    paired = True
+    options: ClassVar[dict[str, float]] = {"tolerance": 0.01}
+    groups: ClassVar[tuple[tuple[str, ...], ...]]
+    """Fields that are compared; of those in one tuple the first that a file states."""
+
+    def lacks(self, case: Case) -> str:
+        """What no two files state."""
+        return f"no two files of one robot state {self.needs}"
+
+    def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
+        """Compare the files of each robot."""
+        tolerance = self.option(case, "tolerance")
+        findings = self.findings(
+            case,
+            [
+                found
+                for fields in self.groups
+                for found in disagreements(case, fields, tolerance)
+                if not self.is_none(case, found, tolerance)
+            ],
+        )
+        if findings or any(compared(case, fields) for fields in self.groups):
+            yield findings
+
+    def findings(self, case: Case, disagreements: Sequence[Disagreement]) -> list[Finding]:
+        """What is said of them: one each."""
+        return [self.finding(case, found) for found in disagreements]
+
+    def is_none(self, case: Case, found: Disagreement, tolerance: float) -> bool:
+        """Whether one of the figures is none that anybody stated, or both are one in two units."""
+        return angle_slip(found.ratio, tolerance)
+
+    def consequence(self, case: Case, found: Disagreement) -> str:
+        """What it does to the robot, with a number."""
+        raise NotImplementedError
+
+    def is_grave(self, case: Case, found: Disagreement) -> bool:
+        """Whether no variant explains it: two files of one robot cannot both be right."""
+        return False
+
+    def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
+        """By what the files are."""
+        return self.severity, self.confidence
+
+    def finding(self, case: Case, found: Disagreement) -> Finding:
+        """The finding of one joint, at the file that departs."""
+        mine, theirs = found.mine, found.theirs
+        severity, confidence = self.severity_of(case, found)
+        idle = found.field in LIMITS and is_called_undriven(found.rows[0])
+        if found.variant or not found.one_machine or idle or (found.field in LIMITS and is_small(found)):
+            severity, confidence = Severity.INFO, Confidence.LOW
+        # Beside a spec, which tells who is wrong, SPC101 has the error.
+        beside = case.kinds_by_artifact[found.rows[0].artifact]
+        if is_overridden(case, found) or found.both_published:
+            severity, confidence = Severity.INFO, Confidence.LOW
+        elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
+            severity, confidence = Severity.ERROR, Confidence.MEDIUM
+        file = found.others[0].file
+        if found.published:
+            advice = f"{shown(theirs.value, theirs.unit)} is published for {found.published}: write it here, or set "
+            advice += "this aside with the reason"
+        else:
+            advice = "find out which is right, and write it in both, or set this aside with the reason: "
+            advice += f"{file} may be of another variant"
+        return Finding(
+            self.code,
+            f"the {FIELDS[found.field].noun} is {shown(mine.value, mine.unit)} here and "
+            f"{shown(theirs.value, theirs.unit)} in {file}{found.times}: {self.consequence(case, found)}",
+            mine.place,
+            found.rows[0].joint,
+            mine.value,
+            mine.unit or None,
+            expected=theirs.value,
+            help=advice,
+            related=(theirs.place,),
+            severity=severity,
+            confidence=confidence,
+            fields=(found.field,),
+        )
