@@ -105,6 +105,13 @@ class Case:
         before = [idle for line, idle in parts if line <= (place.line or 0)]
         return bool(before) and before[-1]
 
+    def has_angle_of_another(self, artifact: int) -> bool:
+        """Whether an MJCF does not state its angle and another file of the case, read or not, includes it."""
+        found = self.artifacts[artifact]
+        file = self._file(found.path)
+        included = file is not None and file.included and found.kind is FileKind.MJCF
+        return included and not found.states(b"angle=")
+
     def written(self, place: Span) -> frozenset[str]:
         """Figures of the MJCF at a place that programs of its folder write over."""
         file = self._file(place.path)

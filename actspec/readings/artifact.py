@@ -281,6 +281,7 @@ class FileReading:
         diagnostics: What the reader says about it.
         in_folder: Whether it was found in a folder that was named, and was not named itself.
         put_aside: Whether it was, and it or a folder below that one calls itself a copy or old.
+        included: Whether another file of the audit includes it, which can be read or not.
         refused: The place that `reason` is about; None: the file as a whole.
         unnamed: Of a model in a folder whose programs name models there: whether neither they nor a model that they
             name name it.
@@ -296,6 +297,7 @@ class FileReading:
     diagnostics: tuple[Diagnostic, ...] = ()
     in_folder: bool = False
     put_aside: bool = False
+    included: bool = False
     refused: Span | None = None
     unnamed: bool = False
     written: frozenset[str] = frozenset()

@@ -434,7 +434,11 @@ def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...
         if not reading.artifacts:
             for path in _named_by_includes(reading):
                 included.setdefault(os.path.realpath(path), False)
-    return tuple(reading for reading in readings if not _is_judged_elsewhere(reading, included))
+    return tuple(
+        replace(reading, included=True) if os.path.realpath(reading.path) in included else reading
+        for reading in readings
+        if not _is_judged_elsewhere(reading, included)
+    )
 
 
 def _named_by_includes(reading: FileReading) -> Iterator[str]:

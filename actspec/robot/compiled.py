@@ -321,6 +321,28 @@ def reached_joints(model: ModelLists, index: int, transmission: str) -> list[int
     return sorted(joints)
 
 
+def coupled_joints(model: ModelLists) -> frozenset[str]:
+    """Joints of active `<joint>` equalities, and those between the bodies that a `<connect>` or `<weld>` ties.
+
+    Args:
+        model: Compiled.
+    """
+    import mujoco
+
+    found: set[int] = set()
+    for index, kind in enumerate(model.eq_type):
+        one, other = model.eq_obj1id[index], model.eq_obj2id[index]
+        if not model.eq_active0[index]:
+            continue
+        if _name(mujoco.mjtEq, kind) == "mjEQ_JOINT":
+            found.update(end for end in (one, other) if end >= 0)
+        elif _name(mujoco.mjtEq, kind) in ("mjEQ_CONNECT", "mjEQ_WELD"):
+            if _name(mujoco.mjtObj, model.eq_objtype[index]) == "mjOBJ_SITE":
+                one, other = model.site_bodyid[one], model.site_bodyid[other]
+            found.update(_between(model, one, other))
+    return frozenset(model.name("mjOBJ_JOINT", joint) for joint in found)
+
+
 def moved_joints(model: ModelLists, index: int, transmission: str) -> list[int] | None:
     """Joints that an actuator drives, directly or not; None: it may be any. Arguments as in `reached_joints`."""
     if transmission in _INDIRECT:

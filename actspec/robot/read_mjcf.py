@@ -13,6 +13,7 @@ from actspec.robot.assets import unknown_inertia
 from actspec.robot.compiled import (
     ModelLists,
     control,
+    coupled_joints,
     moved_joints,
     named_parents,
     reached_joints,
@@ -153,6 +154,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
         eulerdamp="EULERDAMP" not in switched_off,
         actuation="ACTUATION" not in switched_off,
         off_groups=_off_groups(model),
+        coupled=coupled_joints(lists),
     )
 
 

@@ -256,6 +256,7 @@ class RobotView:
         refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
         refused_at: Where it met that; None: it does not say.
         packages: ROS package to its folder, as the spec has them.
+        coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
     """
 
     name: str
@@ -277,6 +278,7 @@ class RobotView:
     refusal: str | None = None
     refused_at: Span | None = None
     packages: Mapping[str, str] = field(default_factory=dict)
+    coupled: frozenset[str] = frozenset()
 
     def joint(self, name: str) -> JointView | None:
         """The joint of that name, or None."""

@@ -123,12 +123,10 @@ def _changed(
         kept = [joint for joint in row["joints"] if joint not in moved]
         if kept:
             yield {**row, "joints": kept}
+    source = _title(published["sources"][more["source"]])
+    maker = {"maker": True} if source.startswith(MAKERS) else {}
     for limit, joints in more["limits"].items():
-        yield {
-            "joints": joints,
-            "effort": float(limit),
-            "source": _title(published["sources"][more["source"]]),
-        }
+        yield {"joints": joints, "effort": float(limit), "source": source, **maker}
 
 
 def _value(quantity: Quantity | None) -> float | None:

@@ -605,6 +605,16 @@ def test_legged_gym_robot(tmp_path: Path) -> None:
     assert config.notes == ()
 
 
+@pytest.mark.parametrize(("low", "scaled"), [("0.7", True), ("0", True), ("-0.1", False)])
+def test_a_range_below_zero_is_no_factor(tmp_path: Path, low: str, scaled: bool) -> None:
+    """Some forks of legged_gym add to a gain what others multiply it by: 0.5 +- 0.1, not 0.5 times -0.1."""
+    text = BASE.replace("friction_range = [0.5, 1.25]", f"kd_range = [{low}, 0.1]")
+    (config,) = read(tmp_path, text.replace('file = ""', 'file = "dog.urdf"')).values()
+    found = [("kd", "scale", float(low), 0.1, None, "uniform")] if scaled else []
+    assert ranges(config) == found
+    assert [note.where for note in config.notes] == ([] if scaled else ["domain_rand.kd_range"])
+
+
 def test_an_armature_that_training_draws_is_not_the_assets(tmp_path: Path) -> None:
     """Forks put the drawn one in its place, add it, or multiply by it: what the asset has is nobody's figure."""
     both = BASE.replace('file = ""', 'file = "dog.urdf"').replace("LeggedRobotCfg", "DogCfg")

@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterable, Iterator
 from typing import ClassVar
 
+from actspec.audit.known import same
 from actspec.audit.rule import Case, Confidence, Finding, RuleInParts, Severity
 from actspec.audit.rules.configs import (
     EXPLICIT,
@@ -69,7 +70,7 @@ class RequiredFieldMissing(RuleInParts):
             return
         renamed = isaac and major_version(case.versions.isaaclab) >= 3
         name = "actuator_effort_limit" if renamed else "effort_limit"
-        limited = set() if isaac else _limited_in_mjcf(case, group)
+        limited = _of_one_limit(case, group) if isaac else _limited_in_mjcf(case, group)
         for joint in group.joints:
             if joint not in limited:
                 yield Finding(
@@ -118,6 +119,18 @@ def _isaac_default(version: str | None, group: Group) -> str | None:
         )
     first = "at its effort_limit_sim" if solver is not None else "at 1e9 N*m, which no joint reaches"
     return f"Isaac Lab 2.2 and 2.3.0 then clip {first}; later versions at the limit that the USD has"
+
+
+def _of_one_limit(case: Case, group: Group) -> set[str]:
+    """Joints whose effort_limit_sim is the effort of their URDF, of which the USD is made: whichever counts."""
+    solver = group.written("effort_limit_sim")
+    found = set()
+    for row in group.rows if solver is not None else ():
+        own = group.number(solver, row.joint)
+        efforts = [other.effort_limit for other in partner_rows(case, row, FileKind.URDF)]
+        if own is not None and any(limit is not None and same(limit, own) for limit in efforts):
+            found.add(row.joint)
+    return found
 
 
 def _limited_in_mjcf(case: Case, group: Group) -> set[str]:

@@ -46,6 +46,8 @@ class GainsRandomisedOnNetwork(RuleOver[_Subject]):
                         joint,
                         help="randomise the torque instead, or train the network on several gains",
                         related=(group.span,),
+                        # What a configuration inherits is there for others.
+                        severity=Severity.INFO if one.span.path != group.span.path else None,
                     )
 
 

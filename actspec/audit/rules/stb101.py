@@ -61,6 +61,9 @@ class ExplicitVelocityGain(RuleOver[_Subject]):
         if drive.explicit > 0.0 and figure >= threshold and not is_driven_by_mjlab(case, rows[0]):
             found = self._finding(rows, robot, drive, figure, limit, _reference(robot, joint))
             artifact = case.artifacts[rows[0].artifact]
+            if joint in robot.coupled:
+                # What it is coupled with moves with it, and the inertia is not that of the joint alone.
+                found = replace(found, severity=Severity.INFO, confidence=Confidence.LOW)
             if not artifact.states(b"<option") and (
                 artifact.is_part
                 or rows[0].artifact in case.once(_with_options_of_others)

@@ -35,7 +35,8 @@ class RangeInDegrees(RuleInParts):
         locked = case.once(read_as_degrees)
         found: list[LedgerRow] = []
         for (index, _), rows in by_joint(case, FileKind.MJCF).items():
-            for row in rows:
+            # It is judged with what includes it.
+            for row in () if case.has_angle_of_another(index) else rows:
                 command, joint = row.command_range, row.position_range
                 if row.control != "position" or row.kind is not JointKind.HINGE:
                     continue
@@ -58,6 +59,8 @@ class RangeInDegrees(RuleInParts):
             elif not case.artifacts[row.artifact].is_part:
                 yield (self._of_range(row, row.command_range, row.position_range),)
         for index, artifact in case.of_kind(FileKind.MJCF, FileKind.URDF):
+            if case.has_angle_of_another(index):
+                continue
             hinges = _limited_hinges(artifact)
             if index in locked:
                 yield (self._of_file(hinges, artifact.is_part),)

@@ -50,7 +50,7 @@ class Factor57(RuleInParts):
         locked = case.once(read_as_degrees)
         for (index, reference), several in ranges.items():
             # UNT101 has the whole file, and a part has its angle from what includes it.
-            if index in locked or case.artifacts[index].is_part:
+            if index in locked or case.artifacts[index].is_part or case.has_angle_of_another(index):
                 continue
             # Where most ranges differ by something else, a few meet the factor by chance.
             if 2 * len({one.joint for one in several}) >= _ranges_that_differ(case, index, reference):
