@@ -48,8 +48,14 @@ _MADE = rb"\{[^{}\n]*\}|%[sd]|\*"
 _BEFORE_ENDING = re.compile(rb"""(\+\s*f?["'])?((?:[\w.+/\\-]|""" + _MADE + rb")*)$")
 """What a name begins with, and whether something is put before that when the program runs: robot + "_v2"."""
 
-_JOINED = re.compile(rb"""["']\s*[,/]\s*f?["']""")
-"""Between the parts of a path: os.path.join("dog", "scene.xml"), ROOT / "dog" / "scene.xml"."""
+_JOINED = re.compile(rb"""["']\s*\)?\s*[,/]\s*f?["']""")
+"""Between the parts of a path: os.path.join("dog", "scene.xml"), ROOT / "dog" / "scene.xml", join(at("x"), "a.xml")."""
+
+_FOUND = re.compile(rb"\$\(find(?:-pkg-share)?\s+([\w.-]+)\)")
+"""A package's folder in a launch file or xacro."""
+
+_LOOKED_FOR = re.compile(rb"""-i?name\s+(["'])[^"'\n]*\1""")
+"""A pattern of the command `find`, which runs nothing."""
 
 _MOST_NAME = 200
 """Chosen: bytes before the ending of a name that are looked at."""
@@ -202,7 +208,7 @@ class _Name:
 
 def _names(text: bytes) -> Iterator[_Name]:
     """What looks like a name of a model; a part that is put together when the program runs is a pattern."""
-    text = _JOINED.sub(b"/", text)
+    text = _FOUND.sub(rb"\1", _JOINED.sub(b"/", _LOOKED_FOR.sub(b"", text)))
     for ending in _REFERENCE.finditer(text):
         at = ending.start()
         found = _BEFORE_ENDING.search(text[max(at - _MOST_NAME, 0) : at])

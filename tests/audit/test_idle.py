@@ -51,6 +51,7 @@ def test_nothing_is_named() -> None:
         "FILE = 'one.urdf'\nOTHER = f'{name}.urdf'\n",
         "FILE = 'one.urdf'\nOTHER = f'{a}{b}.urdf'\nNAMES = ['twos']\n",
         "FILE = 'robots/one.usd'\n",
+        "FILE = 'one.urdf'\nos.system(\"find . -o -name '*.urdf' -delete\")\n",
     ],
 )
 def test_a_program_names_one(program: str) -> None:
@@ -117,6 +118,7 @@ def test_urdfs_beside_a_xacro() -> None:
         ("load(ROOT / 'cat' / 'urdf' / 'r.urdf')", {"cat"}),
         ("load(f'robots/{robot}/urdf/r.urdf')\nROBOT = 'cat'", {"cat"}),
         ("load('urdf/r.urdf')\nROBOT = 'cat'", {"cat"}),
+        ("load(join(get_package_share_directory('cat'), 'urdf', 'r.urdf'))\nROBOT = 'dog'", {"cat"}),
         ("load('r.urdf')\nROBOTS = 'cat', 'dog'", {"cat", "dog"}),
         ("load('r.urdf')", {"cat", "dog"}),
     ],
@@ -131,6 +133,19 @@ def test_models_of_one_name(program: str, named: set[str]) -> None:
     assert {
         Path(item.finding.span.path).parts[1] for item in found if item.severity is Severity.WARNING
     } == named
+
+
+@pytest.mark.parametrize("find", ["$(find cat)", "$(find-pkg-share cat)", "package://cat"])
+def test_models_of_one_name_in_two_packages(find: str) -> None:
+    """A launch file names the package's folder."""
+    for robot in ("cat", "dog"):
+        Path("r", robot, "urdf").mkdir(parents=True)
+        Path("r", robot, "urdf", "r.urdf").write_text(Path("r/models/one.urdf").read_text())
+    Path("r/view.launch").write_text(f'<launch name="dog"><param file="{find}/urdf/r.urdf"/></launch>')
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert {Path(item.finding.span.path).parts[1] for item in found if item.severity is Severity.WARNING} == {
+        "cat"
+    }
 
 
 def test_an_include_is_of_its_own_folder() -> None:
