@@ -127,9 +127,8 @@ class RangeInDegrees(RuleInParts):
         unless = ", unless what includes it has the angle" if is_part else ""
         return Finding(
             self.code,
-            f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0 ({first.name}: "
-            f"{format_number(ends[0], 3)} ... {format_number(ends[1], 3)} rad): radians, "
-            f"read as degrees{unless}",
+            f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0, the first from "
+            f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees{unless}",
             first.places.get("range", first.span),
             "",
             largest(ends),
