@@ -87,3 +87,25 @@ def test_nothing_else_feels_it() -> None:
         }
         view, _ = read(f'<motor tendon="{tendon}"/>')
         assert set(view.actuators[0].moves or ()) == felt, tendon
+
+
+@pytest.mark.parametrize(
+    ("equality", "coupled"),
+    [
+        ("", set()),
+        ('<connect body1="foot" body2="arm" anchor="0 0 0"/>', {"hip", "knee", "twist", "ankle", "wrist"}),
+        ('<connect body1="foot" body2="thigh" anchor="0 0 0"/>', {"knee", "twist", "ankle"}),
+        ('<connect site1="f" site2="a"/>', {"hip", "knee", "twist", "ankle", "wrist"}),
+        ('<weld body1="arm" body2="trunk"/>', {"wrist"}),
+        ('<weld body1="arm" body2="trunk" active="false"/>', set()),
+        ('<joint joint1="hip" joint2="wrist"/>', {"hip", "wrist"}),
+        ('<joint joint1="hip"/>', {"hip"}),
+        ('<tendon tendon1="coupled"/>', set()),
+    ],
+)
+def test_joints_that_an_equality_couples(equality: str, coupled: set[str]) -> None:
+    """What a constraint ties does not move alone; one that is off ties nothing."""
+    text = TREE.format(actuator="").replace("<actuator>", f"<equality>{equality}</equality><actuator>")
+    files = (ModelFile("m.xml", "", text.encode()),)
+    found = read_mjcf(files, parse_document(files), inertia=False).coupled
+    assert found == coupled
