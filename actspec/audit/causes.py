@@ -15,16 +15,17 @@ from actspec.fields import LIMITS
 
 ORDER = (
     *("GEA101", "GEA105", "STB101", "SYM101", "LIM101", "SRC101", "SRC102", "KNW101"),
-    *("DMP105", "DMP101", "DMP103"),
+    *("VER106", "DMP105", "DMP101", "DMP103"),
     *("FRC101", "SRC105"),
 )
 """Rules about a figure, the nearest to its cause first: a gear says by what a limit or a gain is off, a file that
 contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
-not the published one; damping that is counted twice, in two files or in one, why a joint is slow; friction that no
+not the published one; a servo that lost its gains, or damping that is counted twice, in two files or in one, why a
+joint is slow; friction that no
 motor overcomes why another file has less. Chosen: from the findings of docs/survey.md that were true and told a second
 time."""
 
-_GEAR, _SIDES, _FRICTION = "GEA101", "SYM101", "FRC101"
+_GEAR, _SIDES, _FRICTION, _LOST_GAINS = "GEA101", "SYM101", "FRC101", "VER106"
 
 
 def by_cause(
@@ -105,6 +106,9 @@ class _Findings:
 
     def _explains(self, one: Finding, other: Finding) -> bool:
         """Whether what one finding says is why the other, at one of its places, is there."""
+        if one.code == _LOST_GAINS:
+            # The damping is too much for the gain that is left.
+            return one.joint == other.joint and other.code == "DMP101"
         figures = set(one.fields)
         if "effort_limit" in figures and one.code != _SIDES:
             # A motor's torque and speed come from one line of a datasheet.

@@ -80,6 +80,16 @@ def test_damping_that_is_counted_twice_is_told_once() -> None:
     assert _after(beside, replace(twice, fields=("actuator_damping",)))[1][2] == ""
 
 
+def test_a_servo_that_lost_its_gains_explains_the_damping_that_is_too_much_for_it() -> None:
+    """Its gain is gone; what the damping leaves of the limit is another fault."""
+    lost = _of("VER106", path="drives.xml", line=9, fields=("kp", "kd"))
+    lags = _of("DMP101", held="drives.xml", fields=("joint_damping",))
+    assert _after(lost, lags) == [("VER106", "warning", ""), ("DMP101", "info", "VER106")]
+    assert _after(lost, replace(lags, joint="hip"))[1] == ("DMP101", "warning", "")
+    slow = _of("DMP103", held="drives.xml", fields=("joint_damping",))
+    assert _after(lost, slow)[1] == ("DMP103", "warning", "")
+
+
 @pytest.mark.parametrize(
     "one, other",
     [

@@ -113,6 +113,7 @@ class DriveAndJointDamping(RuleOver[tuple[Sequence[LedgerRow], Parts]]):
             unit(row, "kd"),
             help="a velocity servo brakes by itself: leave the joint's damping out, or raise kv to many times as much",
             related=(row.span,),
+            fields=(field,),
             confidence=Confidence.HIGH,
         )
 

@@ -82,6 +82,7 @@ class GainsOfAnotherTag(RuleInParts):
             help=f"write the gains at the {tag}, or give it a class with a {tag} alone",
             related=(found.view.span,) if span != found.view.span else (),
             severity=Severity.INFO if known else self.severity,
+            fields=("kp", "kd"),
         )
 
 
