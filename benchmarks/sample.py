@@ -37,13 +37,13 @@ class Package:
 
     Attributes:
         name: Of its folder.
-        files: Path to digest, of what was audited.
-        findings: File and text of each error and warning, as a reader sees it.
+        files: Digests of what was audited.
+        findings: Digest of the file and text of each error and warning, as a reader sees it.
         fault: Why it could not be audited; "" otherwise.
     """
 
     name: str
-    files: dict[str, str]
+    files: frozenset[str]
     findings: tuple[tuple[str, str], ...]
     fault: str = ""
 
@@ -67,8 +67,8 @@ def main() -> int:
         packages = list(pool.map(_audited, names))
     lines, rows = [], []
     for package in packages:
-        told = [text for file, text in package.findings if package.files.get(file) not in seen]
-        new = set(package.files.values()) - seen
+        told = [text for digest, text in package.findings if digest not in seen]
+        new = package.files - seen
         seen |= new
         lines += told
         rows.append(f"{package.name}\t{len(new)}\t{len(told)}\t{package.fault}")
@@ -84,11 +84,11 @@ def _audited(name: str) -> Package:
     try:
         report = audit([name], Settings())
     except Exception as err:  # A package that breaks the audit is a line of the counts, and a fault to mend.
-        return Package(name, {}, (), f"{type(err).__name__}: {err}")
-    files = {file.path: _digest(file.path) for file in report.case.files}
+        return Package(name, frozenset(), (), f"{type(err).__name__}: {err}")
+    files = frozenset(_digest(file.path) for file in report.case.files)
     findings = tuple(
         (
-            first.finding.span.path,
+            _digest(first.finding.span.path),
             f"{first.finding.span}: {first.finding.code} [{first.severity.value}] {text}",
         )
         for first, text in ((group.first, group.headline()) for group in for_people(report.findings))

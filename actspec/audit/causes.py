@@ -21,9 +21,8 @@ ORDER = (
 """Rules about a figure, the nearest to its cause first: a gear says by what a limit or a gain is off, a file that
 contradicts itself which side is wrong, a limit that nobody stated why files differ, two files that differ why one is
 not the published one; a servo that lost its gains, or damping that is counted twice, in two files or in one, why a
-joint is slow; friction that no
-motor overcomes why another file has less. Chosen: from the findings of docs/survey.md that were true and told a second
-time."""
+joint is slow; friction that no motor overcomes why another file has less. Chosen: from the findings of docs/survey.md
+that were true and told a second time."""
 
 _GEAR, _SIDES, _FRICTION, _LOST_GAINS = "GEA101", "SYM101", "FRC101", "VER106"
 

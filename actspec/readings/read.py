@@ -434,6 +434,8 @@ def without_fragments(readings: Sequence[FileReading]) -> tuple[FileReading, ...
         if not reading.artifacts:
             for path in _named_by_includes(reading):
                 included.setdefault(os.path.realpath(path), False)
+    if not included:
+        return tuple(readings)
     return tuple(
         replace(reading, included=True) if os.path.realpath(reading.path) in included else reading
         for reading in readings

@@ -70,7 +70,7 @@ class RequiredFieldMissing(RuleInParts):
             return
         renamed = isaac and major_version(case.versions.isaaclab) >= 3
         name = "actuator_effort_limit" if renamed else "effort_limit"
-        limited = _of_one_limit(case, group) if isaac else _limited_in_mjcf(case, group)
+        limited = _of_the_urdf(case, group) if isaac else _limited_in_mjcf(case, group)
         for joint in group.joints:
             if joint not in limited:
                 yield Finding(
@@ -121,7 +121,7 @@ def _isaac_default(version: str | None, group: Group) -> str | None:
     return f"Isaac Lab 2.2 and 2.3.0 then clip {first}; later versions at the limit that the USD has"
 
 
-def _of_one_limit(case: Case, group: Group) -> set[str]:
+def _of_the_urdf(case: Case, group: Group) -> set[str]:
     """Joints whose effort_limit_sim is the effort of their URDF, of which the USD is made: whichever counts."""
     solver = group.written("effort_limit_sim")
     found = set()

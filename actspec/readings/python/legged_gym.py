@@ -134,17 +134,14 @@ def _ranges(draft: Draft, cls: Cls, get: Get) -> None:
         if unknown is not None:
             draft.note(f"domain_rand.{name}", f"whether it is in force: {unknown}", value.span)
         elif all(switch.data for switch in found):
-            ends = known(value)
-            if (
-                operation == "scale"
-                and isinstance(ends, (list, tuple))
-                and any(_is_negative(end) for end in ends)
-            ):
+            if operation == "scale" and _is_below_zero(value):
                 # Some forks add what others multiply by; no strength is negative.
                 draft.note(f"domain_rand.{name}", "its ends are no factors", value.span)
             else:
                 draft.range(field, value, operation, None)
 
 
-def _is_negative(end: object) -> bool:
-    return isinstance(end, (int, float)) and end < 0
+def _is_below_zero(value: Value) -> bool:
+    """Whether an end of a range is."""
+    ends = known(value)
+    return isinstance(ends, (list, tuple)) and any(isinstance(end, (int, float)) and end < 0 for end in ends)
