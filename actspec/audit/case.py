@@ -17,6 +17,12 @@ _T = TypeVar("_T")
 MODELS = frozenset({FileKind.MJCF, FileKind.URDF})
 """Files of a robot itself, to which the others give drives."""
 
+_WRITTEN: dict[FileKind | None, frozenset[str]] = {
+    FileKind.MJCF: frozenset({"effort_limit", "timestep"}),
+    FileKind.CFG: frozenset({"drive"}),
+}
+"""What of a kind of file a program can write over."""
+
 
 @dataclass(frozen=True, slots=True)
 class Case:
@@ -113,9 +119,9 @@ class Case:
         return included and not found.states(b"angle=")
 
     def written(self, place: Span) -> frozenset[str]:
-        """Figures of the MJCF at a place that programs of its folder write over."""
+        """What programs of its folder write over of the MJCF or configuration at a place."""
         file = self._file(place.path)
-        return file.written if file is not None and file.kind is FileKind.MJCF else frozenset()
+        return frozenset() if file is None else file.written & _WRITTEN.get(file.kind, frozenset())
 
     def _file(self, path: str) -> FileReading | None:
         return self.once(_files).get(path)

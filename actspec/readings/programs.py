@@ -39,8 +39,13 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
     ),
     "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
+    "drive": re.compile(rb"\.control_dofs_position\("),
 }
-"""What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names."""
+"""What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
+
+And by what it hands a configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position
+implicitly (RigidOptions.integrator is approximate_implicitfast).
+"""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
@@ -82,7 +87,7 @@ _OF_ANY_ROBOT = frozenset(
 """Names of folders that do not tell a robot."""
 
 ASIDE = re.compile(
-    r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused)(?![a-z])"
+    r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused|debug|dump|error)(?![a-z])"
     r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|vendor|tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,

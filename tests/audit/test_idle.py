@@ -513,6 +513,9 @@ def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
         f"<actuator>{drives}</actuator></mujoco>"
     )
     Path("r/run.py").write_text(f"load('models/dog.urdf')\n{program}")
+    # It has the URDF's limit, without which the two models are word against word.
+    text = CONFIGS.format(one="DOG_CFG", two="DOG_2_CFG").replace("20.0", "10.0").partition("DOG_2_CFG")[0]
+    Path("r/dog.py").write_text(text.replace("damping=1.0", "damping=1.0, effort_limit_sim=20.0"))
     found = audit(["r"], Settings(select=("STB101", "SRC101"))).findings
     assert {item.finding.code for item in found if item.severity is not Severity.INFO} == codes
     assert {item.finding.code for item in found} == {"STB101", "SRC101"}
@@ -530,3 +533,30 @@ def test_speeds_and_damping_of_a_urdf_by_side() -> None:
         )
     Path("r/run.py").write_text("FILES = ['one.urdf', 'two.urdf']\n")
     assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
+
+
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("robot.set_dofs_position(q)\n", Severity.WARNING),
+        ("self.robot.control_dofs_position(q, dofs)\n", Severity.INFO),
+        ("# robot.control_dofs_position(q)\n", Severity.WARNING),
+    ],
+)
+def test_gains_that_a_simulator_integrates(program: str, severity: Severity) -> None:
+    """Genesis takes the gains of a legged_gym configuration over, and their damping implicitly.
+
+    h kd/I + h^2 kp/2I = (5e-3 * 5.5 + 25e-6 * 20) / 0.01 = 2.8, where 2 diverges.
+    """
+    Path("r/leg.xml").write_text(
+        '<mujoco model="leg"><worldbody><body><joint name="knee"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>'
+    )
+    Path("r/leg_config.py").write_text(
+        "class LegCfg(LeggedRobotCfg):\n    class control(LeggedRobotCfg.control):\n"
+        '        control_type = "P"\n        stiffness = {"knee": 40.0}\n        damping = {"knee": 5.5}\n'
+        "        decimation = 4\n    class sim:\n        dt = 0.005\n"
+    )
+    Path("r/env.py").write_text(program)
+    found = audit(["r"], Settings(select=("STB102",))).findings
+    assert [(item.finding.span.path, item.severity) for item in found] == [("r/leg_config.py", severity)]

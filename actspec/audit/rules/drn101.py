@@ -65,7 +65,7 @@ class RangeExcludesNominal(RuleOver[_Subject]):
             yield Finding(
                 self.code,
                 f"{one.field} is randomised from {written(low, high, unit)}, which leaves out "
-                f"{whose(row, index)} {format_quantity(value, unit, 3)}: no environment has the nominal value",
+                f"{whose(row, one)} {format_quantity(value, unit, 3)}: no environment has the nominal value",
                 one.span,
                 row.joint,
                 value,

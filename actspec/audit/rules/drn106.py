@@ -19,6 +19,7 @@ class RangeInvertedOrNegative(RuleOver[_Subject]):
     name = "range-inverted-or-negative"
     severity = Severity.ERROR
     confidence = Confidence.HIGH
+    noted_in_folders = True
     needs = "no configuration randomises actuators"
 
     def subjects(self, case: Case) -> Iterator[_Subject]:

@@ -89,12 +89,13 @@ def _geared(artifact: Artifact, row: LedgerRow, joint: str) -> ActuatorView | No
 
 
 def _before_gear(actuator: ActuatorView) -> float | None:
-    """The torque that the actuator is limited to, gear left out."""
+    """The torque that the actuator is limited to, gear left out: by its force range, or by what its commands reach."""
+    bounds = []
     if actuator.force_range is not None and "force_range" not in actuator.unknown:
-        return largest(actuator.force_range)
-    if actuator.control == "motor" and actuator.control_range is not None:
-        return None if actuator.unknown else abs(actuator.gain) * largest(actuator.control_range)
-    return None
+        bounds.append(largest(actuator.force_range))
+    if actuator.control == "motor" and actuator.control_range is not None and not actuator.unknown:
+        bounds.append(abs(actuator.gain) * largest(actuator.control_range))
+    return min(bounds, default=None)
 
 
 def _stated_limit(case: Case, artifact: Artifact, row: LedgerRow, limit: float | None) -> Span | None:

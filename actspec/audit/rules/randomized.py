@@ -28,11 +28,35 @@ FIELDS = {
 
 
 def ranges(case: Case) -> Iterator[tuple[int, RobotConfig, RandomizedRange]]:
-    """Every range of every configuration: artifact, configuration, range."""
-    for index, artifact in case.of_kind(FileKind.CFG):
-        if artifact.config is not None:
-            for one in artifact.config.randomize:
-                yield index, artifact.config, one
+    """Every range of every configuration: artifact, configuration, range.
+
+    A base without actuators is left out for what configurations with actuators inherit from it: they say what it does.
+    So is a range of the start that every reset draws anew, from the nominal values.
+    """
+    configs = [(index, one.config) for index, one in case.of_kind(FileKind.CFG) if one.config is not None]
+    inherited = {one.span for _, config in configs if config.groups for one in config.randomize}
+    for index, config in configs:
+        for one in config.randomize:
+            if (config.groups or one.span not in inherited) and not _is_drawn_anew(config, one):
+                yield index, config, one
+
+
+def _is_drawn_anew(config: RobotConfig, one: RandomizedRange) -> bool:
+    """Whether a range of the start is drawn again at every reset, for the same joints or all.
+
+    Isaac Lab's and mjlab's events start from the configuration's values and not from what was drawn before.
+    """
+    return one.when in ("startup", "prestartup") and any(
+        other.when == "reset" and other.field == one.field and _takes_all_of(other, one)
+        for other in config.randomize
+    )
+
+
+def _takes_all_of(later: RandomizedRange, one: RandomizedRange) -> bool:
+    """Whether a range takes every joint of another one."""
+    return later.actuators == one.actuators and (
+        later.joints is None or ".*" in later.joints or later.joints == one.joints
+    )
 
 
 def rows_in(case: Case, artifact: int, one: RandomizedRange) -> list[LedgerRow]:
@@ -66,9 +90,9 @@ def _rows(case: Case, artifact: int, config: RobotConfig) -> tuple[LedgerRow, ..
     return ()
 
 
-def whose(row: LedgerRow, artifact: int) -> str:
-    """Whose figure it is, in a sentence: the configuration's own, or another file's."""
-    return "the configuration's" if row.artifact == artifact else f"{basename(row.file)}'s"
+def whose(row: LedgerRow, one: RandomizedRange) -> str:
+    """Whose figure it is, in a sentence: that of the file with the range, or another's."""
+    return "the configuration's" if row.file == one.span.path else f"{basename(row.file)}'s"
 
 
 def nominal(case: Case, config: RobotConfig, row: LedgerRow, one: RandomizedRange) -> float | None:

@@ -19,6 +19,11 @@ SAME = 0.05
 """Relative difference up to which two files give a joint the same figure. Chosen: 23.5 and 23.7 N*m are one motor."""
 
 
+UNLIKE = 3
+"""Limits at one speed from which that speed is a group's and no motor's. Chosen: a G1 has two at 37 rad/s; an upper body
+with 8 rad/s at its waist and its fingers has six."""
+
+
 @dataclass(frozen=True, slots=True)
 class Figures:
     """Limits of one joint in one file.
@@ -69,11 +74,23 @@ def figures(case: Case) -> dict[int, dict[str, Figures]]:
 def reductions(joints: Mapping[str, Figures], above: Mapping[str, frozenset[str]]) -> Iterator[Reduction]:
     """Every joint of one file with those of its limb that have the same power, less torque and more speed.
 
+    Speeds that a file gives joints of many motors tell nothing of any.
+
     Args:
         joints: Of one artifact, in its order.
         above: From `limbs_of`; empty: nobody knows the limbs.
     """
-    fast = [(name, joint) for name, joint in joints.items() if joint.speed is not None]
+    at_speed: dict[float, list[float]] = {}
+    for joint in joints.values():
+        if joint.speed is not None:
+            efforts = at_speed.setdefault(joint.speed, [])
+            if not any(same(joint.effort, effort) for effort in efforts):
+                efforts.append(joint.effort)
+    fast = [
+        (name, joint)
+        for name, joint in joints.items()
+        if joint.speed is not None and len(at_speed[joint.speed]) < UNLIKE
+    ]
     for name, joint in fast:
         for other, base in fast:
             ratio = _ratio(joint, base)

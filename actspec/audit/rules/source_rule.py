@@ -120,16 +120,18 @@ def _revision(case: Case, artifact: int) -> frozenset[str]:
     return frozenset(found.lower() for found in _REVISION.findall("/".join(parts[-_FOLDERS:])))
 
 
-def is_overridden(case: Case, found: Disagreement) -> bool:
-    """Whether a configuration met in a folder has a figure of its own that nothing but the URDF speaks against.
+def is_word_against_word(case: Case, found: Disagreement) -> bool:
+    """Whether a limit met in a folder, or a configuration's figure beside a URDF, has nothing but one file against it.
 
-    Its figure is the one that trains and was written later; the URDF has the links.
+    No maker's figure and no majority: templates that programs fill in, limits that a task chose, an exporter's figures
+    and the placeholders of another file differ as much (docs/survey.md). A configuration's figure is the one that
+    trains and was written later; the URDF has the links.
     """
     here, there = (case.artifacts[rows[0].artifact] for rows in (found.rows, found.others))
     return (
         case.is_met(found.rows[0].artifact)
         and not (found.published or found.backed)
-        and (here.kind, there.kind) == (FileKind.CFG, FileKind.URDF)
+        and (found.field == "effort_limit" or (here.kind, there.kind) == (FileKind.CFG, FileKind.URDF))
     )
 
 
@@ -229,7 +231,7 @@ class SourceRule(RuleInParts):
             severity, confidence = Severity.INFO, Confidence.LOW
         # Beside a spec, which tells who is wrong, SPC101 has the error.
         beside = case.kinds_by_artifact[found.rows[0].artifact]
-        if is_overridden(case, found) or found.both_published:
+        if is_word_against_word(case, found) or found.both_published:
             severity, confidence = Severity.INFO, Confidence.LOW
         elif not idle and found.one_machine and FileKind.SPEC not in beside and self.is_grave(case, found):
             severity, confidence = Severity.ERROR, Confidence.MEDIUM

@@ -9,15 +9,16 @@ from actspec.audit.known import Likeness, likenesses, same
 from actspec.audit.rules.joints import is_held, is_undriven
 from actspec.audit.rules.source_pairs import Disagreement
 from actspec.audit.rules.source_rule import (
+    GRAVE,
     TIMES,
     SourceRule,
     are_alternatives,
     is_beyond_the_joint,
     is_no_limit,
     is_of_control,
-    is_overridden,
     is_small,
     is_times_off,
+    is_word_against_word,
     shown,
 )
 from actspec.diagnostics import SEVERITIES, Severity
@@ -88,7 +89,7 @@ class EffortLimit(SourceRule):
         if all(is_of_control(case, side.rows) for side in held) or _is_for_links(case, held[0]):
             # A range for whatever the task commands is no motor's, and a URDF beside others is there for its links.
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
-        elif all(is_overridden(case, side) for side in held):
+        elif all(is_word_against_word(case, side) for side in held):
             # The URDF was looked up, and the configuration was not.
             worst = replace(worst, severity=self.severity, confidence=self.confidence)
         message = (
@@ -112,11 +113,11 @@ class EffortLimit(SourceRule):
         ]
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A limit that nothing meets is a note, and one of 1 that the range of a control makes: a scale."""
+        """A note where nothing meets the limit, where 1 is a control's range, a scale, and of a robot program's margin."""
         scale = any(
             is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
         )
-        nothing = scale or _limits_nothing(case, found)
+        nothing = scale or _limits_nothing(case, found) or _is_margin(case, found)
         return (Severity.INFO if nothing else self.severity), self.confidence
 
     def is_grave(self, case: Case, found: Disagreement) -> bool:
@@ -142,6 +143,12 @@ def _limits_nothing(case: Case, found: Disagreement) -> bool:
     if are_alternatives(case, found) and (all(_is_slide(row) for row in both) or _is_set_up_twice(*both)):
         return True
     return is_beyond_the_joint(case, found) or any(is_undriven(case, row) or is_held(row) for row in both)
+
+
+def _is_margin(case: Case, found: Disagreement) -> bool:
+    """Whether a robot's program stays below the limit that its models have, by less than half: on purpose."""
+    is_program = case.artifacts[found.rows[0].artifact].kind is FileKind.DEPLOY
+    return is_program and found.ratio is not None and 1.0 / GRAVE < found.ratio < 1.0
 
 
 def _is_for_links(case: Case, side: Disagreement) -> bool:

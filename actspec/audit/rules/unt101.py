@@ -26,6 +26,7 @@ class RangeInDegrees(RuleInParts):
     name = "position-range-in-degrees"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     fix = Safety.UNSAFE
     needs = "no MJCF or URDF with a limited hinge among the files"
     options: ClassVar[dict[str, float]] = {"least": 12.6, "most": 720.0}
@@ -63,7 +64,7 @@ class RangeInDegrees(RuleInParts):
                 continue
             hinges = _limited_hinges(artifact)
             if index in locked:
-                yield (self._of_file(hinges, artifact.is_part),)
+                yield (self._of_file(_moving(hinges), artifact.is_part),)
                 continue
             virtual = _placeholder_ranges(artifact)
             for hinge in hinges:
@@ -110,7 +111,7 @@ class RangeInDegrees(RuleInParts):
         yield Finding(
             self.code,
             f"this hinge may turn from {format_number(ends[0], 4)} to {format_number(ends[1], 4)} rad, "
-            f"{most / (2.0 * math.pi):.2g} full turns: it looks like degrees where the file is read in radians",
+            f"{(ends[1] - ends[0]) / _TURN:.2g} full turns: it looks like degrees where the file is read in radians",
             joint.places.get("range", joint.span),
             joint.name,
             most,
@@ -166,7 +167,7 @@ def read_as_degrees(case: Case) -> frozenset[int]:
         index
         for index, artifact in case.of_kind(FileKind.MJCF)
         if not artifact.states(b"radian")
-        and len(hinges := _limited_hinges(artifact)) >= _SEVERAL
+        and len(hinges := _moving(_limited_hinges(artifact))) >= _SEVERAL
         and all(largest(joint.range or (0.0, 0.0)) <= _LOCKED for joint in hinges)
     )
 
@@ -178,6 +179,11 @@ def _limited_hinges(artifact: Artifact) -> list[JointView]:
         for joint in joints
         if joint.kind is JointKind.HINGE and joint.range is not None and "range" not in joint.unknown
     ]
+
+
+def _moving(hinges: Iterable[JointView]) -> list[JointView]:
+    """Those that are not held at 0, which is 0 in any unit."""
+    return [joint for joint in hinges if joint.range != (0.0, 0.0)]
 
 
 def _placeholder_ranges(artifact: Artifact) -> set[tuple[float, float] | None]:

@@ -18,6 +18,7 @@ class TorqueAsTarget(RuleOver[tuple[LedgerRow, tuple[float, float]]]):
     name = "torque-left-in-command-range"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = "no MJCF with a position servo and a control range among the files"
     options: ClassVar[dict[str, float]] = {"least": 3.2}

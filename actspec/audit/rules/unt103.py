@@ -20,6 +20,7 @@ class Factor57(RuleInParts):
     name = "off-by-degrees-per-radian"
     severity = Severity.WARNING
     confidence = Confidence.HIGH
+    noted_in_folders = True
     paired = True
     needs = _ONE_FILE
     options: ClassVar[dict[str, float]] = {"relative": 0.005}
