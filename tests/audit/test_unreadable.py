@@ -166,7 +166,9 @@ def test_what_an_old_file_alone_speaks_against() -> None:
     # One word against another.
     Path("robots/leg.py").unlink()
     assert said() == [("robots/leg.xml", Severity.INFO)]
-    assert [i.severity for i in audit(["robots/leg.xml", "robots/leg_b.urdf"], settings).findings] == [Severity.ERROR]
+    assert [i.severity for i in audit(["robots/leg.xml", "robots/leg_b.urdf"], settings).findings] == [
+        Severity.ERROR
+    ]
 
 
 def test_a_world_with_robots_in_it_is_no_robot_file() -> None:

@@ -20,8 +20,8 @@ SAME = 0.05
 
 
 UNLIKE = 3
-"""Limits at one speed from which that speed is a group's and no motor's. Chosen: a G1 has two at 37 rad/s; an upper body
-with 8 rad/s at its waist and its fingers has six."""
+"""Limits at one speed from which that speed is a group's and no motor's. Chosen: a G1 has two at 37 rad/s; an upper
+body with 8 rad/s at its waist and its fingers has six."""
 
 
 @dataclass(frozen=True, slots=True)

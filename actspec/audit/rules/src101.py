@@ -113,7 +113,7 @@ class EffortLimit(SourceRule):
         ]
 
     def severity_of(self, case: Case, found: Disagreement) -> tuple[Severity, Confidence]:
-        """A note where nothing meets the limit, where 1 is a control's range, a scale, and of a robot program's margin."""
+        """A note where nothing meets the limit, where 1 is a control's range, and of a robot program's margin."""
         scale = any(
             is_of_control(case, rows) and rows[0].effort_limit == 1.0 for rows in (found.rows, found.others)
         )
