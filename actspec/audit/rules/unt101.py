@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import ClassVar
 
@@ -124,11 +124,12 @@ class RangeInDegrees(RuleInParts):
     def _of_file(self, joints: list[JointView], is_part: bool) -> Finding:
         first = joints[0]
         ends = first.range or (0.0, 0.0)
+        most = max(largest(joint.range or (0.0, 0.0)) for joint in joints) * DEGREES
         # What includes or mounts a part has the angle.
         unless = ", unless what includes it has the angle" if is_part else ""
         return Finding(
             self.code,
-            f"none of the {len(joints)} limited hinges may move by more than 3.2 degrees from 0, the first from "
+            f"none of the {len(joints)} limited hinges may move by more than {most:.3g} degrees from 0, the first from "
             f"{format_number(ends[0], 3)} to {format_number(ends[1], 3)} rad: radians, read as degrees{unless}",
             first.places.get("range", first.span),
             "",
@@ -143,6 +144,10 @@ class RangeInDegrees(RuleInParts):
 
 _LOCKED = 3.2 / DEGREES
 """Largest angle that a range in radians can become when read in degrees. Chosen: a little above pi / 57.3."""
+
+_LOCKED_TURN = 6.4 / DEGREES
+"""Likewise where most ends are no half degrees, which people write: a Go2's thigh goes to 4.5379. Chosen: a little above
+2 pi / 57.3."""
 
 _SEVERAL = 3
 
@@ -168,8 +173,18 @@ def read_as_degrees(case: Case) -> frozenset[int]:
         for index, artifact in case.of_kind(FileKind.MJCF)
         if not artifact.states(b"radian")
         and len(hinges := _moving(_limited_hinges(artifact))) >= _SEVERAL
-        and all(largest(joint.range or (0.0, 0.0)) <= _LOCKED for joint in hinges)
+        and _are_locked([joint.range or (0.0, 0.0) for joint in hinges])
     )
+
+
+def _are_locked(ranges: Sequence[tuple[float, float]]) -> bool:
+    """Whether hinges in degrees would be held to a few of them, all of them."""
+    most = max(map(largest, ranges))
+    if most <= _LOCKED:
+        return True
+    halves = [2.0 * DEGREES * end for ends in ranges for end in ends]
+    odd = sum(not math.isclose(half, round(half), abs_tol=1e-6) for half in halves)
+    return most <= _LOCKED_TURN and 2 * odd > len(halves)
 
 
 def _limited_hinges(artifact: Artifact) -> list[JointView]:
