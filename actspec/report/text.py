@@ -69,6 +69,8 @@ def worst_first(groups: Iterable[FindingGroup]) -> tuple[FindingGroup, ...]:
 def left_out(report: Report, least: Severity) -> Iterator[str]:
     """How much is not severe enough to be shown, in one line; nothing where all is shown.
 
+    Of a folder much is a note that would be more of a file that was named: the line says how to have it so.
+
     Args:
         report: What was found.
         least: Least severity that is shown.
@@ -85,7 +87,9 @@ def left_out(report: Report, least: Severity) -> Iterator[str]:
             names = listed(code for code, _ in sorted(codes.items(), key=lambda entry: (-entry[1], entry[0])))
             parts.append(f"{many(counts[severity], NOUNS[severity])} ({names})")
     if parts:
-        yield f"{', '.join(parts)}: --notes shows {'it' if sum(counts.values()) == 1 else 'them'}"
+        shows = f"{', '.join(parts)}: --notes shows {'it' if sum(counts.values()) == 1 else 'them'}"
+        met = any(report.case.is_met_at(item.finding.span) for item in below)
+        yield f"{shows}; --as-named judges a folder of your own" if met else shows
 
 
 def headline(group: FindingGroup, style: Style) -> str:

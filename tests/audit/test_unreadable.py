@@ -51,11 +51,12 @@ def test_in_a_folder_it_is_a_note() -> None:
 
 
 def test_the_last_line_counts_it() -> None:
-    """Although it is a note."""
+    """Although it is a note; of a file that was named it is an error, and of a folder with --as-named."""
     text = render(audit(["robots"], Settings()), "concise", ReportOptions(least=Severity.WARNING))
     assert (
         text
-        == "1 note (AUD008): --notes shows it\nno errors or warnings in 1 file; 1 file could not be read\n"
+        == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own\n"
+        "no errors or warnings in 1 file; 1 file could not be read\n"
     )
 
 
