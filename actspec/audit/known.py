@@ -1,6 +1,6 @@
 """Robots whose limits are published, and which of them an artifact is: by its name and by its joints.
 
-The table is `robots/known.json`, made of the specs that ship and of `robots/limits/published.yaml`; a test holds it
+The table is `robots/known.json`, made of the specs that ship and of `robots/limits`; a test holds it
 to them.
 """
 

@@ -1,4 +1,4 @@
-"""The table of known robots, made of the specs that ship and of `robots/limits/published.yaml`."""
+"""The table of known robots, made of the specs that ship and of `robots/limits`."""
 
 from __future__ import annotations
 
@@ -38,7 +38,11 @@ def _with_others(row: dict[str, Any], limits: dict[float, list[str]]) -> list[di
 
 def table() -> str:
     """The text of `robots/known.json`."""
-    published = yaml.safe_load((ROBOTS / "limits" / "published.yaml").read_text(encoding="utf-8"))
+    published: dict[str, dict[str, Any]] = {}
+    for path in sorted((ROBOTS / "limits").glob("*.yaml")):
+        for section, entries in yaml.safe_load(path.read_text(encoding="utf-8")).items():
+            assert published.setdefault(section, {}).keys().isdisjoint(entries), (path, section)
+            published[section] |= entries
     robots: dict[str, dict[str, Any]] = {}
     models: set[str] = set()
     for path in sorted(ROBOTS.glob("*.yaml")):
@@ -57,9 +61,6 @@ def table() -> str:
     for name, variants in published["variants"].items():
         for variant, more in variants.items():
             robots[name]["variants"][variant] = list(_changed(robots[name]["variants"], more, published))
-    for name, limits in published["also"].items():
-        for rows in robots[name]["variants"].values():
-            rows[:] = [each for row in rows for each in _with_others(row, limits)]
     for name, arm in published["robots"].items():
         source = _title(published["sources"][arm["source"]])
         speeds = {joint: speed for speed, joints in arm.get("speeds", {}).items() for joint in joints}
@@ -76,6 +77,9 @@ def table() -> str:
         robots[name] = {"words": arm["words"], "variants": {"": groups}}
         if "prefixes" in arm:
             robots[name]["prefixes"] = arm["prefixes"]
+    for name, limits in published["also"].items():
+        for rows in robots[name]["variants"].values():
+            rows[:] = [each for row in rows for each in _with_others(row, limits)]
     lines = []
     for name, entry in sorted(robots.items()):
         rows = [

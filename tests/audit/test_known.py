@@ -26,7 +26,7 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("unitree_go2", "", "FL_calf_joint", 45.43),
         ("unitree_h1", "", "torso_joint", 200.0),
         ("unitree_g1", "mode_5", "left_hip_roll_joint", 139.0),
-        # robots/limits/published.yaml: the deprecated revision.
+        # robots/limits/legged.yaml: the deprecated revision.
         ("unitree_g1", "mode_2", "left_hip_roll_joint", 88.0),
         ("unitree_g1", "mode_2", "left_knee_joint", 139.0),
         ("unitree_g1", "mode_15", "right_wrist_yaw_joint", 13.4),
@@ -34,6 +34,10 @@ def test_the_table_is_what_the_specs_say(request: pytest.FixtureRequest) -> None
         ("so101", "", "gripper", 3.24986),
         ("ur10", "", "wrist_1_joint", 56.0),
         ("franka", "", "joint7", 12.0),
+        ("kuka_iiwa14", "", "joint_3", 176.0),
+        ("ur3e", "", "wrist_3_joint", 12.0),
+        ("unitree_b2", "", "FL_calf_joint", 320.0),
+        ("mini_cheetah", "", "FR_hip_joint", 18.0),
     ],
 )
 def test_figures_of_the_table(robot: str, variant: str, joint: str, effort: float) -> None:

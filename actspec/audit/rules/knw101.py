@@ -75,8 +75,8 @@ class LimitBeyondPublished(RuleOver[Likeness]):
             return None
         name = names[0]
         every = list(subject.robot.variants.values())
-        own = [joints[name].effort for joints in every]
-        if any(limit * times > effort for effort in own):
+        own = [figure for joints in every for figure in (joints[name].effort, *joints[name].also)]
+        if any(limit * times > figure or same(limit, figure) for figure in own):
             return None
         theirs = next((found for joints in every if (found := _alike(joints, limit))), ())
         if not theirs:
