@@ -43,6 +43,7 @@ class Entry:
         joint: Joint; "" when a file is concerned.
         value: The figure that is wrong [unit], to four digits; None where there is none, or the baseline has none.
         unit: Of the figure; None without one.
+        expected: What the rule holds it to, likewise: where that changes, the same figure is wrong in another way.
     """
 
     code: str
@@ -50,6 +51,7 @@ class Entry:
     joint: str
     value: float | None = None
     unit: str | None = None
+    expected: float | None = None
 
     def covers(self, other: Entry) -> bool:
         """Whether a finding is this one: a figure that has changed makes another one of it."""
@@ -57,23 +59,31 @@ class Entry:
             return False
         if self.value is None:
             return True
-        return (
-            other.value is not None
-            and self.unit == other.unit
-            and math.isclose(self.value, other.value, rel_tol=SAME)
+        figures = [(self.value, other.value)]
+        # Entries of earlier releases do not say what the figure was held to.
+        figures += [(self.expected, other.expected)] if self.expected is not None else []
+        return self.unit == other.unit and all(
+            its is not None and mine is not None and math.isclose(mine, its, rel_tol=SAME)
+            for mine, its in figures
         )
 
 
 def entry_of(finding: Finding, folder: str) -> Entry:
     """The entry that a finding belongs to; its file relative to a folder."""
-    value = finding.value if finding.value is not None and math.isfinite(finding.value) else None
+    value = _figure(finding.value)
     return Entry(
         finding.code,
         name_in_file(relative_path(finding.span.path, folder)),
         finding.joint,
-        None if value is None else float(f"{value:.4g}"),
+        value,
         None if value is None else finding.unit or None,
+        None if value is None else _figure(finding.expected),
     )
+
+
+def _figure(value: float | None) -> float | None:
+    """To four digits; None for what is no number."""
+    return None if value is None or not math.isfinite(value) else float(f"{value:.4g}")
 
 
 def entry_about(item: Diagnostic, folder: str) -> Entry | None:
@@ -111,12 +121,14 @@ def baseline_text(findings: Iterable[Reported], path: str, said: Iterable[Diagno
 
 
 def _record(entry: Entry, count: int) -> dict[str, Any]:
-    figure = {} if entry.value is None else {"value": entry.value, "unit": entry.unit or ""}
-    return {"code": entry.code, "file": entry.file, "joint": entry.joint, **figure, "count": count}
+    figure: dict[str, Any] = {} if entry.value is None else {"value": entry.value, "unit": entry.unit or ""}
+    held_to = {} if entry.expected is None else {"expected": entry.expected}
+    return {"code": entry.code, "file": entry.file, "joint": entry.joint, **figure, **held_to, "count": count}
 
 
 def _place(entry: Entry) -> tuple[object, ...]:
-    return entry.code, entry.file, entry.joint, entry.unit or "", entry.value or 0.0, entry.value is None
+    figures = (entry.value or 0.0, entry.value is None, entry.expected or 0.0, entry.expected is None)
+    return entry.code, entry.file, entry.joint, entry.unit or "", *figures
 
 
 def write_baseline(
@@ -171,12 +183,15 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
     for index, record in enumerate(records if isinstance(records, list) else [None]):
         known: dict[str, Any] = record if isinstance(record, dict) else {}
         texts: list[Any] = [known.get("code"), known.get("file"), known.get("joint"), known.get("unit", "")]
-        count, value = known.get("count"), known.get("value")
+        count, value, expected = known.get("count"), known.get("value"), known.get("expected")
         if (
             not all(isinstance(text, str) for text in texts)
             or not isinstance(count, int)
             or not 0 < count < _MOST
-            or not (value is None or (isinstance(value, (int, float)) and abs(value) < _MOST))
+            or not all(
+                figure is None or (isinstance(figure, (int, float)) and abs(figure) < _MOST)
+                for figure in (value, expected)
+            )
         ):
             message = "an entry of the baseline is not as actspec writes it"
             places = json_places(text, [("findings",), ("findings", index)])
@@ -184,7 +199,7 @@ def read_baseline(path: str, former: Mapping[str, str]) -> Counter[Entry]:
             raise _error("AUD005", message, path, f"write it again with --write-baseline {path}", at)
         # Entries of earlier releases have the hash of a message in place of a figure.
         code, file, joint, unit = texts
-        entries[Entry(former.get(code, code), file, joint, value, unit or None)] += count
+        entries[Entry(former.get(code, code), file, joint, value, unit or None, expected)] += count
     return entries
 
 
@@ -203,7 +218,7 @@ def apply_baseline(
     left = Counter(entries)
     by_place: dict[tuple[str, str, str], list[Entry]] = {}
     # Those with a figure first: one without it takes what they leave.
-    for entry in sorted(entries, key=lambda entry: entry.value is None):
+    for entry in sorted(entries, key=lambda entry: (entry.value is None, entry.expected is None)):
         by_place.setdefault((entry.code, entry.file, entry.joint), []).append(entry)
     kept, suppressed = [], []
     for reported in found:

@@ -73,11 +73,13 @@ class NamedFile:
 
     Attributes:
         path: As the user named it, or below the folder that the user named.
-        folder: That folder; None when the file itself was named.
+        folder: That folder; None when the file is in none that was named.
+        named: Whether the file itself was named.
     """
 
     path: str
     folder: str | None = None
+    named: bool = False
 
 
 def read_file(path: str, keep_matrices: bool = False, refusal: str | None = None) -> FileReading:
@@ -305,11 +307,15 @@ def expand(
             continue
         if not os.path.isdir(path):
             if not skip_other or _has_known_ending(path) or not os.path.exists(path):
-                found.setdefault(path, NamedFile(path))
+                # Whoever names a file and its folder asks for the file.
+                found[path] = NamedFile(path, found[path].folder if path in found else None, named=True)
             continue
         for full in files_in(path, exclude):
             if _has_known_ending(full) and not exclude(full, False):
-                found.setdefault(full, NamedFile(full, path))
+                before = found.get(full)
+                found[full] = (
+                    NamedFile(full, path) if before is None else replace(before, folder=before.folder or path)
+                )
     return tuple(found.values())
 
 
@@ -361,19 +367,21 @@ def _chosen(
     idle_there = _idle(files, found, exclude)
     for index, file in enumerate(files):
         # A file that is not there was named by somebody.
-        named = file.folder is None and not (skip_other and os.path.exists(file.path))
+        named = file.named and not (skip_other and os.path.exists(file.path))
         if named or _concerns(found[index]):
             reading = found[index]
             if not reading.readable and not os.path.exists(file.path):
                 reading = _nothing_at(file.path)
-            aside = file.folder is not None and bool(ASIDE.search(os.path.relpath(file.path, file.folder)))
+            if file.named or file.folder is None:
+                chosen.append(reading)
+                continue
             chosen.append(
                 replace(
                     reading,
-                    in_folder=file.folder is not None,
-                    put_aside=aside,
+                    in_folder=True,
+                    put_aside=bool(ASIDE.search(os.path.relpath(file.path, file.folder))),
                     unnamed=file.path in idle_there.models,
-                    written=idle_there.written if file.folder is not None else frozenset(),
+                    written=idle_there.written,
                     idle=idle_there.configs.get(file.path, frozenset()),
                 )
             )
@@ -410,8 +418,10 @@ def _concerns(reading: FileReading) -> bool:
         return True
     if any(item.code == FAULT for item in reading.diagnostics):
         return True
+    # Of UTF-16 the letters, which are what tells.
+    texts = (file.data.replace(b"\0", b"") for file in reading.files)
     return reading.kind is None and any(
-        _ROBOT_ROOT.search(file.data) and not _OTHER_ROBOT.search(file.data) for file in reading.files
+        _ROBOT_ROOT.search(text) and not _OTHER_ROBOT.search(text) for text in texts
     )
 
 

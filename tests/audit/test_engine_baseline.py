@@ -68,6 +68,24 @@ def test_a_figure_that_has_changed_is_not_known(
     assert (not report.findings) is hidden
 
 
+@pytest.mark.parametrize(
+    ("expected", "hidden"),
+    [
+        pytest.param(12.0, True, id="the same"),
+        pytest.param(12.1, True, id="0.8 % more: another release of MuJoCo"),
+        pytest.param(1.2, False, id="the other file's figure has changed: 20 times in place of twice"),
+        pytest.param(None, False, id="wrong in another way"),
+    ],
+)
+def test_a_figure_that_is_held_to_another_one(expected: float | None, hidden: bool, folder: Path) -> None:
+    """24 beside 12 that is known says nothing of 24 beside 1.2."""
+    at = {"joint": "knee", "value": 24.0, "unit": "N*m"}
+    write_baseline(judged(finding("LIM901", **at, expected=12.0)).findings, "base.json")
+    fits("baseline", json.loads(Path("base.json").read_text()))
+    report = judged(finding("LIM901", **at, expected=expected), baseline="base.json")
+    assert (len(report.findings), len(report.suppressed)) == ((0, 1) if hidden else (1, 0))
+
+
 def test_a_baseline_of_an_earlier_release(folder: Path) -> None:
     """It has a hash of the message and no figure: rule, file and joint count, and the number of findings."""
     entry = {"code": "LIM901", "file": "a.xml", "joint": "knee", "hash": "0123456789abcdef", "count": 1}

@@ -54,8 +54,7 @@ def test_the_last_line_counts_it() -> None:
     """Although it is a note; of a file that was named it is an error, and of a folder with --as-named."""
     text = render(audit(["robots"], Settings()), "concise", ReportOptions(least=Severity.WARNING))
     assert (
-        text
-        == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own\n"
+        text == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own\n"
         "no errors or warnings in 1 file; 1 file could not be read\n"
     )
 
@@ -178,3 +177,27 @@ def test_a_world_with_robots_in_it_is_no_robot_file() -> None:
     Path("robots/world.xml").write_text(world)
     assert [item[1] for item in found(audit(["robots"], Settings()))] == ["robots/leg.xml"]
     assert len(found(audit(["robots/world.xml"], Settings()))) == 1
+
+
+@pytest.mark.parametrize("named", [["robots", "robots/leg.xml"], ["robots/leg.xml", "robots"]])
+def test_a_file_that_is_named_beside_its_folder(named: list[str]) -> None:
+    """Whoever names it asks for it."""
+    report = audit(named, Settings())
+    assert found(report) == [("AUD008", "robots/leg.xml", 3, Severity.ERROR)]
+
+
+def test_a_spec_in_a_folder() -> None:
+    """It is the user's own; every reason is told."""
+    Path("robots/leg.yaml").write_text("actspec: 1\nrobot: {nam: leg}\nactuators: 3\n")
+    report = audit(["robots"], Settings())
+    own = [item for item in found(report) if item[1] == "robots/leg.yaml"]
+    assert {severity for *_, severity in own} == {Severity.ERROR}
+    assert {line for _, _, line, _ in own} == {2, 3}
+
+
+@pytest.mark.parametrize("coding", ["utf-16", "utf-32"])
+def test_a_model_in_another_coding(coding: str) -> None:
+    """It cannot be read, and is counted; a page in it is none of ours."""
+    Path("robots/arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>', encoding=coding)
+    Path("robots/page.xml").write_text("<html/>", encoding=coding)
+    assert [item[1] for item in found(audit(["robots"], Settings()))] == ["robots/arm.urdf", "robots/leg.xml"]

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from actspec.audit.rule import Case, Confidence, Finding, Rule, Severity
 from actspec.diagnostics import Span
-from actspec.readings.artifact import FileReading
+from actspec.readings.artifact import FileKind, FileReading
 
 
 class Unreadable(Rule):
@@ -21,7 +21,8 @@ class Unreadable(Rule):
     def _of(self, file: FileReading) -> Iterator[Finding]:
         """What is wrong with the file, each at its place; the reader's reason where nothing has one."""
         errors = [item for item in file.diagnostics if item.severity is Severity.ERROR]
-        named = not file.in_folder
+        # A spec is nobody's but the user's, wherever it lies.
+        named = not file.in_folder or file.kind is FileKind.SPEC
         # A file that was lost to a fault of actspec would have been read wherever it lies.
         lost = any(item.code == self.code for item in errors)
         reasons = [item for item in errors if item.code != self.code]
