@@ -85,7 +85,7 @@ def _audited(name: str) -> Package:
         report = audit([name], Settings())
     except Exception as err:  # A package that breaks the audit is a line of the counts, and a fault to mend.
         return Package(name, frozenset(), (), f"{type(err).__name__}: {err}")
-    files = frozenset(_digest(file.path) for file in report.case.files)
+    files = frozenset(_digest(file.path) for file in report.case.files if not file.names_nothing)
     findings = tuple(
         (
             _digest(first.finding.span.path),

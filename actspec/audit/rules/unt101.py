@@ -146,8 +146,8 @@ _LOCKED = 3.2 / DEGREES
 """Largest angle that a range in radians can become when read in degrees. Chosen: a little above pi / 57.3."""
 
 _LOCKED_TURN = 6.4 / DEGREES
-"""Likewise where most ends are no half degrees, which people write: a Go2's thigh goes to 4.5379. Chosen: a little above
-2 pi / 57.3."""
+"""Likewise where most ends are no half degrees, which people write: a Go2's thigh goes to 4.5379. Chosen: a little
+above 2 pi / 57.3."""
 
 _SEVERAL = 3
 
