@@ -324,6 +324,33 @@ def test_one_limit_for_all_is_no_evidence(limits: tuple[int, ...], severity: str
     assert {(item.finding.span.path, item.severity.value) for item in found} == {("r/dog.py", severity)}
 
 
+@pytest.mark.parametrize(("kind", "severity"), [("urdf", "info"), ("xml", "warning")])
+def test_one_limit_for_all_beside_a_urdf(kind: str, severity: str) -> None:
+    """Two URDFs of a folder may be of two arms; a model that has 100 N*m for all was made of one that has not."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    names = ("base", "arm", "elbow", "wrist")
+
+    def urdf(limits: tuple[int, ...]) -> str:
+        links = "".join(f'<link name="l{n}"/>' for n in range(5))
+        joints = "".join(
+            f'<joint name="{name}" type="revolute"><parent link="l{n}"/><child link="l{n + 1}"/>'
+            f'<limit lower="-1" upper="1" effort="{limit}" velocity="9"/></joint>'
+            for n, (name, limit) in enumerate(zip(names, limits, strict=True))
+        )
+        return f'<robot name="arm">{links}{joints}</robot>'
+
+    bodies = "".join(f'<body><joint name="{name}"/><geom size="0.1"/></body>' for name in names)
+    motors = "".join(f'<motor joint="{name}" forcerange="-100 100"/>' for name in names)
+    model = f'<mujoco model="arm"><worldbody>{bodies}</worldbody><actuator>{motors}</actuator></mujoco>'
+    Path("r/models/arm_5.urdf").write_text(urdf((60, 60, 30, 10)))
+    Path(f"r/models/arm_7.{kind}").write_text(urdf((100,) * 4) if kind == "urdf" else model)
+    said = audit(["r"], Settings(select=("SRC101",))).findings
+    assert {(Path(item.finding.span.path).name, item.severity.value) for item in said} == {
+        (f"arm_7.{kind}", severity)
+    }
+
+
 def test_a_spec_is_there_for_every_file() -> None:
     """What it holds files to does not ask who names them."""
     Path("r/train.py").write_text("FILE = 'one.urdf'\n")

@@ -89,8 +89,8 @@ class EffortLimit(SourceRule):
         if all(is_of_control(case, side.rows) for side in held) or _is_for_links(case, held[0]):
             # A range for whatever the task commands is no motor's, and a URDF beside others is there for its links.
             worst = replace(worst, severity=Severity.INFO, confidence=Confidence.LOW)
-        elif all(is_word_against_word(case, side) for side in held):
-            # The URDF was looked up, and the configuration was not.
+        elif all(_is_unlike_the_urdf(case, side) for side in held):
+            # The URDF's were looked up, and this file's were not.
             worst = replace(worst, severity=self.severity, confidence=self.confidence)
         message = (
             f"the effort limit is {shown(held[0].mine.value, unit)} on every joint of this file, and "
@@ -155,6 +155,12 @@ def _is_for_links(case: Case, side: Disagreement) -> bool:
     """Whether one limit for all is of a URDF met in a folder, and the other of a file of another kind."""
     one, other = (case.artifacts[rows[0].artifact].kind for rows in (side.rows, side.others))
     return one is FileKind.URDF is not other and case.is_met(side.rows[0].artifact)
+
+
+def _is_unlike_the_urdf(case: Case, side: Disagreement) -> bool:
+    """Whether one limit for all is of a model or configuration that nothing but a URDF speaks against."""
+    one, other = (case.artifacts[rows[0].artifact].kind for rows in (side.rows, side.others))
+    return is_word_against_word(case, side) and one is not FileKind.URDF is other
 
 
 def _is_set_up_twice(one: LedgerRow, other: LedgerRow) -> bool:
