@@ -271,7 +271,9 @@ def _verdict(compilation: Compilation, agreement: Agreement) -> str:
     every = dict.fromkeys(row.target for row in agreement.rows)
     run = {row.target for row in agreement.rows if row.quantity in _HISTORIES}
     marked = [row for row in agreement.rows if set(row.approximations) - {SOFT}]
-    losing = {row.target for row in marked} | {loss.target for loss in agreement.approximations}
+    # What was run shows what a loss without a torque costs; what was not run shows nothing.
+    losses = [loss for loss in agreement.approximations if loss.max_torque_error or loss.target not in run]
+    losing = {row.target for row in marked} | {loss.target for loss in losses}
     same = [name for name in every if name in run and name not in losing]
     within = [name for name in every if name in run and name in losing]
     read = [name for name in every if name not in run and name not in losing]
