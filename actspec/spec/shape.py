@@ -68,7 +68,8 @@ def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, s
         data: The document.
         more: Sections that are there already, and to which others may be added.
     """
-    tops = fields_of(SpecModel)
+    # Of a file that is no spec nothing is meant.
+    tops = fields_of(SpecModel) if "actspec" in data else frozenset(("actspec",))
     found = []
     for key, value in data.items():
         meant = None if key in tops else nearest(key.lower(), sorted(tops - (data.keys() - {*more})))
