@@ -338,3 +338,8 @@ def test_the_last_line_tells_what_was_only_read_back(folder: Path) -> None:
     assert said(rows, accept) == f"1 target was read back and not run (deploy), 1 {bounded} {size}"
     assert said(rows[1:], accept) == f"1 target {bounded} {size}"
     assert said(rows[1:], ()) == f"1 target {bounded} {size}".replace("accepted", "known")
+    # A loss without a torque is shown by what was run, and by nothing else.
+    losses = losses[2:]
+    assert said(rows[1:], accept) == f"1 target {bounded}"
+    run = Row("randomization", "hips", "hip", 2, "torque", "N*m", 1e-9, 1e-8, True)
+    assert said((run,), accept) == "1 target agrees with the spec"
