@@ -299,9 +299,13 @@ def _told(
         yield f"  {one_line(text)}"
     for field, lacking in spec.unknown.items():
         yield f"  no file states {field}: {listed(lacking)}"
+    left_out: dict[str, list[str]] = {}
     for target in targets:
         if target.left_out:
-            yield f"  target {target.name} is left out: {one_line(target.left_out)}"
+            left_out.setdefault(target.left_out, []).append(target.name)
+    for why, lost in left_out.items():
+        one = len(lost) == 1
+        yield f"  target{'s' * (not one)} {listed(lost)} {'is' if one else 'are'} left out: {one_line(why)}"
     if output is not None:
         needed = [field for field in ("kp", "kd") if field in spec.unknown]
         yield f"next: check it{', state ' + ' and '.join(needed) if 'kp' in needed else ''}, then"

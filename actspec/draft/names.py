@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from types import MappingProxyType
 
 from actspec.patterns import PatternError, covering_pattern, match_names
 
@@ -39,6 +40,11 @@ _PLURALS = {
     "foot": "feet",
 }  # fmt: skip
 _GENERIC = _words("joint jnt j joints link motor act actuator")
+_AXES = _words("roll pitch yaw x y z link")
+"""What names no part of a robot where it stands alone."""
+_LEAST_OF_AN_ARM, _FINGERS = 4, 5
+"""Joints of a chain, and branches of a base, that tell what a robot without words is. Chosen: a leg on a stand has
+three joints, and four branches are a quadruped's."""
 _BODY_PARTS = (
     ("legs", _words("hip thigh calf knee ankle leg foot shank shin toe abduction")),
     ("arms", _words("shoulder elbow wrist arm forearm")),
@@ -214,17 +220,27 @@ def given_name(joints: Sequence[str], given: Mapping[str, str], robot: str) -> s
     return name if _KEY.fullmatch(name) and name.lower() not in _RESERVED else ""
 
 
-def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
+def group_name(
+    joints: Sequence[str],
+    taken: Iterable[str],
+    above: Mapping[str, frozenset[str]] = MappingProxyType({}),
+) -> str:
     """A key for a group of joints: what their names have in common, without sides and numbers: `knees`, `hip_pitch`.
 
     Args:
         joints: Names, at least one.
         taken: Keys that are used already.
+        above: Every joint of the robot to those between it and the base, where a file says so: it tells an arm and
+            fingers whose joints are called `joint1` or `Roll_21L`.
     """
     used = set(taken)
     parts = [_parts(name) for name in joints]
     choices = [_PLURALS.get(c, c) if len(joints) > 1 else c for c in _common(parts)]
     choices.append("joints")
+    if _AXES.issuperset(part for words in parts for part in words):
+        choices = [*_limb(joints, above)] or choices
+        if len(joints) == 1 < len(above) and _KEY.fullmatch(joints[0]) and joints[0].lower() not in _RESERVED:
+            choices.insert(0, joints[0])
     for choice in choices:
         if choice not in used:
             return choice
@@ -232,6 +248,19 @@ def group_name(joints: Sequence[str], taken: Iterable[str]) -> str:
     while f"{choices[0]}_{number}" in used:
         number += 1
     return f"{choices[0]}_{number}"
+
+
+def _limb(joints: Sequence[str], above: Mapping[str, frozenset[str]]) -> Iterator[str]:
+    """What joints are whose robot is one chain, or as many branches of a base as a hand has."""
+    roots = {
+        name: min(chain, key=lambda other: len(above[other]), default=name) for name, chain in above.items()
+    }
+    branches = set(roots.values())
+    if len(branches) == 1 and len(above) >= _LEAST_OF_AN_ARM:
+        if sorted(map(len, above.values())) == list(range(len(above))):
+            yield "arm"
+    elif len(branches) == _FINGERS and len(above) > _FINGERS:
+        yield "finger" if len({roots.get(name) for name in joints}) == 1 else "fingers"
 
 
 def _parts(name: str) -> list[str]:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from actspec.diagnostics import AuditError, Collector, Diagnostic, Span, listed, nearest, one_line
+from actspec.diagnostics import AuditError, Collector, Diagnostic, Severity, Span, listed, nearest, one_line
 from actspec.draft.sources import RobotReading
 from actspec.files import FAULTS, read_regular
 from actspec.ir import JointKind
@@ -16,7 +16,7 @@ from actspec.lift.config import asset_of, plain_name
 from actspec.patterns import PatternError, match_names
 from actspec.readings.artifact import Artifact, FileKind, FileReading, Framework, RobotConfig
 from actspec.readings.joint_lists import fitting, joint_lists
-from actspec.readings.pair import joint_names, pair
+from actspec.readings.pair import joint_names, matching, pair
 from actspec.readings.read import PendingFiles
 from actspec.readings.versions import Versions
 from actspec.robot.view import JointView
@@ -215,6 +215,9 @@ def _lifted(
             source = os.path.basename(named) if os.path.exists(named) else "the list"
             said = f"the {kinds} of the {len(joints)} joints are from {one_line(source)} (--joints)"
             part = replace(part, notes={**part.notes, "": (said, *part.notes.get("", ()))})
+            lost = _unmatched(config, [joint if isinstance(joint, str) else joint.name for joint in joints])
+            more = (*part.actuators.diagnostics, *lost)
+            part = replace(part, actuators=replace(part.actuators, diagnostics=more))
         if model is not None and artifact is not model:
             _check_joints(artifact, part, model, joints, out)
         yield part
@@ -270,6 +273,23 @@ def _named(artifacts: Sequence[Artifact], named: str, out: Collector) -> Sequenc
         message = f"none of its joints is selected by {listed(patterns) or 'the files'}"
         out.error("DRF011", message, span=Span(one_line(named)), where="--joints")
     return joints
+
+
+def _unmatched(config: RobotConfig, joints: Sequence[str]) -> Iterator[Diagnostic]:
+    """Patterns that select none of the joints that were named, which the framework refuses: names are missing."""
+    if config.framework not in (Framework.ISAACLAB, Framework.MJLAB):
+        return
+    settings = [*config.settings.values(), *(s for group in config.groups for s in group.settings.values())]
+    keys = [key for setting in settings if isinstance(setting.value, Mapping) for key in setting.value]
+    every = dict.fromkeys([*_patterns(config), *keys])
+    lost = [f"`{one_line(key)}`" for key in every if not matching(config.framework, key, joints)]
+    if lost:
+        select = "select none" if len(lost) > 1 else "selects none"
+        message = (
+            f"{listed(lost)} of {one_line(config.name)} {select} of the {len(joints)} joints of --joints"
+        )
+        help = "are names missing? A pattern that selects nothing is refused when the robot is made"
+        yield Diagnostic("DRF012", Severity.WARNING, message, "", config.span, help)
 
 
 def _patterns(config: RobotConfig) -> Iterator[str]:

@@ -237,6 +237,9 @@ class DraftTarget(NamedTuple):
     left_out: str = ""
 
 
+_NO_MODEL = "it is written into the robot's MJCF or URDF, and none is named"
+
+
 def targets_of(
     readings: Sequence[RobotReading], combined: Combined, versions: Versions
 ) -> tuple[DraftTarget, ...]:
@@ -263,6 +266,10 @@ def _targets(
         why = "" if served else "its servos need kp and kd, which no file states"
         version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
         yield DraftTarget("mujoco", _mapping({"version": version}), left_out=why)
+    else:
+        version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
+        yield DraftTarget("mujoco", _mapping({"version": version}), left_out=_NO_MODEL)
+        yield DraftTarget("urdf", "{}", left_out=_NO_MODEL)
     if model is not None and model.kind is FileKind.URDF:
         yield DraftTarget("urdf", "{}")
     if "isaaclab" in stacks:

@@ -19,7 +19,7 @@ from actspec.patterns.pattern import (
     covering_pattern,
     match_names,
 )
-from actspec.patterns.selection import Matches, PatternProblem, resolve_patterns, suggest_pattern
+from actspec.patterns.selection import Matches, PatternProblem, apart, resolve_patterns, suggest_pattern
 
 __all__ = [
     "MAX_NAME",
@@ -30,6 +30,7 @@ __all__ = [
     "Pattern",
     "PatternError",
     "PatternProblem",
+    "apart",
     "compile_pattern",
     "covering_pattern",
     "match_names",

@@ -71,6 +71,19 @@ def _unmatched_help(pattern: str, names: Sequence[str]) -> str:
     return f"the joints are: {listed(names)}" if names else "there are no joints"
 
 
+def apart(text: str) -> tuple[str, ...]:
+    """Patterns that one text has with commas between them, those in brackets of a pattern left alone."""
+    parts = [""]
+    depth = 0
+    for token in _TOKEN.finditer(text):
+        depth += (token[0][0] == "(") - (token[0] == ")")
+        if token[0] == "," and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += token[0]
+    return tuple(stripped for part in parts if (stripped := part.strip()))
+
+
 _SUGGESTED_NAMES = 512
 _SUGGESTED_RUNS = 8
 _SUGGESTED_TRIES = 24

@@ -125,7 +125,7 @@ def _accepted(losses: Sequence[Approximation], accept: Mapping[str, str]) -> Ite
     """One row for each key of `accept` that took something; what was lost in detail is in the manifest."""
     yield "approximated, as the spec accepts", "torque error", "because"
     for key in dict.fromkeys(loss.key for loss in losses):
-        yield key, _worst([loss for loss in losses if loss.key == key]) or "-", accept[key]
+        yield key, worst_error([loss for loss in losses if loss.key == key]) or "-", accept[key]
 
 
 def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
@@ -139,7 +139,7 @@ def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
             said = key
             yield f"    {one_line(key)}"
         asked = listed(dict.fromkeys(member.asked for member in members), most=4)
-        worst = _worst(members)
+        worst = worst_error(members)
         size = f"; torque error {worst}" if worst else ""
         named = [member.joint for member in members if member.joint]
         who = f"{len(named)} of {many(joints, 'joint')}: " if 0 < len(named) < joints else ""
@@ -149,7 +149,7 @@ def _losses(losses: Sequence[Approximation], joints: int) -> Iterator[str]:
         )
 
 
-def _worst(losses: Iterable[Approximation]) -> str:
+def worst_error(losses: Iterable[Approximation]) -> str:
     """The largest torque error, with its unit; "" where none has one."""
     sized = [loss for loss in losses if loss.max_torque_error]
     if not sized:
@@ -165,5 +165,5 @@ def _count(taken: Sequence[Approximation], open_: Sequence[Approximation]) -> st
     text = many(keys, "approximation")
     if taken:
         text += f", {refused} not accepted" if refused else ", accepted"
-    worst = _worst((*taken, *open_))
+    worst = worst_error((*taken, *open_))
     return f"{text}, torque error {worst}" if worst else text

@@ -159,12 +159,23 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, cho
         yield style.faint(f"{many(count, 'rule')} did not apply; --select CODE reports why")
     aside = Counter(item.means for item in report.suppressed)
     notes = [f"{aside[means]} {text}" for means, text in _MEANS.items() if aside[means]]
-    unread = sum(not file.readable for file in report.case.files)
-    if unread:
-        notes.insert(0, f"{many(unread, 'file')} could not be read")
-    read = many(len(report.case.files) - unread, "file")
+    gone = sum(file.names_nothing for file in report.case.files)
+    if gone:
+        notes.insert(0, f"{many(gone, 'name')} {'has' if gone == 1 else 'have'} nothing to audit")
     found = counted(groups) if groups or not report.findings else "no errors or warnings"
-    yield f"{found} in {read}" + "".join(f"; {text}" for text in notes)
+    yield f"{found} in {_files(report)}" + "".join(f"; {text}" for text in notes)
+
+
+def _files(report: Report) -> str:
+    """How many files were there, and how many of them could not be read: `3 files, 1 of which could not be read`."""
+    there = [file for file in report.case.files if not file.names_nothing]
+    unread = sum(not file.readable for file in there)
+    text = many(len(there), "file")
+    if not unread:
+        return text
+    if unread < len(there):
+        return f"{text}, {unread} of which could not be read"
+    return f"{text}, none of which could be read" if unread > 1 else f"{text}, which could not be read"
 
 
 def counted(groups: Iterable[FindingGroup]) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 
 from actspec.diagnostics import Severity, Span, listed, one_line
 from actspec.output import Compilation
+from actspec.report.compile import worst_error
 from actspec.report.tables import escaped, many, markdown_table, table
 from actspec.report.terminal import style_of
 from actspec.simulate.excitation import COURSES as NETWORK
@@ -266,28 +267,63 @@ def _summary(compilation: Compilation, agreement: Agreement) -> str:
 
 
 def _verdict(compilation: Compilation, agreement: Agreement) -> str:
-    """How many targets agree, and how many do within what they are known to lose, with the largest torque error."""
+    """How many targets agree, how many do within what they are known to lose, and how many were only read back."""
     every = dict.fromkeys(row.target for row in agreement.rows)
+    run = {row.target for row in agreement.rows if row.quantity in _HISTORIES}
     marked = [row for row in agreement.rows if set(row.approximations) - {SOFT}]
-    within = dict.fromkeys(row.target for row in marked)
-    same = len(every) - len(within)
-    parts = [f"{many(same, 'target')} agree{'s' * (same == 1)} with the spec"] if same or not within else []
+    # What was run shows what a loss without a torque costs; what was not run shows nothing.
+    losses = [loss for loss in agreement.approximations if loss.max_torque_error or loss.target not in run]
+    losing = {row.target for row in marked} | {loss.target for loss in losses}
+    same = [name for name in every if name in run and name not in losing]
+    within = [name for name in every if name in run and name in losing]
+    read = [name for name in every if name not in run and name not in losing]
+    bounded = [name for name in every if name not in run and name in losing]
+    first = next(group for group in (same, within, read, bounded) if group or group is bounded)
+
+    def count(group: list[str], one: str, more: str) -> str:
+        alone = len(group) == 1
+        return f"{many(len(group), 'target') if group is first else len(group)} {one if alone else more}"
+
+    parts = []
+    if same:
+        parts.append(count(same, "agrees", "agree") + " with the spec")
     if within:
-        kept = {key for row in marked for key in row.approximations} - {SOFT}
-        word = "known" if kept & {loss.key for loss in compilation.unaccepted} else "accepted"
-        count = (
-            str(len(within)) if parts else f"{many(len(within), 'target')} agree{'s' * (len(within) == 1)}"
-        )
-        torques = [row for row in marked if row.quantity in _HISTORIES and row.max_error is not None]
-        worst = max(torques, key=lambda row: row.max_error or 0.0, default=None)
-        seen = worst is not None and (worst.max_error or 0.0) > _ROUNDING
-        size = ""
-        if worst is not None and seen:
-            usual = max((row.usual_error for row in torques if row.usual_error is not None), default=None)
-            size = f" (largest {_amount(worst.max_error, worst.unit)}"
-            if usual is not None:
-                amount = _amount(usual, worst.unit) if usual > _ROUNDING else "none"
-                size += f", {amount} inside the ranges of command and speed"
-            size += ")"
-        parts.append(f"{count} within {word} approximations{size}")
+        how = count(within, "agrees", "agree") if within is first else str(len(within))
+        size = _measured(row for row in marked if row.target in within) or _bound(agreement, within)
+        parts.append(f"{how} within {_word(compilation, agreement, marked, within)} approximations{size}")
+    if read:
+        parts.append(f"{count(read, 'was', 'were')} read back and not run ({listed(read)})")
+    if bounded:
+        how = f"{count(bounded, 'was', 'were')} read back and not run ({listed(bounded)})"
+        word = _word(compilation, agreement, marked, bounded)
+        parts.append(f"{how} within {word} approximations{_bound(agreement, bounded)}")
     return ", ".join(parts)
+
+
+def _word(
+    compilation: Compilation, agreement: Agreement, marked: Sequence[Row], targets: Sequence[str]
+) -> str:
+    """`accepted`, or `known` where the spec does not accept all that these targets lose."""
+    lost = {key for row in marked if row.target in targets for key in row.approximations}
+    lost |= {loss.key for loss in agreement.approximations if loss.target in targets}
+    return "known" if lost & {loss.key for loss in compilation.unaccepted} else "accepted"
+
+
+def _measured(rows: Iterable[Row]) -> str:
+    """The largest torque error that was found in these rows; "" where there is none but rounding."""
+    torques = [row for row in rows if row.quantity in _HISTORIES and row.max_error is not None]
+    worst = max(torques, key=lambda row: row.max_error or 0.0, default=None)
+    if worst is None or (worst.max_error or 0.0) <= _ROUNDING:
+        return ""
+    size = f"largest {_amount(worst.max_error, worst.unit)}"
+    usual = max((row.usual_error for row in torques if row.usual_error is not None), default=None)
+    if usual is not None:
+        amount = _amount(usual, worst.unit) if usual > _ROUNDING else "none"
+        size += f", {amount} inside the ranges of command and speed"
+    return f" ({size})"
+
+
+def _bound(agreement: Agreement, targets: Sequence[str]) -> str:
+    """The largest torque error that these targets may have by what they are known to lose; "" where none has a size."""
+    bound = worst_error(loss for loss in agreement.approximations if loss.target in targets)
+    return f" ({bound}, as `compile` has it)" if bound else ""

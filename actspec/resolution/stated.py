@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from actspec.diagnostics import Collector, Diagnostic, Path, Severity, Span, dotted, listed
 from actspec.fields import BY_SPEC, FRICTION, unit_of_kind
 from actspec.ir import Command, JointKind, Level, Origin, Quantity, tidy
-from actspec.patterns import PatternError, match_names, suggest_pattern
+from actspec.patterns import PatternError, apart, match_names, suggest_pattern
 from actspec.resolution.quantities import Reports, choose, conflict, written
 from actspec.robot.view import JointView, RobotView
 from actspec.spec.document import Breaches
@@ -191,10 +191,14 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
     matcher = _Matcher(spec, robot, [joint.name for joint in joints], breaches)
     model = spec.model
     owner: dict[str, tuple[str, str, int]] = {}
+    broken: set[str] = set()
     for name, group in model.actuators.items():
         for index, pattern in enumerate(group.joints):
             path: Path = ("actuators", name, "joints", index)
-            for joint in matcher.match(pattern, path):
+            found = matcher.match(pattern, path)
+            if not found:
+                broken.add(name)
+            for joint in found:
                 if joint in owner and owner[joint][0] != name:
                     other, other_pattern, other_index = owner[joint]
                     place = spec.span("actuators", other, "joints", other_index)
@@ -220,12 +224,12 @@ def bind(spec: Spec, robot: RobotView, breaches: Breaches) -> Bindings:
                 )
     overrides: dict[tuple[str, str], list[str]] = {}
     for name, group in model.actuators.items():
-        members = [joint for joint, (other, _, _) in owner.items() if other == name]
+        # Of a group with a wrong pattern it is not known which joints it lacks.
+        members = None if name in broken else [joint for joint, held in owner.items() if held[0] == name]
+        scope = "" if members is None else f"of the group '{name}'"
         for pattern in group.overrides:
             path = ("actuators", name, "overrides", pattern)
-            for joint in matcher.match(
-                pattern, path, names=members, scope=f"of the group '{name}'", key=True
-            ):
+            for joint in matcher.match(pattern, path, names=members, scope=scope, key=True):
                 overrides.setdefault((name, joint), []).append(pattern)
     pose: dict[str, str] = {}
     for pattern in model.robot.default_pose:
@@ -325,13 +329,16 @@ class _Matcher:
             elsewhere = set()
         others = [joint for joint in self.robot.joints if joint.name in elsewhere]
         guess = None
-        if self._suggestions:
+        parts = apart(pattern)
+        if self._suggestions and len(parts) == 1:
             self._suggestions -= 1
             guess = suggest_pattern(pattern, names)
-        if others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
-            help: str | None = (
-                f"'{others[0].name}' is a {others[0].kind.value} joint; only hinge and slide joints have actuators here"
-            )
+        if len(parts) > 1 and not key:
+            written = ", ".join(f'"{part}"' for part in parts)
+            help: str | None = f"a comma in a text ends no pattern: write `[{written}]`"
+        elif others and others[0].kind not in (JointKind.HINGE, JointKind.SLIDE):
+            kind = others[0].kind.value
+            help = f"'{others[0].name}' is a {kind} joint; only hinge and slide joints have actuators here"
         elif others and scope:
             help = f"it matches {listed([j.name for j in others])}, outside the group"
         elif guess is not None:

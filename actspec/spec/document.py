@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from actspec.diagnostics import Collector, Path, Place, Span, SpecError, dotted
@@ -38,10 +38,10 @@ class SourceMap:
     a pydantic location, a missing key) are passed over, so the answer is the nearest place.
     """
 
-    __slots__ = ("_root",)
+    __slots__ = ("root",)
 
     def __init__(self, root: Node) -> None:
-        self._root = root
+        self.root = root
 
     def value(self, path: Path) -> Span:
         """Place of the value at `path`; an alias is where it stands, what is inside it at its anchor."""
@@ -52,7 +52,7 @@ class SourceMap:
         return self._find(path)[0]
 
     def _find(self, path: Path) -> tuple[Span, Span]:
-        node, key = self._root, self._root.span
+        node, key = self.root, self.root.span
         for part in path:
             held = node.value
             if isinstance(held, dict) and isinstance(part, str) and part in held:
@@ -107,6 +107,20 @@ class Document:
     text_sha256: str
     includes: tuple[str, ...]
     variant: str | None = None
+
+    def with_key(self, key: str, meant: str) -> Document:
+        """The document with what stands under `key` at its top under `meant`, beside what stands there."""
+        root = self.spans.root
+        assert isinstance(root.value, dict)
+        entries = {meant if name == key else name: entry for name, entry in root.value.items()}
+        (place, node), (_, other) = root.value[key], root.value.get(meant, (None, None))
+        if isinstance(node.value, dict) and other is not None and isinstance(other.value, dict):
+            node = Node(node.span, {**other.value, **node.value})
+        entries[meant] = (place, node)
+        renamed = Node(root.span, entries)
+        plain = _plain(renamed)
+        assert isinstance(plain, dict)
+        return replace(self, data=plain, spans=SourceMap(renamed))
 
 
 def load_document(path: str) -> Document:

@@ -7,22 +7,27 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, is_dataclass
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 
-from actspec.diagnostics import Path, listed
-from actspec.spec.models import Actuators, Motor, Source, SpecModel
-from actspec.spec.values import short
+from actspec.diagnostics import Path, listed, nearest
+from actspec.spec.gears import Linkage
+from actspec.spec.models import Actuators, Motor, Source, SpecModel, Target
+from actspec.spec.values import VALUE_KEYS, short
 
 _NAMED: dict[str, tuple[type[BaseModel], str]] = {
     "actuators": (Actuators, "group"),
     "motors": (Motor, "motor"),
     "sources": (Source, "source"),
+    "linkages": (Linkage, "linkage"),
+    "targets": (Target, "target"),
 }
 """Sections that hold things by name: what these are, and the word for one."""
+_IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
+"""Keys below a field that holds a number, derived gains and delays among them."""
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
 _DIGITS = re.compile(r"[0-9]+(?:\s*[A-Za-z%°µ].*)?", re.DOTALL)
@@ -53,37 +58,88 @@ def misplaced(data: Mapping[str, Any]) -> tuple[Misplaced, ...]:
     Args:
         data: The document.
     """
-    return (*_sections(data), *_cut_apart(data, ()))
+    return (*_sections(data), *_dedented(data, ()), *_cut_apart(data, ()))
+
+
+def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, str], ...]:
+    """Sections under a name that is nearly theirs, such as `motor:`, and the name that is.
+
+    Args:
+        data: The document.
+        more: Sections that are there already, and to which others may be added.
+    """
+    # Of a file that is no spec nothing is meant.
+    tops = fields_of(SpecModel) if "actspec" in data else frozenset(("actspec",))
+    found = []
+    for key, value in data.items():
+        meant = None if key in tops else nearest(key.lower(), sorted(tops - (data.keys() - {*more})))
+        if meant is not None and isinstance(value, int if meant == "actspec" else Mapping):
+            found.append((key, meant))
+    return tuple(found)
 
 
 def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
-    tops = _fields(SpecModel)
-    yield from _at_the_edge(data, tops)
+    tops = fields_of(SpecModel)
     for section, (model, word) in _NAMED.items():
         held = data.get(section)
         if isinstance(held, list) and held and all(isinstance(item, Mapping) for item in held):
             yield from _dashed(held, section, word)
         if not isinstance(held, Mapping):
             continue
-        own = _fields(model)
+        own = fields_of(model)
         lost = next((name for name in held if name in tops and not _is_entry(held[name], own)), None)
         if lost is not None:
             yield _indented(lost, (section, lost))
         else:
             yield from _beside(held, section, own, word)
-    for section in ("robot", "timing"):
+    for section in ("robot", "timing", "accept"):
         held = data.get(section)
         if isinstance(held, Mapping):
-            own = _fields(SpecModel.model_fields[section].annotation)
+            own = fields_of(model_at(SpecModel, (section,)))
             for name in held:
                 if name in tops and name not in own:
                     yield _indented(name, (section, name))
 
 
-def _fields(model: Any) -> frozenset[str]:
-    while not (isinstance(model, type) and issubclass(model, BaseModel)):
-        model = next(part for part in model.__args__ if part is not type(None))
-    return frozenset(info.alias or name for name, info in model.model_fields.items())
+def fields_of(model: type[BaseModel] | None) -> frozenset[str]:
+    """Keys of a model as a spec writes them; of None none."""
+    return frozenset(_annotations(model)) if model is not None else frozenset()
+
+
+def model_at(root: type[BaseModel], path: Path) -> type[BaseModel] | None:
+    """The model that describes the mapping at `path`."""
+    node: Any = root
+    for part in path:
+        node = _unwrapped(node)
+        if _is_model(node):
+            node = _annotations(node).get(str(part))
+        elif get_origin(node) in (dict, list, tuple):
+            arguments = get_args(node)
+            node = arguments[1] if get_origin(node) is dict else arguments[0]
+        else:
+            return None
+    node = _unwrapped(node)
+    return node if _is_model(node) else None
+
+
+def _annotations(model: type[BaseModel]) -> dict[str, Any]:
+    return {info.alias or name: info.annotation for name, info in model.model_fields.items()}
+
+
+def _is_model(node: Any) -> bool:
+    return isinstance(node, type) and issubclass(node, BaseModel)
+
+
+def _unwrapped(node: Any) -> Any:
+    """The annotation without Annotated and Optional; of a union, its first model."""
+    while hasattr(node, "__metadata__"):
+        node = node.__origin__
+    if get_origin(node) is None or get_origin(node) in (dict, list, tuple, Literal):
+        return node
+    arguments = [_unwrapped(part) for part in get_args(node) if part is not type(None)]
+    models = [part for part in arguments if _is_model(part)]
+    nested = [part for part in arguments if get_origin(part) is not None]
+    return (models or nested or arguments or [node])[0]
 
 
 def _indented(name: str, path: Path) -> Misplaced:
@@ -91,33 +147,62 @@ def _indented(name: str, path: Path) -> Misplaced:
     return Misplaced(message, path, f"move `{name}:` to the left edge, and what is below it with it")
 
 
-def _at_the_edge(data: Mapping[str, Any], tops: frozenset[str]) -> Iterator[Misplaced]:
-    """Names that stand at the left edge behind their section, which is empty."""
-    section, found = None, list[str]()
-    for key, value in (*data.items(), ("actspec", None)):
-        if key in tops:
-            if section is not None and found:
-                what = f"{listed([f'`{name}`' for name in found])} stand{'s' * (len(found) == 1)}"
-                yield Misplaced(
-                    f"{what} at the left edge, and `{section}` above is empty",
-                    (found[0],),
-                    f"indent what belongs to `{section}` by two spaces",
-                )
-            section, found = (key if value is None and key in _NAMED else None), []
-        elif section is not None and isinstance(value, Mapping):
-            found.append(key)
+def _dedented(node: Any, path: Path) -> Iterator[Misplaced]:
+    """Names that stand beside the key that they belong below, which is empty."""
+    if isinstance(node, Mapping):
+        model = model_at(SpecModel, path) if None in node.values() else None
+        if model is not None:
+            yield from _behind_an_empty_key(node, path, model)
+    entries = node.items() if isinstance(node, Mapping) else enumerate(node)
+    for key, value in entries:
+        if isinstance(value, (Mapping, list)):
+            yield from _dedented(value, (*path, key))
+
+
+def _behind_an_empty_key(node: Mapping[str, Any], path: Path, model: type[BaseModel]) -> Iterator[Misplaced]:
+    own = _annotations(model)
+    behind: dict[str, list[str]] = {}
+    owner = None
+    for key, value in node.items():
+        if key in own:
+            owner = key if value is None else None
+        elif owner is not None and _belongs(key, value, _unwrapped(own[owner]), own):
+            behind.setdefault(owner, []).append(key)
+    for owner, found in behind.items():
+        names, one = listed([f"`{short(name)}`" for name in found]), len(found) == 1
+        stand = f"{names} stand{'s' * one}"
+        if path:
+            message = f"{stand} beside `{owner}`, which is empty, and belong{'s' * one} below it"
+            help = f"indent {'it' if one else 'them'} below `{owner}:`"
+        else:
+            message = f"{stand} at the left edge, and `{owner}` above is empty"
+            help = f"indent what belongs to `{owner}` by two spaces"
+        yield Misplaced(message, (*path, found[0]), help)
+
+
+def _belongs(key: str, value: Any, held: Any, beside: Iterable[str]) -> bool:
+    """Whether a key that is unknown where it stands is one of what a field holds, by the field's annotation."""
+    if get_origin(held) is not dict:
+        return key in fields_of(held) if _is_model(held) else is_dataclass(held) and key in _IN_A_VALUE
+    name, part = map(_unwrapped, get_args(held))
+    if get_origin(name) is Literal:
+        return key in get_args(name)
+    return (isinstance(value, Mapping) or not _is_model(part)) and nearest(key, sorted(beside)) is None
 
 
 def _beside(held: Mapping[str, Any], section: str, fields: frozenset[str], word: str) -> Iterator[Misplaced]:
     """Fields of a group, motor or source that stand where its name should."""
     stray = [key for key, value in held.items() if key in fields and not _is_entry(value, fields)]
-    if len(stray) < 2:
-        return
     owner = next((key for key, value in held.items() if value is None and key not in fields), None)
+    if len(stray) < (1 if owner is not None else 2):
+        return
     names = listed([f"`{key}`" for key in stray], 4)
     if owner is not None:
-        message = f"{names} stand beside `{owner}`, which is empty: they are fields of that {word}"
-        help = f"indent them below `{owner}:`"
+        they = "it is a field" if len(stray) == 1 else "they are fields"
+        message = (
+            f"{names} stand{'s' * (len(stray) == 1)} beside `{owner}`, which is empty: {they} of that {word}"
+        )
+        help = f"indent {'it' if len(stray) == 1 else 'them'} below `{owner}:`"
     else:
         message = f"{names} are fields of a {word}, and `{section}` holds {word}s by name"
         name = "such as `legs:`, " if word == "group" else ""

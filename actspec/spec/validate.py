@@ -7,14 +7,16 @@ Needs no robot: what a spec says about itself. Whether its patterns match the ro
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, TypeVar, get_args, get_origin
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
 from actspec.diagnostics import Collector, Diagnostic, Path, Span, SpecError, did_you_mean, listed
-from actspec.spec.document import Breaches, Document, load_document, path_inside
+from actspec.patterns import apart
+from actspec.spec.document import INCLUDED_KEYS, Breaches, Document, load_document, path_inside
 from actspec.spec.models import (
     GAPPED,
     SPEC_VERSION,
@@ -28,7 +30,7 @@ from actspec.spec.models import (
 )
 from actspec.spec.plausible import check_numbers
 from actspec.spec.rules import check_spec
-from actspec.spec.shape import misplaced
+from actspec.spec.shape import fields_of, misplaced, misspelt, model_at
 from actspec.spec.values import short
 
 if TYPE_CHECKING:
@@ -74,6 +76,7 @@ def validate(document: Document) -> Spec:
         SpecError: with every error of the document.
     """
     collector = Collector()
+    document = _with_sections(document, collector)
     breaches = Breaches(document.spans, collector)
     data = document.data
     version = data.get("actspec")
@@ -85,9 +88,11 @@ def validate(document: Document) -> Spec:
             f"install an actspec that reads version {version}: `pip install --upgrade actspec`",
         )
         raise SpecError(collector.sorted())
-    for item in misplaced(data):
+    layout = misplaced(data)
+    for item in layout:
         breaches.error(item.code, item.message, item.path, item.help, key=item.key)
-    collector.raise_if_failed(SpecError)
+    if layout:
+        raise SpecError(collector.sorted())
     faults: list[Path] = []
     model = checked(SpecModel, document, collector, faults)
     if model is not None and version is not None and version < SPEC_VERSION:
@@ -107,6 +112,29 @@ def validate(document: Document) -> Spec:
     collector.raise_if_failed(SpecError)
     assert model is not None
     return Spec(model, document, diagnostics=collector.sorted())
+
+
+def _with_sections(document: Document, collector: Collector) -> Document:
+    """The document with a misspelt section under its own name, which is reported, so that nothing else misses it.
+
+    Raises:
+        SpecError: it is no spec but a part of one.
+    """
+    breaches = Breaches(document.spans, collector)
+    if document.data and not document.data.keys() - {*INCLUDED_KEYS}:
+        name = short(os.path.basename(document.path))
+        held = " and ".join(f"`{key}`" for key in document.data)
+        breaches.error(
+            "SPEC104",
+            f"this is a part that specs include, with {held} alone",
+            (),
+            f"check a spec that names it under `include`, such as `include: [{name}]`",
+        )
+        raise SpecError(collector.sorted())
+    for key, meant in misspelt(document.data, INCLUDED_KEYS if document.includes else ()):
+        breaches.error("SPEC101", f"unknown key '{short(key)}'", (key,), f"did you mean '{meant}'?", key=True)
+        document = document.with_key(key, meant)
+    return document
 
 
 def checked(
@@ -182,7 +210,7 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
             "SPEC101",
             f"unknown key '{short(key)}'",
             path,
-            _help_for_key(key, _model_at(root, path[:-1])),
+            _help_for_key(key, model_at(root, path[:-1])),
             key=True,
         )
     elif kind == "literal_error":
@@ -197,7 +225,7 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
             key=on_key,
         )
     else:
-        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, _model_at(root, path))
+        message, help = _in_yaml_words(kind, str(item["msg"]), context, given, model_at(root, path))
         breaches.error("SPEC106", message, path, help)
 
 
@@ -207,10 +235,15 @@ def _in_yaml_words(
     """Message and help of a pydantic error about the shape of a value."""
     got = f", got {_got(given)}"
     if kind in ("tuple_type", "list_type"):
-        single = isinstance(given, (str, int, float)) and not isinstance(given, bool)
-        return f"must be a list{got}", f'write `["{short(given)}"]`' if single else None
+        if isinstance(given, bool) or not isinstance(given, (str, int, float)):
+            return f"must be a list{got}", None
+        dashed = _DASHED.match(str(given))
+        if dashed is not None:
+            return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"
+        items = ", ".join(f'"{item}"' for item in apart(str(given)))
+        return f"must be a list{got}", f"write `[{items}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
-        keys = _keys(model) if model is not None else []
+        keys = sorted(fields_of(model))
         if isinstance(given, list) and given and all(isinstance(item, Mapping) for item in given):
             first = next(iter(given[0]), "name")
             return "must be a mapping, and `- ` makes it a list", f"write `{short(first)}: ...` without `- `"
@@ -243,6 +276,9 @@ def _in_yaml_words(
     return message[:1].lower() + message[1:] + got, None
 
 
+_DASHED = re.compile(r"-([^\s\d-]\S*)")
+"""A list's item without the space behind its hyphen."""
+
 _MISNOMERS = {
     "damping": "`kd` is the drive's velocity gain; passive joint damping is `friction: {viscous: ...}`",
     "stiffness": "the drive's stiffness is `kp`",
@@ -270,7 +306,7 @@ _SECTIONS: tuple[tuple[type[BaseModel], str], ...] = (
 
 def _help_for_key(key: str, model: type[BaseModel] | None) -> str | None:
     """The nearest known key, or where this one belongs."""
-    known = _keys(model) if model is not None else []
+    known = sorted(fields_of(model))
     if model is Tunable and key in Actuators.model_fields:
         return f"`{key}` holds for a whole group: give these joints a group of their own"
     if key in _MISNOMERS:
@@ -293,7 +329,7 @@ def _together(root: type[BaseModel], strange: Iterable[Path]) -> dict[Path, tupl
     """Unknown keys of one mapping that belong to one place: the first of them to the place and all."""
     groups: dict[tuple[Path, str], list[Path]] = {}
     for path in strange:
-        place = _place_of(str(path[-1]), _model_at(root, path[:-1]))
+        place = _place_of(str(path[-1]), model_at(root, path[:-1]))
         if place is not None:
             groups.setdefault((path[:-1], place), []).append(path)
     return {paths[0]: (place, tuple(paths)) for (_, place), paths in groups.items() if len(paths) > 1}
@@ -331,45 +367,10 @@ def _nulls(node: Any, path: Path = ()) -> Iterator[Path]:
                 yield from _nulls(value, (*path, index))
 
 
-def _model_at(root: type[BaseModel], path: Path) -> type[BaseModel] | None:
-    """The model that describes the mapping at `path`."""
-    node: Any = root
-    for part in path:
-        node = _unwrapped(node)
-        if isinstance(node, type) and issubclass(node, BaseModel):
-            by_alias = {info.alias or name: info for name, info in node.model_fields.items()}
-            if part not in by_alias:
-                return None
-            node = by_alias[str(part)].annotation
-        elif get_origin(node) in (dict, list, tuple):
-            arguments = get_args(node)
-            node = arguments[1] if get_origin(node) is dict else arguments[0]
-        else:
-            return None
-    node = _unwrapped(node)
-    return node if isinstance(node, type) and issubclass(node, BaseModel) else None
-
-
-def _unwrapped(node: Any) -> Any:
-    """The annotation without Annotated and Optional; of a union, its first model."""
-    while hasattr(node, "__metadata__"):
-        node = node.__origin__
-    if get_origin(node) is None or get_origin(node) in (dict, list, tuple):
-        return node
-    arguments = [_unwrapped(part) for part in get_args(node) if part is not type(None)]
-    models = [part for part in arguments if isinstance(part, type) and issubclass(part, BaseModel)]
-    nested = [part for part in arguments if get_origin(part) is not None]
-    return (models or nested or arguments or [node])[0]
-
-
-def _keys(model: type[BaseModel]) -> list[str]:
-    return sorted(info.alias or name for name, info in model.model_fields.items())
-
-
 def _description(root: type[BaseModel], path: Path) -> str | None:
     from actspec.spec.schema import descriptions
 
-    model = _model_at(root, path[:-1])
+    model = model_at(root, path[:-1])
     if model is None:
         return None
     texts = descriptions(model)

@@ -16,7 +16,8 @@ from pydantic import BaseModel, ConfigDict, Field, GetCoreSchemaHandler, GetJson
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from actspec.diagnostics import did_you_mean
-from actspec.units import Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
+from actspec.units import MAX_LENGTH, Kind, UnitError, format_quantity, parse_quantity, parse_with_unit
+from actspec.units.reader import BadUnit, read_unit
 
 T = TypeVar("T")
 
@@ -144,7 +145,10 @@ def parse_value(
             parse_quantity(number, kind) if unit_text is None else parse_with_unit(number, unit_text, kind)
         )
     except UnitError as err:
-        raise fault(err.message, err.help, at) from None
+        remark = _remark(number, kind) if isinstance(number, str) else None
+        if remark is None or (err.help or "").startswith("did you mean"):
+            raise fault(err.message, err.help, at) from None
+        raise fault(*remark, at) from None
     unit = parsed.unit
     for bad, sense, bound in (
         (at_least is not None and parsed.value < at_least, ">=", at_least),
@@ -179,6 +183,34 @@ def parse_value(
             )
     written = short(number if unit_text is None else f"{short(number)} {unit_text}")
     return SpecValue(parsed.value, unit, parsed.linear, written, source, std, note)
+
+
+_REMARK = re.compile(r"\(?[A-Za-z][\w .,:/()-]*")
+
+
+def _remark(given: str, kind: Kind) -> tuple[str, str] | None:
+    """Message and help for a quantity with words behind it, such as its source; None: the text is another one."""
+    words = given.split() if len(given) <= MAX_LENGTH else []
+    for count in range(len(words) - 1, 0, -1):
+        number, rest = " ".join(words[:count]), " ".join(words[count:])
+        try:
+            parse_quantity(number, kind)
+        except UnitError:
+            continue
+        if _REMARK.fullmatch(rest) is None or _is_unit(words[count]):
+            return None
+        text = rest.strip("()")
+        key = f"source: {text}" if count == len(words) - 1 and text == rest else f'note: "{text}"'
+        return f"`{short(rest)}` behind {short(number)} is no unit", f"write `{{value: {number}, {key}}}`"
+    return None
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        read_unit(text)
+    except BadUnit:
+        return False
+    return True
 
 
 class FieldParser(ABC):

@@ -36,6 +36,7 @@ _PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
 )
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
+_ITEM = re.compile(r"-([^\s-].*)")
 _EQUALS = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*)\s*=\s*(\S.*)")
 _KEY = re.compile(r"""(?:- +)?("[^"]*"|'[^']*'|[^\s#'"\[{][^#]*?):(?:\s|$)""")
 
@@ -122,6 +123,9 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
 
 def _no_colon(line: str, start: Any) -> Problem | None:
     """A line `kd:0.5` or `kd = 0.5`, on which the parser waits for a colon."""
+    item = _ITEM.fullmatch(line)
+    if item is not None:
+        return Problem(f"`{cut(line)}` lacks a space behind its hyphen", f"write `- {cut(item[1])}`", start)
     for form, what in ((_NO_SPACE, "lacks a space behind its colon"), (_EQUALS, "has `=` in place of `:`")):
         match = form.fullmatch(line)
         if match is not None:

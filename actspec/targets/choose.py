@@ -13,7 +13,6 @@ from actspec.simulators import DEFAULT_VERSIONS, UnknownVersion
 from actspec.simulators.isaaclab import isaaclab_dialect
 from actspec.spec.models import KINDS, IsaacSimTarget
 from actspec.spec.plausible import BY_CODE
-from actspec.spec.plausible.joints import codes_found
 from actspec.spec.rules.robot import SPEC_ITSELF
 from actspec.targets.base import Emission, TargetOptions
 
@@ -151,7 +150,7 @@ def check_accepted(
     emissions: Sequence[Emission],
     collector: Collector,
 ) -> None:
-    """Warn where a compiled target has no loss, and no check finds a number, of a name that `accept` has (SPEC164).
+    """Warn where a compiled target has no loss of a name that `accept` has (SPEC164).
 
     A target that is compiled at another version than the spec's is left out: its losses may be others.
 
@@ -168,19 +167,9 @@ def check_accepted(
         if options.version == _version(spec, options)
     }
     lost[SPEC_ITSELF] = dict.fromkeys(loss.field for loss in actuators.approximations)
-    checks = [key for key in spec.model.accept if key.partition(".")[2] in BY_CODE]
-    # Another variant may need what this one does not.
-    asked = bool(checks) and not spec.model.variants
-    kept = codes_found(actuators.joints, spec.model, spec.document) if asked else frozenset(BY_CODE)
     for key in spec.model.accept:
         target, _, field = key.partition(".")
-        if target not in lost or field in lost[target]:
-            continue
-        if target == SPEC_ITSELF and field in BY_CODE:
-            if field not in kept:
-                collector.at(f"accept.{key}", spec.document.spans.key(("accept", key))).warning(
-                    "SPEC164", f"{field} finds nothing in this spec: nothing is kept by it", "remove it"
-                )
+        if target not in lost or field in lost[target] or (target == SPEC_ITSELF and field in BY_CODE):
             continue
         guess = nearest(field, list(lost[target]))
         whose = "the spec itself" if target == SPEC_ITSELF else f"the target '{target}'"

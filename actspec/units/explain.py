@@ -81,11 +81,20 @@ def _rewritings(text: str, unknown: str | None) -> Iterator[str]:
         if unknown[:i] in TABLE and unknown[i:] in TABLE
     ]
     words += [nearest(unknown, sorted(TABLE)), nearest(unknown.lower(), sorted(TABLE))]
+    if text != unknown and len(unknown) <= 2:
+        # M*m/rad: one letter is wrong, and the rest tells which; SI first.
+        slips = [name for name in TABLE if len(name) == len(unknown) and _slip(name, unknown)]
+        slips.sort(key=lambda name: TABLE[name][:3] != (1, 1, 0))
+        words += slips
     for word in words:
         if word is not None:
             if "/" in word and text != unknown:
                 word = f"({word})"
             yield re.sub(rf"(?<![A-Za-z%]){re.escape(unknown)}(?![A-Za-z%])", word, text)
+
+
+def _slip(one: str, other: str) -> bool:
+    return sum(a != b for a, b in zip(one, other, strict=True)) == 1
 
 
 def mismatch(number: float, shown: str, shown_unit: str, unit: Unit, kind: Kind) -> UnitError:

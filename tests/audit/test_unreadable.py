@@ -55,7 +55,7 @@ def test_the_last_line_counts_it() -> None:
     text = render(audit(["robots"], Settings()), "concise", ReportOptions(least=Severity.WARNING))
     assert (
         text == "1 note (AUD008): --notes shows it; --as-named judges a folder of your own\n"
-        "no errors or warnings in 1 file; 1 file could not be read\n"
+        "no errors or warnings in 2 files, 1 of which could not be read\n"
     )
 
 

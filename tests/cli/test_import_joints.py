@@ -55,6 +55,23 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Patterns that select none of the names, of groups and of gains, are told once; what needs a model is left out."""
+    assert main(["import", "leg_cfg.py", "--joints", "left_hip,right_hip", "-o", "leg.yaml"]) == 0
+    out, err = capsys.readouterr()
+    assert (
+        "leg_cfg.py:5:1: DRF012 [warning]: `.*_knee` of LEG_CFG selects none of the 2 joints of --joints\n"
+        in err
+    )
+    why = "it is written into the robot's MJCF or URDF, and none is named"
+    assert f"  targets mujoco, urdf are left out: {why}\n" in out
+    text = (folder / "leg.yaml").read_text("utf-8")
+    assert f"  # urdf: {{}}    # left out: {why}\n" in text
+    assert list(load_spec("leg.yaml").model.targets) == ["isaaclab"]
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES)]) == 0
+    assert "DRF012" not in capsys.readouterr().err
+
+
 def test_without_it_the_message_names_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Where the joints are, and how to name them."""
     assert main(["import", "leg_cfg.py"]) == 2

@@ -91,6 +91,19 @@ def test_a_spec_that_fits(folder: Path, model: str, capsys: pytest.CaptureFixtur
     assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
 
 
+def test_accept_of_a_check_that_finds_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is a warning, but of a check that needs the inertia, which the text of a model does not tell."""
+    accept = "accept:\n  spec.SPEC183: why\n  spec.SPEC191: why\n"
+    (folder / "leg.yaml").write_text(spec("leg.xml", "hip", "knee") + accept, encoding="utf-8")
+    assert main(["validate", "leg.yaml", "--strict"]) == 0
+    out, err = capsys.readouterr()
+    assert out == "leg.yaml: valid: leg, 2 groups\n"
+    assert err.startswith(
+        "leg.yaml:7:3: SPEC164 [warning] accept.spec.SPEC183: SPEC183 finds nothing in this spec"
+    )
+    assert err.count("SPEC164") == 1
+
+
 def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Without a model the spec's own joints are those to match."""
     (folder / "leg.yaml").write_text(spec("none", "hip", more=", joints: [hip, knee]"), encoding="utf-8")

@@ -11,6 +11,7 @@ import pytest
 
 from actspec import api
 from actspec.cli.main import main
+from actspec.ir import Approximation
 from actspec.report.verify import text as report
 from actspec.verify.agreement import Agreement, Row
 from actspec.verify.response import SOFT
@@ -55,7 +56,9 @@ def test_agreement(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
         "actspec verify --setup SPEC",
     ]
     assert out.splitlines()[-1] == (
-        "1 target agrees with the spec, 2 within known approximations; "
+        "1 target agrees within known approximations (up to 7.872 N*m, as `compile` has it), "
+        "1 was read back and not run (deploy), 1 was read back and not run (isaaclab) within known approximations "
+        "(up to 67.5 N*m, as `compile` has it); "
         "the torque of 1 of 3 was computed by the simulator's own code"
     )
     assert sorted(path.name for path in folder.iterdir()) == ["rich.xml", "rich.yaml"]
@@ -73,7 +76,7 @@ def test_without_usd_core(
     out = capsys.readouterr().out
     missed = [" ".join(line.split()) for line in out.splitlines() if reason in line]
     assert missed == [f"newton, fields {reason} {help}"]
-    assert out.splitlines()[-1].startswith("1 target agrees with the spec; ")
+    assert out.splitlines()[-1].startswith("1 target was read back and not run (deploy); ")
     assert run("-t", "newton") == 2
     found = capsys.readouterr()
     assert found.out == ""
@@ -301,13 +304,42 @@ def test_the_last_line_does_not_call_an_approximation_agreement(folder: Path) ->
         )
         return list(report(replace(done, actuators=taken), Agreement(rows, ())))[-1].partition(";")[0]
 
-    assert said((), "") == "3 targets agree with the spec"
+    read = "1 was read back and not run (deploy)"
+    assert said((), "") == f"2 targets agree with the spec, {read}"
     lost = sorted({loss.key for loss in api.compile("rich.yaml").approximations})
     known = next((key for key in lost if key.startswith("isaaclab.")), "isaaclab.delay")
     size = "(largest 40 N*m, 0.3 N*m inside the ranges of command and speed)"
-    agreed = f"2 targets agree with the spec, 1 within accepted approximations {size}"
+    agreed = f"1 target agrees with the spec, 1 within accepted approximations {size}, {read}"
     assert said((known,), known) == agreed
     if known in lost:
         assert said((known,), "") == agreed.replace("accepted", "known")
     # What the engine's own soft friction costs is no loss of the target.
-    assert said((SOFT,), "") == "3 targets agree with the spec"
+    assert said((SOFT,), "") == f"2 targets agree with the spec, {read}"
+
+
+def test_the_last_line_tells_what_was_only_read_back(folder: Path) -> None:
+    """What ran no simulator agrees with nothing; what it is known to lose is told by the compilation's own bound."""
+    (folder / "rich.yaml").write_text(SPEC[: SPEC.index("targets:")] + TARGETS, "utf-8")
+    done = api.compile("rich.yaml")
+    losses = tuple(
+        Approximation("randomization", "hip", "kp", "a", "b", "c", error) for error in (0.25, 5.5, None)
+    )
+    rows = tuple(
+        Row(name, "hips", "hip", 2, "kp", "N*m/rad", 0.0, 0.0, True) for name in ("deploy", "randomization")
+    )
+
+    def said(rows: tuple[Row, ...], accept: tuple[tuple[str, str], ...]) -> str:
+        taken = replace(done, actuators=replace(done.actuators, accept=accept, approximations=losses))
+        return list(report(taken, Agreement(rows, (), losses)))[-1].partition(";")[0]
+
+    bounded = "was read back and not run (randomization) within accepted approximations"
+    size = "(up to 5.5 N*m, as `compile` has it)"
+    accept = (("randomization.kp", "a reason"),)
+    assert said(rows, accept) == f"1 target was read back and not run (deploy), 1 {bounded} {size}"
+    assert said(rows[1:], accept) == f"1 target {bounded} {size}"
+    assert said(rows[1:], ()) == f"1 target {bounded} {size}".replace("accepted", "known")
+    # A loss without a torque is shown by what was run, and by nothing else.
+    losses = losses[2:]
+    assert said(rows[1:], accept) == f"1 target {bounded}"
+    run = Row("randomization", "hips", "hip", 2, "torque", "N*m", 1e-9, 1e-8, True)
+    assert said((run,), accept) == "1 target agrees with the spec"

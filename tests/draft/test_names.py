@@ -104,6 +104,32 @@ def test_group_names(joints: list[str], expected: str) -> None:
     assert group_name(joints, ()) == expected
 
 
+CHAIN = {f"joint{i}": frozenset(f"joint{j}" for j in range(1, i)) for i in range(1, 7)}
+HAND = {
+    f"Roll_{f}{i}L": frozenset(f"Roll_{f}{j}L" for j in range(1, i)) for f in range(1, 6) for i in range(1, 4)
+}
+QUADRUPED = {name: chain for name, chain in HAND.items() if "_5" not in name}
+
+
+@pytest.mark.parametrize(
+    "joints, above, expected",
+    [
+        (["joint1", "joint3"], CHAIN, "arm"),
+        (["joint2"], CHAIN, "joint2"),
+        (["joint1", "joint2"], dict(list(CHAIN.items())[:3]), "joints"),
+        (["Roll_11L", "Roll_12L"], HAND, "finger"),
+        (["Roll_21L", "Roll_32L"], HAND, "fingers"),
+        (["Roll_21L", "Roll_32L"], QUADRUPED, "roll"),
+        (["hip_1", "hip_2"], HAND, "hips"),
+    ],
+)
+def test_group_names_by_the_tree(joints: list[str], above: dict[str, frozenset[str]], expected: str) -> None:
+    """Where names have no words, one chain of four joints is an arm, and five branches of a base are fingers."""
+    assert group_name(joints, (), above) == expected
+    if len(joints) > 1 and expected in ("arm", "fingers"):
+        assert group_name(joints, [expected], above) == f"{expected}_2"
+
+
 def test_group_names_are_unique() -> None:
     """A name that is taken gives way to the next best, then to a number."""
     taken: list[str] = []

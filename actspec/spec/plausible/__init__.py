@@ -6,12 +6,17 @@ robot's joints and runs in `resolve`, so that `show` and `compile` have both. Th
 
 from __future__ import annotations
 
-from actspec.diagnostics import Collector
+import re
+
+from actspec.diagnostics import Collector, did_you_mean
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible.groups import group_doubts, time_doubts
 from actspec.spec.plausible.motors import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, tell
+from actspec.spec.rules.robot import SPEC_ITSELF
+
+_CODE = re.compile("[A-Z]{2,}[0-9]+")
 
 __all__ = ["BY_CODE", "CHECKS", "Check", "check_numbers"]
 
@@ -25,6 +30,13 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
         collector: Takes warnings, and errors where nothing could be right.
     """
     spans = document.spans
+    for key in model.accept:
+        whose, _, code = key.partition(".")
+        if whose == SPEC_ITSELF and _CODE.fullmatch(code) and code not in BY_CODE:
+            help = did_you_mean(key, [f"{SPEC_ITSELF}.{known}" for known in BY_CODE])
+            collector.at(f"accept.{key}", spans.key(("accept", key))).error(
+                "SPEC162", f"no check of a spec's numbers is called {code}", help
+            )
     doubts = [doubt for name, motor in model.motors.items() for doubt in motor_doubts(name, motor, spans)]
     doubts += [*time_doubts(model, spans), *group_doubts(model, spans)]
     tell(doubts, document, model.accept, collector)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from actspec.diagnostics import Collector, Span, listed
@@ -53,6 +53,10 @@ HOPELESS_SCALE = 20.0
 _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
 
 
+_OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
+"""Checks that need the inertia of a compiled model."""
+
+
 @dataclass(frozen=True, slots=True)
 class _Found:
     """A doubt about one joint.
@@ -82,21 +86,33 @@ def check_joints(
         collector: Takes warnings, and errors where nothing could be right.
     """
     tell(_joint_doubts_of(joints, collector), document, model.accept, collector)
+    kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
+    # Another variant may need what this one does not.
+    if kept and not model.variants:
+        _check_kept(kept, joints, model, document, collector)
 
 
-def codes_found(joints: Sequence[JointActuator], model: SpecModel, document: Document) -> frozenset[str]:
-    """The codes of all that the checks find in a spec, with those that its `accept` keeps.
-
-    Args:
-        joints: The resolved spec.
-        model: The spec.
-        document: Where it says what it says.
-    """
+def _check_kept(
+    kept: Mapping[str, str],
+    joints: Sequence[JointActuator],
+    model: SpecModel,
+    document: Document,
+    collector: Collector,
+) -> None:
+    """Warn of a check whose findings `accept` keeps, and which finds nothing; `kept` has its code by the key there."""
     every = Collector()
     bare = model.model_copy(update={"accept": {}})
     check_numbers(bare, document, every)
     check_joints(joints, bare, document, every)
-    return frozenset(item.code for item in every)
+    found = {item.code for item in every}
+    if any(joint.inertia_held is None for joint in joints):
+        # The text of a model does not tell inertia.
+        found |= _OF_INERTIA
+    for key, code in kept.items():
+        if code not in found:
+            collector.at(f"accept.{key}", document.spans.key(("accept", key))).warning(
+                "SPEC164", f"{code} finds nothing in this spec: nothing is kept by it", "remove it"
+            )
 
 
 def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> Iterator[Doubt]:

@@ -287,6 +287,7 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
         spec, files = open_urdf(files)
     else:
         spec = open_spec(files, format=robot.format)
+    discarded = bool(spec.compiler.discardvisual)
     exact = hasattr(spec.compiler, "savecanonical")
     if exact:
         spec.compiler.savecompiled = False
@@ -307,9 +308,18 @@ def canonical_files(robot: RobotView, collector: Collector) -> RobotView:
     main = ModelFile(path, "", text.encode("utf-8"))
     view = read_mjcf((main,), inertia=False)
     if robot.format is ModelFormat.URDF:
+        visual = len(list(parse_document(robot.files).walk("visual"))) if discarded else 0
         collector.at("", Span(robot.path)).info(
             "MJC015",
             "the URDF is written as an MJCF: its base is fixed to the world, as MuJoCo reads it, and its velocity "
-            "limits have no place there",
+            "limits have no place there"
+            + (
+                f"; {visual} visual{'s' * (visual > 1)} {'is' if visual == 1 else 'are'} left out"
+                if visual
+                else ""
+            ),
+            'to keep what is only seen, write `<mujoco><compiler discardvisual="false"/></mujoco>` into the URDF'
+            if visual
+            else None,
         )
     return view

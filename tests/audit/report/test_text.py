@@ -22,8 +22,10 @@ from actspec.report.text import remarks
 from tests.audit.making import case_of, finding, reading, row, rule_of
 from tests.audit.report.reporting import report
 
-SUMMARY = """2 errors, 1 warning, 1 note affecting 3 joints in 2 files; 2 files could not be read
-"""
+SUMMARY = (
+    "2 errors, 1 warning, 1 note affecting 3 joints in 3 files, 1 of which could not be read; "
+    "1 name has nothing to audit\n"
+)
 BAD = "<script>alert(1)</script>|\"'&\\x07\\n[a](b)@me #1 %41,:\\ud800"
 """The hostile name as text shows it: on one line, without control characters."""
 
@@ -145,7 +147,10 @@ def test_what_is_not_shown_is_counted(
     lines = render(made, "concise", ReportOptions(least=least)).splitlines()
     assert [text.split(": ")[1][:6] for text in lines[: len(shown)]] == shown
     assert lines[len(shown) : -1] == ([line] if line else [])
-    assert lines[-1] == f"{count} affecting 3 joints in 2 files; 2 files could not be read"
+    assert (
+        lines[-1]
+        == f"{count} affecting 3 joints in 3 files, 1 of which could not be read; 1 name has nothing to audit"
+    )
 
 
 def test_only_notes() -> None:

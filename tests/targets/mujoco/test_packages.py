@@ -83,6 +83,25 @@ def test_a_package_of_the_spec(tmp_path: Path) -> None:
     assert "there is no folder '../nowhere' of the package 'my_desc'" in item.message
 
 
+@pytest.mark.parametrize("kept", [False, True], ids=["left out", "kept"])
+def test_visuals(tmp_path: Path, kept: bool) -> None:
+    """MuJoCo leaves out what is only seen, and the message says so; with the option it is there, and is not named."""
+    own = package(tmp_path, "my_desc")
+    seen = '<visual><geometry><sphere radius="0.1"/></geometry></visual>'
+    text = URDF.replace("<collision>", f"{seen}{seen}<collision>")
+    if kept:
+        text = text.replace(
+            '<link name="a"/>', '<mujoco><compiler discardvisual="false"/></mujoco><link name="a"/>'
+        )
+    (own / "urdf" / "r.urdf").write_text(text, encoding="utf-8")
+    done = compiled(own)
+    (item,) = [item for item in done.diagnostics if item.code == "MJC015"]
+    assert ("2 visuals are left out" in item.message) is not kept
+    assert (item.help is None) is kept
+    written = (own / "out" / "mujoco" / "r.xml").read_text(encoding="utf-8")
+    assert written.count('<geom size="0.1"') == 2 * kept
+
+
 def test_another_package(tmp_path: Path) -> None:
     """A package that is not around the file is reported with its meshes, not written as if it were found."""
     done = compiled(package(tmp_path, "clone"))
