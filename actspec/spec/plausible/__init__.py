@@ -9,8 +9,8 @@ from __future__ import annotations
 from actspec.diagnostics import Collector
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.groups import group_doubts, time_doubts
-from actspec.spec.plausible.motors import motor_doubts
+from actspec.spec.plausible.groups import drives_of, group_doubts, time_doubts
+from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, tell
 
 __all__ = ["BY_CODE", "CHECKS", "Check", "check_numbers"]
@@ -25,6 +25,6 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
         collector: Takes warnings, and errors where nothing could be right.
     """
     spans = document.spans
-    doubts = [doubt for name, motor in model.motors.items() for doubt in motor_doubts(name, motor, spans)]
+    doubts = [doubt for drive in drives_of(model) for doubt in motor_doubts(drive, spans)]
     doubts += [*time_doubts(model, spans), *group_doubts(model, spans)]
     tell(doubts, document, model.accept, collector)

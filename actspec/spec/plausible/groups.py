@@ -10,7 +10,7 @@ from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Randomize, SpecModel, Tunable
-from actspec.spec.plausible.motors import output_of
+from actspec.spec.plausible.motors import Drive, Limit
 from actspec.spec.plausible.table import Doubt, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.values import Fault, SpecValue
@@ -32,9 +32,6 @@ FRICTION_SHARE = 0.5
 """Of the effort limit."""
 FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
-LIMIT_OF_MOTOR = (0.02, 3.0)
-"""Effort limit over the largest of the motor's torques at the joint."""
-LIMIT_BEYOND = 30.0
 FACTOR = 20.0
 """Largest factor of a range of randomisation."""
 OFF = {"rad": 0.5, "m": 0.1}
@@ -112,6 +109,24 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
             yield (*path, "overrides", pattern), override, group
 
 
+def drives_of(model: SpecModel) -> Iterator[Drive]:
+    """Every motor, with the limits of the joints that it drives; behind a transmission nothing is compared."""
+    limits: dict[str, list[Limit]] = {}
+    for path, fields, group in _layers(model):
+        name = fields.motor or group.motor
+        if name is None or (fields.transmission or group.transmission) is not None:
+            continue
+        reduction = fields.reduction or group.reduction
+        for field in ("effort_limit", "velocity_limit"):
+            value = getattr(fields, field)
+            if isinstance(value, SpecValue):
+                factor = None if reduction is None else reduction.value
+                count = fields.motors_per_joint or group.motors_per_joint or 1
+                limits.setdefault(name, []).append(Limit(value, (*path, field), factor or 1.0, count))
+    for name, motor in model.motors.items():
+        yield Drive(name, motor, tuple(limits.get(name, ())))
+
+
 def group_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
     """What can hardly be right about groups; an override's fields are judged with those of its group."""
     for path, fields, group in _layers(model):
@@ -139,8 +154,6 @@ def group_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
             words = return_words(kp.value or 0.0, kd.value or 0.0, kp.written, kd.written)
             if words is not None:
                 yield at(spans, "SPEC192", words[0], kp_path, words[1], kd_path)
-        if own_limit and isinstance(limit, SpecValue):
-            yield from _limit(limit, limit_path, stated, model, spans)
     for name, group in model.actuators.items():
         for field, entry in group.randomize.items():
             yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
@@ -200,34 +213,3 @@ def return_words(kp: float, kd: float, shown_kp: str, shown_kd: str) -> tuple[st
     )
     back = kp / kd <= LONGEST_RETURN / 2.0
     return message, "are the two exchanged? kp is the stiffness, kd the velocity gain" if back else None
-
-
-def _limit(limit: SpecValue, path: Path, stated: Any, model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
-    """An effort limit against the torques of the group's motor."""
-    name = stated("motor")[0]
-    motor = model.motors.get(name) if name is not None else None
-    if motor is None or stated("transmission")[0] is not None or not limit.value or limit.linear:
-        return
-    output = output_of(name, motor)
-    if output.torque is None:
-        return
-    reduction: SpecValue | None = stated("reduction")[0]
-    factor = (1.0 if reduction is None else reduction.value or 1.0) * (stated("motors_per_joint")[0] or 1)
-    most = output.torque * factor
-    ratio = limit.value / most
-    if LIMIT_OF_MOTOR[0] <= ratio <= LIMIT_OF_MOTOR[1]:
-        return
-    far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'above' if ratio > 1 else 'below'}"
-    yield at(
-        spans,
-        "SPEC187",
-        f"an effort limit of {limit.written} is {far} the {format_quantity(most, 'N*m', 4)} that the motor '{name}' "
-        "gives",
-        path,
-        f"is it in mN*m? That is {format_quantity(limit.value / 1000, 'N*m', 4)}"
-        if ratio > LIMIT_BEYOND
-        else "look for a wrong unit, gear_ratio or side",
-        output.torque_path,
-        ("motors", name, "gear_ratio"),
-        error=ratio > LIMIT_BEYOND,
-    )

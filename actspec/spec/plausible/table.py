@@ -35,6 +35,12 @@ class Check:
 
 CHECKS = (
     Check(
+        "SPEC135",
+        "continuous-above-peak",
+        "Continuous torque above peak torque.",
+        "An error: the thermal limit is the lower of the two.",
+    ),
+    Check(
         "SPEC180",
         "torque-above-stall",
         "Peak or continuous torque above stall torque, the end of the torque-speed line.",
@@ -59,16 +65,18 @@ CHECKS = (
         "SPEC183",
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot.",
-        "A warning from 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
         "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros).",
     ),
     Check(
         "SPEC184",
         "speed-of-side",
-        "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s.",
+        "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity limit "
+        "far above it.",
         "Behind a gear of 3 or more a rotor below 60 rad/s, an output above 100 rad/s; a rotor above 8000 rad/s; an "
-        "output above 1000 rad/s divided by the root of its torque in N*m. Published: rotors of 180 (Go2) to 2044 "
-        "rad/s (STS3215), outputs to 40 rad/s, speed times root of torque to 439 (ankle of the H2).",
+        "output above 1000 rad/s divided by the root of its torque in N*m; a velocity limit above 3 times the motor's "
+        "speed at the joint. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times "
+        "root of torque to 439 (ankle of the H2), velocity limits to 1 times the speed.",
     ),
     Check(
         "SPEC185",
@@ -89,7 +97,8 @@ CHECKS = (
         "SPEC187",
         "limit-of-motor",
         "An effort limit far from what the motor gives at the joint.",
-        "A warning above 3 times the largest of its torques or below a fiftieth of it, an error above 30 times. "
+        "A warning above 3 times the largest of its torques, an error above 30 times; a warning below an eighth of the "
+        "least of peak and continuous torque, or a fiftieth of a stall torque that stands alone. "
         "Published: 0.59 (STS3215) to 1.003 (Spot's hips).",
     ),
     Check(

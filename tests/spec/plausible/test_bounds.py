@@ -39,8 +39,9 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("side: joint, stall_torque: 10, peak_torque: 10.3", ["SPEC180"]),
         ("side: joint, stall_torque: 10, peak_torque: 31", ["SPEC180!"]),
         ("side: joint, stall_torque: 10, continuous_torque: 11", ["SPEC180!"]),
-        # A continuous torque above the peak is an error of its own, SPEC135, and told once.
-        ("side: joint, stall_torque: 10, peak_torque: 10, continuous_torque: 11", []),
+        # One swap explains both that it is above the peak and above the stall torque.
+        ("side: joint, stall_torque: 10, peak_torque: 10, continuous_torque: 11", ["SPEC135!"]),
+        ("side: joint, peak_torque: 10, continuous_torque: 10", []),
         ("side: joint, stall_torque: unknown, peak_torque: 31", []),
         (
             "side: joint, peak_torque: 13, curve: {drive_torque: 12, brake_torque: 20, knee_speed: 1 rad/s, "
@@ -56,11 +57,11 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("gear_ratio: 1", []),
         ("gear_ratio: 0.99", ["SPEC182"]),
         ("gear_ratio: 0.04", ["SPEC182!"]),
-        # 9.99 x 100; 10 x 100 x 0.9 with an efficiency; 3000 N*m.
-        ("side: motor, gear_ratio: 100, peak_torque: 9.99", []),
-        ("side: motor, gear_ratio: 100, peak_torque: 10", ["SPEC183"]),
-        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10", []),
-        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10", ["SPEC183!"]),
+        # 10 x 100; 10.1 x 100 x 0.9 with an efficiency; 3030 N*m.
+        ("side: motor, gear_ratio: 100, peak_torque: 10", []),
+        ("side: motor, gear_ratio: 100, peak_torque: 10.1", ["SPEC183"]),
+        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10.1", []),
+        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10.1", ["SPEC183!"]),
         # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
         ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
         ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),

@@ -218,13 +218,6 @@ def doubts(path: Path) -> list[Diagnostic]:
     return [item for item in found if item.code in BY_CODE]
 
 
-ELSEWHERE = {
-    "output-figures-as-the-rotors": "no_load_speed",
-    "output-figures-of-a-servo-as-the-rotors": "no_load_speed",
-}
-"""A wrong `side` is reported at the number that it makes impossible."""
-
-
 @pytest.mark.parametrize("name", MISTAKES)
 def test_a_mistake_is_reported_at_its_line(name: str, folder: Path) -> None:
     spec, mistaken, right, wrong, code = MISTAKES[name]
@@ -237,12 +230,8 @@ def test_a_mistake_is_reported_at_its_line(name: str, folder: Path) -> None:
         found = doubts(folder / f"{spec}.yaml")
     finally:
         file.write_text(text, encoding="utf-8")
-    lines = typed.splitlines()
-    if name in ELSEWHERE:
-        expected = {index for index, line in enumerate(lines, 1) if f" {ELSEWHERE[name]}:" in line}
-    else:
-        first = typed[: text.index(right)].count("\n") + 1
-        expected = set(range(first, first + wrong.count("\n") + 1))
+    first = typed[: text.index(right)].count("\n") + 1
+    expected = set(range(first, first + wrong.count("\n") + 1))
     places = [(item.code, item.span.path, item.span.line) for item in found if item.span is not None]
     assert any((code, str(file), line) in places for line in expected), [str(item) for item in found]
     assert {item.code for item in found} == {code}, [str(item) for item in found]
