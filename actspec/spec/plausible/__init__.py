@@ -26,5 +26,6 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
     """
     spans = document.spans
     doubts = [doubt for drive in drives_of(model) for doubt in motor_doubts(drive, spans)]
-    doubts += [*time_doubts(model, spans), *group_doubts(model, spans)]
+    doubted = {doubt.where for doubt in doubts}
+    doubts += [*time_doubts(model, spans), *group_doubts(model, spans, doubted)]
     tell(doubts, document, model.accept, collector)

@@ -11,19 +11,21 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import check_numbers
-from actspec.spec.plausible.groups import friction_words, return_words
+from actspec.spec.plausible.gains import DEGREE, Gains, gain_words
+from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
 from actspec.units import format_quantity
 
-DEGREE = math.pi / 180.0
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
-ARMATURE_RATE = (3.0, 3e5)
+ARMATURE_RATE = (5.0, 3e5)
 """Effort limit over armature [rad/s^2 or m/s^2]."""
+ROTOR_ALONE = 3e6
+"""The same, of a joint with a motor whose links are not known."""
 HEAVY = 50.0
 """Armature over the inertia of the links: noticed where `HEAVY_RATE` holds too."""
 HEAVY_RATE = 30.0
@@ -103,6 +105,7 @@ def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> I
     """What is found at the joints, but for what follows from numbers that are reported already."""
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
+    gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     for joint in joints:
@@ -110,6 +113,9 @@ def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> I
             doubt = found.doubt
             if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
+                continue
+            if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
+                # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
             groups.setdefault((doubt.code, doubt.span, doubt.where), []).append(found)
     yield from (_worst(members) for members in groups.values())
@@ -275,7 +281,10 @@ def _armature(joint: JointActuator) -> Iterator[_Found]:
     links = None if joint.inertia_held is None else joint.inertia_held.high - value
     words = None
     large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
-    if rate is not None and (rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large)):
+    unknown = links is None and joint.motor is not None
+    if rate is not None and (
+        rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)
+    ):
         words = (
             f"an armature of {_shown(armature)}: the effort limit of {_shown(limit)} would turn the rotor alone with "
             f"{format_quantity(rate, 'rad/s^2' if joint.kind is JointKind.HINGE else 'm/s^2', 3)}"
@@ -317,12 +326,22 @@ def _gains(joint: JointActuator) -> Iterator[_Found]:
         return
     number, other = (kp, kd) if _stated(kp) and kp.span is not None else (kd, kp)
     assert number is not None
-    where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
     active = (kd.value if kd is not None else None) or 0.0
-    exchanged = None if kd is None else return_words(kp.value, active, _shown(kp), _shown(kd))
+    hinge = joint.kind is JointKind.HINGE
+    gains = Gains(
+        kp.value,
+        active,
+        joint.friction_viscous.value or 0.0,
+        limit.value if hinge else None,
+        joint.motor is not None,
+        "N*m" if hinge else "N",
+    )
+    alone = gain_words(gains)
     words: tuple[str, str | None, float] | None = None
-    if exchanged is not None:
-        words = (*exchanged, active / kp.value)
+    if alone is not None:
+        words = (alone[1], alone[2], abs(math.log(max(active, 1e-9) / kp.value)))
+        if alone[0] == "kd" and kd is not None and _stated(kd):
+            number, other = kd, kp
     elif (
         joint.motor is not None
         and held is not None
@@ -332,10 +351,11 @@ def _gains(joint: JointActuator) -> Iterator[_Found]:
         # Without a motor they may be a simulator's own servos, of any stiffness.
         words = _by_frequency(kp, joint, held.reference, limit.value)
         if words is None and active and kd is not None and _stated(kd):
-            number, other, where = kd, kp, f"actuators.{joint.group}.kd"
+            number, other = kd, kp
             words = _by_damping(kp, kd, joint, held.reference)
     if words is not None:
         message, help, size = words
+        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield _found(joint, "SPEC192", where, size, message, help, number, *others)
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Path
 from actspec.spec.models import Motor
+from actspec.spec.plausible.relations import Relation
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -89,52 +90,6 @@ class Drive:
     name: str
     motor: Motor
     limits: tuple[Limit, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class Relation:
-    """One thing that figures of a drive imply of each other.
-
-    Attributes:
-        code: Of its check.
-        value: What is judged: one figure over what others say of it.
-        bounds: Outside of them no robot is known.
-        usual: What published robots have; between two explanations of a doubt these decide.
-        message: What is implied.
-        path: The figure that is blamed where no other correction explains it.
-        help: What may be meant there.
-        others: Where the other figures are written.
-        beyond: Outside of these bounds nothing could be right.
-        about: Tells it from others of the same figures.
-    """
-
-    code: str
-    value: float
-    bounds: tuple[float, float]
-    usual: tuple[float, float]
-    message: str
-    path: Path
-    help: str | None
-    others: tuple[Path, ...] = ()
-    beyond: tuple[float, float] = (0.0, math.inf)
-    about: str = ""
-
-    @property
-    def broken(self) -> bool:
-        """Whether no robot is known that has it."""
-        return not self.bounds[0] <= self.value <= self.bounds[1]
-
-    @property
-    def error(self) -> bool:
-        """Whether nothing could be right."""
-        return not self.beyond[0] <= self.value <= self.beyond[1]
-
-    @property
-    def excess(self) -> float:
-        """How far it is outside of what is usual, in powers of ten."""
-        low, high = self.usual
-        below = math.log10(low / self.value) if low and self.value < low else 0.0
-        return max(below, math.log10(self.value / high) if self.value > high else 0.0)
 
 
 @dataclass(frozen=True, slots=True)

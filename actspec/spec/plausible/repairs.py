@@ -1,16 +1,11 @@
-"""Where figures contradict each other: the one number whose correction makes all of them agree.
-
-Each correction is a slip that people make: a wrong unit, a wrong power of ten, two lines exchanged, a figure of the
-other side of the gear. A correction explains a doubt if with it all relations hold. Of several, the one is blamed that
-leaves the figures nearest to those of published robots.
-"""
+"""Corrections of a motor's figures and of the limits of its joints: what people mistype, and what it would be."""
 
 from __future__ import annotations
 
 import itertools
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from actspec.diagnostics import Path, listed
 from actspec.spec.document import SourceMap
@@ -20,21 +15,15 @@ from actspec.spec.plausible.motors import (
     GEARED,
     RPM,
     Drive,
-    Relation,
     gear_of,
     number,
     relations,
 )
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.relations import RARE, Relation, Repair, explained, explanation
+from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
 
-RARE = 0.3
-"""What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
-NEAR = 0.3
-"""A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
-ALIKE = 0.1
-"""Two readings of one number are both told if they differ by no more than this [powers of ten]."""
 DEGREE = math.pi / 180.0
 
 TORQUES: tuple[Path, ...] = (
@@ -47,23 +36,6 @@ TORQUES: tuple[Path, ...] = (
 SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
 INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
 """Units of datasheets [kg*m^2]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Repair:
-    """A correction.
-
-    Attributes:
-        after: The relations with it.
-        paths: What is corrected.
-        help: What was probably meant.
-        rare: What it costs before others.
-    """
-
-    after: Sequence[Relation]
-    paths: tuple[Path, ...]
-    help: str | None
-    rare: float = 0.0
 
 
 def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
@@ -80,17 +52,6 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
 
 
-def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: SourceMap) -> Doubt:
-    """A doubt about what the best correction changes, in the words of the relation that it is most about."""
-    blamed = {relation.path for relation in broken}.intersection(best[0].paths) or best[0].paths
-    where = min(blamed, key=lambda path: (spans.value(path).line or 0, spans.value(path).column or 0))
-    told = min(broken, key=lambda relation: (relation.path != where, where not in relation.others))
-    readings = dict.fromkeys(repair.help for repair in best if repair.help is not None)
-    judged = [path for relation in broken for path in (relation.path, *relation.others)]
-    error = any(relation.error for relation in broken)
-    return at(spans, told.code, told.message, where, "; or ".join(readings) or None, *judged, error=error)
-
-
 def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
     """Of relations that see the same mistake the first: all but those of torques take gear, side and torque."""
     seen: set[object] = set()
@@ -101,32 +62,6 @@ def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
         if key not in seen:
             seen.add(key)
             yield relation
-
-
-def explained(before: Iterable[Relation], repairs: Iterable[Repair]) -> list[Repair]:
-    """The best correction, with another of the same number that is as good; none where nothing explains all."""
-    was = {_about(relation): 0.0 if relation.broken else relation.excess for relation in before}
-    found: list[tuple[float, Repair]] = []
-    for repair in repairs:
-        if any(relation.broken for relation in repair.after):
-            continue
-        further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
-        if further <= NEAR:
-            found.append((sum(relation.excess for relation in repair.after) + repair.rare, repair))
-    if not found:
-        return []
-    least, best = min(found, key=lambda item: item[0])
-    alike = [
-        repair
-        for cost, repair in found
-        if repair is not best and repair.paths == best.paths and not repair.rare and cost <= least + ALIKE
-    ]
-    return [best, *alike[:1]]
-
-
-def _about(relation: Relation) -> tuple[object, ...]:
-    """What a relation is about, whatever its figures are."""
-    return relation.code, relation.path[-1], relation.others[-1:], relation.about
 
 
 def _repairs(drive: Drive) -> Iterator[Repair]:

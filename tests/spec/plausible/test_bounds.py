@@ -110,21 +110,44 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
-        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106"]),
+        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106", "SPEC182"]),
+        # 20 N*m x 0.04 = 0.8 N*m.
+        ("motor: m, reduction: 0.04", ["SPEC182!"]),
+        ("motor: m, reduction: 1", []),
+        # An eighth of the peak torque, 2.5 N*m; of the stall torque alone, above, a fiftieth.
+        ("motor: peaked, effort_limit: 2.5", []),
+        ("motor: peaked, effort_limit: 2.4", ["SPEC187"]),
+        # Three times the motor's 10 rad/s, and of its 5 behind a reduction of 2.
+        ("motor: m, velocity_limit: 30 rad/s", []),
+        ("motor: m, velocity_limit: 31 rad/s", ["SPEC184"]),
+        ("motor: m, velocity_limit: 16 rad/s, reduction: 2", ["SPEC184"]),
         ("motor: m, effort_limit: 60", []),
         ("motor: m, effort_limit: 61", ["SPEC187"]),
         ("motor: m, effort_limit: 61, reduction: 2", []),
         ("motor: m, effort_limit: 61, motors_per_joint: 2", []),
         ("motor: m, effort_limit: 601", ["SPEC187!"]),
         ("motor: m, effort_limit: 0.39", ["SPEC187"]),
-        # kd / kp is a time, of 1 s at most.
+        # kd / kp is a time, of 1 s at most, and of joints with a motor 0.5 ms at least.
+        ("motor: m, kp: 100, kd: 0.051", []),
+        ("motor: m, kp: 100, kd: 0.049", ["SPEC192"]),
+        ("motor: m, kp: 100, kd: 0.049, friction: {viscous: 0.01}", []),
+        ("motor: m, kp: 100, kd: 0", []),
+        ("kp: 100, kd: 0.049", []),
+        # 20 N*m / 0.4 N*m/rad = 50 rad.
+        ("motor: m, kp: 0.41, kd: 0.1", []),
+        ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
+        ("effort_limit: 20, kp: 0.39, kd: 0.1", []),
+        ("kp: {derive: natural_frequency; frequency: 100 Hz; inertia: 0.1}", []),
+        ("kp: {derive: natural_frequency; frequency: 101 Hz; inertia: 0.1}", ["SPEC192"]),
+        ("kd: {derive: damping_ratio; ratio: 60; inertia: 0.0001}", []),
+        ("kd: {derive: damping_ratio; ratio: 61; inertia: 0.0001}", ["SPEC192"]),
         ("kp: 2, kd: 2", []),
         ("kp: 2, kd: 2.1", ["SPEC192"]),
         ("kp: 0, kd: 2.1", []),
         ("kp: 20, kd: 2.1, overrides: {hip: {kp: 2}}", ["SPEC192"]),
-        # 3.03 and 2.99 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
-        ("effort_limit: 20, armature: 6.6", []),
-        ("effort_limit: 20, armature: 6.7", ["SPEC191"]),
+        # 5.1 and 4.9 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
+        ("effort_limit: 20, armature: 3.9", []),
+        ("effort_limit: 20, armature: 4.1", ["SPEC191"]),
         ("motor: m, armature: 0.299", []),
         ("motor: m, armature: 0.301", ["SPEC191"]),
         ("motor: m, armature: 0.029", ["SPEC191"]),
@@ -135,7 +158,7 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
         ("randomize: {kd: {scale: [0.3, 20]}}", []),
-        ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"] * 2),
+        ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"]),
         ("randomize: {encoder_bias: {add: [-0.5 rad, 0.5 rad]}}", []),
         ("randomize: {encoder_bias: {abs: [-0.51 rad, 0 rad]}}", ["SPEC188"]),
         ("randomize: {effort_limit: {add: [0, 100]}}", []),
@@ -165,8 +188,9 @@ def test_groups(fields: str, expected: list[str]) -> None:
         own.pop("kd")
     rest = "".join(f", {text}" for key, text in own.items() if key not in given)
     text = spec_of(
-        f"legs: {{joints: [hip]{rest}, {fields}}}, {REST}",
-        motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}}",
+        f"legs: {{joints: [hip]{rest}, {fields.replace(';', ',')}}}, {REST}",
+        motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}, "
+        "peaked: {side: joint, peak_torque: 20}}",
     )
     assert codes(text) == expected
 
