@@ -120,7 +120,7 @@ def compile(
         for item in network_notes(actuators, robot):
             collector.add(item)
     collector.raise_if_failed(EmitError)
-    check_accepted(loaded, actuators, chosen, emissions, collector)
+    check_accepted(loaded, actuators, robot, chosen, emissions, collector)
     return Compilation(loaded, robot, actuators, chosen, tuple(emissions), collector.sorted())
 
 

@@ -147,6 +147,7 @@ def _spans(spec: Spec, name: str) -> dict[str, Span]:
 def check_accepted(
     spec: Spec,
     actuators: ActuatorSet,
+    robot: RobotView,
     targets: Sequence[TargetOptions],
     emissions: Sequence[Emission],
     collector: Collector,
@@ -158,6 +159,7 @@ def check_accepted(
     Args:
         spec: The spec.
         actuators: The spec, resolved: its joints, and what it simplifies itself.
+        robot: What it was resolved against.
         targets: What was compiled.
         emissions: What each made, in the same order.
         collector: Takes the warnings.
@@ -171,7 +173,9 @@ def check_accepted(
     checks = [key for key in spec.model.accept if key.partition(".")[2] in BY_CODE]
     # Another variant may need what this one does not.
     asked = bool(checks) and not spec.model.variants
-    kept = codes_found(actuators.joints, spec.model, spec.document) if asked else frozenset(BY_CODE)
+    kept = frozenset(BY_CODE)
+    if asked:
+        kept = codes_found(actuators.joints, spec.model, spec.document, robot.mass)
     for key in spec.model.accept:
         target, _, field = key.partition(".")
         if target not in lost or field in lost[target]:

@@ -190,6 +190,7 @@ def test_what_the_joints_tell(
     ("targets", "expected"),
     [
         ("mujoco: {version: '3.12'}, mjlab: {}, deploy: {joint_order: [knee, null, hip]}", []),
+        ("deploy: {}", []),
         ("mujoco: {version: '9.9'}", ["MJC007 targets.mujoco.version"]),
         ("isaaclab: {version: '0.1'}", ["ISL001 targets.isaaclab.version"]),
         ("deploy: {joint_order: [knee, hipp]}", ["DEP001 targets.deploy.joint_order[1]"]),

@@ -49,6 +49,12 @@ SCALE = 2.0
 """One unit of action over the joint's range and, by kp, over the effort limit."""
 RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
+GRAVITY = 9.81
+WHOLE_ROBOT = 6
+"""Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
+LONGEST_LEVER = 4.0
+"""Effort limit over the weight of the robot [m]. Published: 1.55 (Z1 arm), 0.9 (A2), 0.59 (H1)."""
+HOPELESS_LEVER = 10.0
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
@@ -73,7 +79,11 @@ class _Found:
 
 
 def check_joints(
-    joints: Sequence[JointActuator], model: SpecModel, document: Document, collector: Collector
+    joints: Sequence[JointActuator],
+    model: SpecModel,
+    document: Document,
+    collector: Collector,
+    mass: float | None,
 ) -> None:
     """Report the numbers that can hardly be right at the joints of the robot, each once, at its worst joint.
 
@@ -82,11 +92,14 @@ def check_joints(
         model: The spec.
         document: Where it says what it says.
         collector: Takes warnings, and errors where nothing could be right.
+        mass: Of the robot [kg]; None: unknown.
     """
-    tell(_joint_doubts_of(joints, collector), document, model.accept, collector)
+    tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
 
 
-def codes_found(joints: Sequence[JointActuator], model: SpecModel, document: Document) -> frozenset[str]:
+def codes_found(
+    joints: Sequence[JointActuator], model: SpecModel, document: Document, mass: float | None
+) -> frozenset[str]:
     """The codes of all that the checks find in a spec, with those that its `accept` keeps.
 
     Args:
@@ -97,19 +110,22 @@ def codes_found(joints: Sequence[JointActuator], model: SpecModel, document: Doc
     every = Collector()
     bare = model.model_copy(update={"accept": {}})
     check_numbers(bare, document, every)
-    check_joints(joints, bare, document, every)
+    check_joints(joints, bare, document, every, mass)
     return frozenset(item.code for item in every)
 
 
-def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> Iterator[Doubt]:
+def _joint_doubts_of(
+    joints: Sequence[JointActuator], collector: Collector, mass: float | None
+) -> Iterator[Doubt]:
     """What is found at the joints, but for what follows from numbers that are reported already."""
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
     gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
+    whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     for joint in joints:
-        for found in _joint_doubts(joint):
+        for found in (*_joint_doubts(joint), *_lever(joint, whole)):
             doubt = found.doubt
             if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
@@ -207,6 +223,30 @@ def _outside(
     error = beyond > (max(high - low, math.pi) if kind is JointKind.HINGE else high - low)
     doubt = Doubt("SPEC190", message, "robot.default_pose", span, help, error=error)
     return _Found(doubt, joint, beyond, False)
+
+
+def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:
+    """An effort limit that would hold the whole robot on a lever which no robot has."""
+    limit = joint.effort_limit
+    if not mass or joint.kind is not JointKind.HINGE or not limit.value or not _stated(limit):
+        return
+    if joint.motor is None:
+        # It may be a toy: gymnasium's ant has 150 N*m and less than 1 kg.
+        return
+    lever = limit.value / (mass * GRAVITY)
+    if lever <= LONGEST_LEVER:
+        return
+    yield _found(
+        joint,
+        "SPEC183",
+        f"actuators.{joint.group}.effort_limit",
+        lever,
+        f"an effort limit of {_shown(limit)} would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever "
+        f"of {format_quantity(lever, 'm', 3)}",
+        "look for a wrong unit, gear_ratio or side",
+        limit,
+        error=lever > HOPELESS_LEVER * LONGEST_LEVER,
+    )
 
 
 def _friction(joint: JointActuator) -> Iterator[_Found]:

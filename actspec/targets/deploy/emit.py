@@ -36,8 +36,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector = Collector()
     own = tuple(actuator.joint for actuator in actuators.joints)
     sdk = options.of(DeployTarget).joint_order or None
-    if sdk is not None:
-        check_sdk_order(options, own, collector)
+    check_sdk_order(options, own, collector)
     collector.raise_if_failed(EmitError)
     isaac = isaac_order(robot, own)
     orders: dict[str, Order | None] = {"robot": own, "isaac": isaac, "sdk": sdk}

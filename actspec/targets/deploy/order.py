@@ -10,7 +10,7 @@ from actspec.targets.base import TargetOptions
 
 
 def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: Collector) -> None:
-    """Report where an SDK's order does not name exactly the managed joints, each once.
+    """Report where an SDK's order, if one is stated, does not name exactly the managed joints, each once.
 
     Args:
         options: With the order.
@@ -19,7 +19,10 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
     """
     seen: set[str] = set()
     meant: set[str] = set()
-    for index, name in enumerate(options.of(DeployTarget).joint_order or ()):
+    order = options.of(DeployTarget).joint_order
+    if not order:
+        return
+    for index, name in enumerate(order):
         entry = f"joint_order[{index}]"
         place = options.at(entry, collector)
         if name is None:

@@ -10,6 +10,7 @@ import pytest
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import ActspecError, Diagnostic, Severity
+from actspec.robot.load import joints_of_text, load_robot
 from actspec.spec.plausible import BY_CODE, CHECKS
 from tests.fitting import fit, spec_of
 
@@ -239,6 +240,67 @@ def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
         motors="{m: {gear_ratio: 9}}",
     )
     assert codes(text, MODEL) == expected
+
+
+def robot_of(count: int, body: str) -> str:
+    """A model of so many hinges, one behind the other, each with a link of `body`."""
+    text = "".join(f'<body><joint name="j{index}"/>{body}' for index in range(count))
+    return f"<mujoco><worldbody>{text}{'</body>' * count}</worldbody></mujoco>"
+
+
+KILO = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+
+
+@pytest.mark.parametrize(
+    ("count", "limit", "expected"),
+    [
+        # 6 kg x 9.81 m/s^2 x 4 m = 235.4 N*m; ten times that.
+        (6, 235, []),
+        (6, 236, ["SPEC183"]),
+        (6, 2355, ["SPEC183!"]),
+        # A test stand.
+        (5, 236, []),
+    ],
+)
+def test_an_effort_limit_against_the_weight_of_the_robot(
+    count: int, limit: float, expected: list[str]
+) -> None:
+    for motor, found in ((", motor: m", expected), ("", [])):
+        text = spec_of(
+            f"legs: {{joints: ['j.*'], level: ideal_pd, kp: 100, kd: 10, effort_limit: {limit}{motor}}}",
+            robot="name: leg, model: robot.xml",
+            motors="{m: {gear_ratio: 9}}",
+        )
+        assert codes(text, robot_of(count, KILO)) == found
+
+
+@pytest.mark.parametrize(
+    ("body", "compiler", "mass"),
+    [
+        (KILO, "", 3.0),
+        (KILO + '<geom size="1" mass="5"/>', "", 3.0),
+        # The text does not weigh geoms, nor scale.
+        ('<geom size="1" mass="5"/>', "", None),
+        (KILO, '<compiler settotalmass="9"/>', None),
+        (KILO + '<geom size="1" mass="5"/>', '<compiler inertiafromgeom="true"/>', None),
+    ],
+)
+def test_the_mass_of_a_text(body: str, compiler: str, mass: float | None, tmp_path: Path) -> None:
+    """What is told is what MuJoCo has."""
+    path = tmp_path / "robot.xml"
+    path.write_text(robot_of(3, body).replace("<worldbody>", f"{compiler}<worldbody>"), encoding="utf-8")
+    assert joints_of_text(str(path)).mass == mass
+    if mass is not None:
+        assert load_robot(str(path)).mass == mass
+
+
+def test_the_mass_of_a_urdf(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    link = '<link name="{}"><inertial><mass value="1.5"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    links = "".join(f"{link.format(name)}</inertial></link>" for name in "ab")
+    path.write_text(f'<robot name="r">{links}<link name="c"/>{joint}</robot>', encoding="utf-8")
+    assert joints_of_text(str(path)).mass == load_robot(str(path)).mass == 3.0
 
 
 def test_servos_without_a_motor_may_be_of_any_stiffness() -> None:
