@@ -125,8 +125,12 @@ def _joint_doubts_of(
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     for joint in joints:
-        for found in (*_joint_doubts(joint), *_lever(joint, whole)):
+        lever = list(_lever(joint, whole))
+        for found in (*lever, *_joint_doubts(joint)):
             doubt = found.doubt
+            if lever and joint.effort_limit.span in doubt.judged:
+                # What is judged by a wrong limit says nothing.
+                continue
             if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
                 continue

@@ -68,9 +68,9 @@ CHECKS = (
         "beyond-any-motor",
         "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size.",
         "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
-        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). Of robots with "
-        "six hinges or more also the effort limit of a joint with a motor that would hold the whole robot on a lever of "
-        "more than 4 m, an error from 40 m (1.55 m, arm Z1).",
+        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). Of robots "
+        "with six hinges or more also the effort limit of a joint with a motor that would hold the whole robot on a "
+        "lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
