@@ -161,8 +161,8 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _torques(drive.name, motor)
     yield from _constant(drive.name, motor)
     yield from _gear(drive.name, motor)
-    yield from _speed(drive.name, motor, output)
     yield from _beyond(drive.name, output)
+    yield from _speed(drive.name, motor, output)
     yield from _rotor(drive.name, motor, output)
     yield from _limits(drive, output)
 
@@ -209,9 +209,13 @@ def _constant(name: str, motor: Motor) -> Iterator[Relation]:
     """Torque constant times current is a torque, times speed a voltage."""
     path: Path = ("motors", name)
     constant = number(motor.torque_constant)
+    # Of a winding the stall torque is many times what the drive's current gives.
+    most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
     for field, product, key, bounds, usual, unit in (
         ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
         ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
+        ("peak_current", "gives", "stall_torque", *most, "N*m"),
+        ("nominal_current", "gives", "stall_torque", *most, "N*m"),
         ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0), "V"),
     ):
         factor: SpecValue | None = getattr(motor, field)

@@ -17,7 +17,7 @@ from actspec.spec.plausible.table import Doubt, at
 
 RARE = 0.3
 """What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
-NEAR = 0.3
+NEAR = 0.8
 """A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
 ALIKE = 0.1
 """Two readings of one number are both told if they differ by no more than this [powers of ten]."""

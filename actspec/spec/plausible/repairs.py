@@ -162,6 +162,8 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
     if speed:
         if "rpm" not in value.written:
             yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
+        else:
+            yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
         if not any(unit in value.written for unit in ("deg", "rpm")):
             meant = format_quantity(size * DEGREE, "rad/s", 3)
             yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", RARE

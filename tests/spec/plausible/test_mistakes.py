@@ -134,7 +134,7 @@ MISTAKES = {
         "motors/feetech",
         "side: joint",
         "side: motor",
-        "SPEC184",
+        "SPEC183",
     ),
     "torque-of-the-wrong-side": (
         "h1",

@@ -22,9 +22,32 @@ SHEET = {
 }
 
 
-def said(limits: str = "", **wrong: str) -> list[Diagnostic]:
+SOUND = {
+    "mini cheetah": "side: joint, peak_torque: 17, continuous_torque: 6.9, no_load_speed: 40 rad/s, gear_ratio: 6, "
+    "rotor_inertia: 6e-5, nominal_voltage: 24 V, torque_constant: 0.57, peak_current: 30 A",
+    "AK80-64": "side: joint, peak_torque: 120, continuous_torque: 48, no_load_speed: 57 rpm, gear_ratio: 64, "
+    "rotor_inertia: 564 g*cm^2, nominal_voltage: 48 V, peak_current: 19 A",
+    "EC-i 40 with a gear of 111": "side: motor, stall_torque: 1.81, continuous_torque: 0.2, no_load_speed: 5000 rpm, "
+    "gear_ratio: 111, efficiency: 0.7, rotor_inertia: 24.2 g*cm^2, nominal_voltage: 24 V, torque_constant: 0.045, "
+    "nominal_current: 4.5 A",
+    "XM430": "side: joint, stall_torque: 4.1, no_load_speed: 46 rpm, gear_ratio: 353.5, nominal_voltage: 12 V, "
+    "torque_constant: 1.78, peak_current: 2.3 A, reflected_inertia: 0.012",
+    "UR10": "side: joint, peak_torque: 330, no_load_speed: 120 deg/s, gear_ratio: 101, rotor_inertia: 3.5 kg*cm^2",
+    "U8, no gear": "side: motor, gear_ratio: 1, peak_torque: 2.5, continuous_torque: 0.9, no_load_speed: 4800 rpm, "
+    "rotor_inertia: 1.2e-4, nominal_voltage: 48 V, torque_constant: 0.095, peak_current: 30 A",
+    "ODRI": "side: motor, gear_ratio: 9, peak_torque: 0.3, no_load_speed: 8000 rpm, rotor_inertia: 5.1e-6, "
+    "nominal_voltage: 24 V, torque_constant: 0.025, peak_current: 12 A",
+    "hub of a wheel": "side: joint, gear_ratio: 1, peak_torque: 16, no_load_speed: 40 rad/s, nominal_voltage: 36 V, "
+    "torque_constant: 0.85, peak_current: 20 A",
+}
+"""About what datasheets of such motors say, rounded."""
+
+
+def said(limits: str = "", sheet: str | None = None, **wrong: str) -> list[Diagnostic]:
     """What is said of the sheet with other figures, and with limits of the joint."""
-    motor = ", ".join(f"{key}: {value}" for key, value in {**SHEET, **wrong}.items())
+    motor = (
+        ", ".join(f"{key}: {value}" for key, value in {**SHEET, **wrong}.items()) if sheet is None else sheet
+    )
     groups = f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 60, kd: 2{limits}}}"
     try:
         return [
@@ -37,6 +60,35 @@ def said(limits: str = "", **wrong: str) -> list[Diagnostic]:
         ]
     except ActspecError as err:
         return [*err.diagnostics]
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_sheets_of_motors_are_sound(name: str) -> None:
+    assert said(sheet=SOUND[name]) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "place"),
+    [
+        ("EC-i 40 with a gear of 111", "stall_torque: 1.81", "stall_torque: 1810", "stall_torque"),
+        (
+            "EC-i 40 with a gear of 111",
+            "continuous_torque: 0.2",
+            "continuous_torque: 200",
+            "continuous_torque",
+        ),
+        ("XM430", "nominal_voltage: 12 V", "nominal_voltage: 120 V", "nominal_voltage"),
+        ("XM430", "peak_current: 2.3 A", "peak_current: 2300 A", "peak_current"),
+        ("UR10", "peak_torque: 330", "peak_torque: 330000", "peak_torque"),
+        ("UR10", "gear_ratio: 101", "gear_ratio: 10100", "gear_ratio"),
+        # 4800 rpm is 502.7 rad/s.
+        ("U8, no gear", "no_load_speed: 4800 rpm", "no_load_speed: 502.7 rpm", "no_load_speed"),
+        ("ODRI", "side: motor", "side: joint", "side"),
+        ("AK80-64", "side: joint", "side: motor", "side"),
+    ],
+)
+def test_a_slip_in_a_sheet(name: str, right: str, wrong: str, place: str) -> None:
+    assert [found.where for found in said(sheet=SOUND[name].replace(right, wrong))] == [f"motors.m.{place}"]
 
 
 def test_the_sheet_is_sound() -> None:
