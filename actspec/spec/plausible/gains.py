@@ -100,7 +100,7 @@ def _relations(gains: Gains) -> Iterator[Relation]:
             None,
             about="undamped",
         )
-    if gains.kp and gains.limit:
+    if gains.kp and gains.limit and gains.limit < math.inf:
         error = gains.limit / gains.kp
         yield Relation(
             "SPEC192",

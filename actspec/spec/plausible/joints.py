@@ -238,7 +238,7 @@ def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:
         # It may be a toy: gymnasium's ant has 150 N*m and less than 1 kg.
         return
     lever = limit.value / (mass * GRAVITY)
-    if lever <= LONGEST_LEVER:
+    if not LONGEST_LEVER < lever < math.inf:
         return
     yield _found(
         joint,

@@ -400,7 +400,7 @@ def _limits(drive: Drive, output: Output) -> Iterator[Relation]:
         others = (output.torque_path, ("motors", drive.name, "gear_ratio"), ("motors", drive.name, "side"))
         if limit.path[-1] == "velocity_limit":
             fastest = None if output.speed is None else output.speed / limit.reduction
-            if stated and fastest:
+            if stated and fastest and fastest < math.inf:
                 yield Relation(
                     "SPEC184",
                     stated / fastest,
@@ -421,7 +421,9 @@ def _limits(drive: Drive, output: Output) -> Iterator[Relation]:
             if not stated or not most:
                 continue
             most *= limit.reduction * limit.motors
-            ratio = stated / most
+            ratio = stated / most if most else math.inf
+            if not 0.0 < ratio < math.inf:
+                continue
             far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'above' if ratio > 1 else 'below'}"
             yield Relation(
                 "SPEC187",

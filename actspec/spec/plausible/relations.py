@@ -65,6 +65,9 @@ class Relation:
     def excess(self) -> float:
         """How far it is outside of what is usual, in powers of ten."""
         low, high = self.usual
+        if not 0.0 < self.value < math.inf:
+            # It left the range of floats.
+            return math.inf
         below = math.log10(low / self.value) if low and self.value < low else 0.0
         return max(below, math.log10(self.value / high) if self.value > high else 0.0)
 

@@ -102,7 +102,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
         ratio = motor.gear_ratio.value or 1.0
         if ratio < 1.0:
             help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
-            yield moved([("gear_ratio",)], 1.0 / ratio**2, help)
+            yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
         yield from (moved([("gear_ratio",)], *slip) for slip in _tens(motor.gear_ratio))
     for path in SPEEDS:
         speed = _at(motor, path)
