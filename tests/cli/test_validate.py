@@ -168,6 +168,10 @@ def test_pose_against_the_text(
         # 20 N*m*s/rad at the motor's 2 rad/s, of 3 N*m; 2.1 rad of a range of 1 rad.
         ("motor: m, command: effort, friction: {viscous: 20}", (0, ["FRC106"])),
         ("kp: 1, kd: 0.1, action_scale: 2.1", (0, ["SPEC193"])),
+        # 3 N*m turn 9e-7 kg*m^2 with 3.3e6 rad/s^2; without a motor it may be the wing of a fly.
+        ("motor: m, kp: 1, kd: 0.1, armature: 9e-7", (0, ["SPEC191"])),
+        ("motor: m, kp: 1, kd: 0.1, armature: 1.1e-6", (0, [])),
+        ("kp: 1, kd: 0.1, effort_limit: 3, armature: 9e-7", (0, [])),
         ("command: effort, effort_limit: 2 N", (2, ["RES001"])),
         ("command: position, kd: 0.1", (2, ["RES005"])),
     ],

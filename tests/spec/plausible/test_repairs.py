@@ -213,6 +213,19 @@ def test_what_no_single_correction_explains_is_told_where_it_is_seen() -> None:
     assert [item.where for item in found] == ["motors.m.torque_constant", "motors.m.gear_ratio"]
 
 
+def test_a_correction_that_leaves_a_doubt_is_none() -> None:
+    """0.1 x 33 is 0.33 of 10 N*m, and ten times that 3.3, above 2.5."""
+    (found,) = said(sheet="side: joint, peak_torque: 10, torque_constant: 0.1, peak_current: 33 A")
+    assert found.where == "motors.m.torque_constant"
+    assert found.help == "torque = torque constant x current, voltage = torque constant x speed"
+
+
+def test_one_power_of_ten_is_offered() -> None:
+    """19.12 and 1.912 rad/s are both usual."""
+    (found,) = said(sheet="side: joint, peak_torque: 33.5, no_load_speed: 1826 rpm")
+    assert (found.where, found.help) == ("motors.m.no_load_speed", "did you mean 19.12 rad/s?")
+
+
 def test_sure_at_one_of_the_figures_keeps_them() -> None:
     assert said(no_load_speed="{value: 4800 rad/s, sure: true}") == []
     assert said(no_load_speed="{value: 4800 rad/s, sure: false}") != []
