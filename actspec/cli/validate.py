@@ -13,7 +13,9 @@ from actspec.diagnostics import (
     EXIT_FAILED,
     EXIT_FINDINGS,
     ActspecError,
+    Collector,
     Diagnostic,
+    ResolveError,
     RobotError,
     Severity,
     listed,
@@ -33,8 +35,8 @@ def add_arguments(command: argparse.ArgumentParser) -> None:
     """Add the command's arguments and what its help says."""
     describe(
         command,
-        "Check specs without a simulator: keys, units, sources, references, and the joints that the text of the robot "
-        "names; every variant, unless one is named.",
+        "Check specs without a simulator: keys, units, sources, references, versions of targets, and the joints that "
+        "the text of the robot names; every variant, unless one is named.",
         "actspec validate robots/a1.yaml",
         "0 all are valid; 1 numbers that can hardly be right with --strict; 2 one is not valid",
     )
@@ -119,6 +121,8 @@ def _is_other(path: str) -> bool:
 def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
     """Resolve a spec against the text of its model; what only a compilation tells, inertia above all, is unknown there.
 
+    Of its targets versions are checked, and joints that they name.
+
     Returns: What could not be checked, for behind the summary, "" where the joints could be read; and warnings.
 
     Raises:
@@ -126,16 +130,34 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
     """
     from actspec.resolution import resolve
     from actspec.robot.load import find_model, joints_of_text, listed_robot
+    from actspec.targets.check import check_options
+    from actspec.targets.choose import choose_targets
 
+    collector = Collector()
+    targets = choose_targets(spec, (), None, False, collector)
     model = spec.model.robot.model
+    unread = ""
     try:
         if model == "none":
             robot = listed_robot(spec)
         else:
             robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
     except RobotError as err:
-        reason = one_line(err.diagnostics[0].message)
-        return f" (not checked against the joints of {one_line(model)}: {reason})", ()
-    before = {*spec.diagnostics, *robot.diagnostics}
-    found = resolve(spec, robot).diagnostics
-    return "", tuple(item for item in found if item not in before and item.severity is not Severity.INFO)
+        unread = (
+            f" (not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)})"
+        )
+    managed = None
+    if not unread:
+        try:
+            actuators = resolve(spec, robot)
+            managed = [actuator.joint for actuator in actuators.joints]
+            found = actuators.diagnostics
+        except ResolveError as err:
+            found = err.diagnostics
+        before = {*spec.diagnostics, *robot.diagnostics}
+        for item in found:
+            if item not in before and item.severity is not Severity.INFO:
+                collector.add(item)
+    check_options(targets, managed, collector)
+    collector.raise_if_failed(ResolveError)
+    return unread, collector.sorted()

@@ -92,7 +92,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     for actuator in joints:
         _check_finite(actuator, collector)
     check_gains(zip(joints, stated, strict=True), collector)
-    check_joints(joints, spec.model, spec.document, collector)
+    check_joints(joints, spec.model, spec.document, collector, robot.mass)
     collector.raise_if_failed(ResolveError)
     model = spec.model
     delta = model.delta_action

@@ -155,6 +155,7 @@ def _view(compiled: CompiledModel, document: XmlDocument, *, inertia: bool, pose
         actuation="ACTUATION" not in switched_off,
         off_groups=_off_groups(model),
         coupled=coupled_joints(lists),
+        mass=None if masses is None else sum(lists.body_mass),
     )
 
 

@@ -89,7 +89,21 @@ def read_mjcf_text(document: XmlDocument, refusal: str) -> RobotView:
         actuation=switches.actuation,
         off_groups=frozenset(switches.off),
         refusal=refusal,
+        mass=_mass(document, compiler),
     )
+
+
+def _mass(document: XmlDocument, compiler: Mapping[str, str]) -> float | None:
+    """The sum of all bodies' masses [kg]; None where one of them is that of its geoms, or is scaled."""
+    if compiler.get("inertiafromgeom") == "true" or "settotalmass" in compiler:
+        return None
+    total = 0.0
+    for body in document.walk("body"):
+        own = [part for part in body.children if part.tag == "inertial"]
+        if not own and any(part.tag == "geom" for part in body.children):
+            return None
+        total += sum(math.fsum(numbers(part.get("mass"), 1)) for part in own)
+    return total if math.isfinite(total) else None
 
 
 def _settings(document: XmlDocument, tag: str) -> dict[str, str]:

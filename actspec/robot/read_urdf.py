@@ -107,7 +107,22 @@ def read_urdf(
         diagnostics=tuple(out),
         refusal=refusal,
         refused_at=refused_at,
+        mass=_mass(document),
     )
+
+
+def _mass(document: XmlDocument) -> float | None:
+    """The sum of the masses that links state [kg]; None where one is no number."""
+    stated = [
+        mass.get("value") or ""
+        for link in document.root.children
+        if link.tag == "link"
+        for part in link.children
+        if part.tag == "inertial"
+        for mass in part.children
+        if mass.tag == "mass"
+    ]
+    return sum(map(float, stated)) if all(NUMBER.fullmatch(text.strip()) for text in stated) else None
 
 
 def _joints(document: XmlDocument, out: Collector) -> list[JointView]:

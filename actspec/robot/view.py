@@ -256,6 +256,7 @@ class RobotView:
         refusal: Why MuJoCo does not take the file, whose numbers then come from the text alone; None: it does.
         refused_at: Where it met that; None: it does not say.
         packages: ROS package to its folder, as the spec has them.
+        mass: Of all links together, as far as it is known [kg]; None: it is not.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
     """
 
@@ -279,6 +280,7 @@ class RobotView:
     refused_at: Span | None = None
     packages: Mapping[str, str] = field(default_factory=dict)
     coupled: frozenset[str] = frozenset()
+    mass: float | None = None
 
     def joint(self, name: str) -> JointView | None:
         """The joint of that name, or None."""

@@ -181,6 +181,10 @@ def test_pose_against_the_text(
         # 20 N*m*s/rad at the motor's 2 rad/s, of 3 N*m; 2.1 rad of a range of 1 rad.
         ("motor: m, command: effort, friction: {viscous: 20}", (0, ["FRC106"])),
         ("kp: 1, kd: 0.1, action_scale: 2.1", (0, ["SPEC193"])),
+        # 3 N*m turn 9e-7 kg*m^2 with 3.3e6 rad/s^2; without a motor it may be the wing of a fly.
+        ("motor: m, kp: 1, kd: 0.1, armature: 9e-7", (0, ["SPEC191"])),
+        ("motor: m, kp: 1, kd: 0.1, armature: 1.1e-6", (0, [])),
+        ("kp: 1, kd: 0.1, effort_limit: 3, armature: 9e-7", (0, [])),
         ("command: effort, effort_limit: 2 N", (2, ["RES001"])),
         ("command: position, kd: 0.1", (2, ["RES005"])),
     ],
@@ -197,3 +201,47 @@ def test_what_the_joints_tell(
     code = main(["validate", "leg.yaml", "--output-format", "json"])
     (record,) = json.loads(capsys.readouterr().out)["files"]
     assert (code, [item["code"] for item in record["diagnostics"]]) == expected
+
+
+@pytest.mark.parametrize(
+    ("targets", "expected"),
+    [
+        ("mujoco: {version: '3.12'}, mjlab: {}, deploy: {joint_order: [knee, null, hip]}", []),
+        ("deploy: {}", []),
+        ("mujoco: {version: '9.9'}", ["MJC007 targets.mujoco.version"]),
+        ("isaaclab: {version: '0.1'}", ["ISL001 targets.isaaclab.version"]),
+        ("deploy: {joint_order: [knee, hipp]}", ["DEP001 targets.deploy.joint_order[1]"]),
+        ("deploy: {joint_order: [knee]}", ["DEP003 targets.deploy.joint_order"]),
+        # All at once.
+        (
+            "mjlab: {version: '9.9'}, deploy: {joint_order: [knee]}",
+            ["MJL007 targets.mjlab.version", "DEP003 targets.deploy.joint_order"],
+        ),
+    ],
+)
+def test_options_of_targets(
+    folder: Path, targets: str, expected: list[str], capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Versions that nobody knows, and joints in an order, are found without writing anything."""
+    Path("leg.yaml").write_text(spec("leg.urdf", "hip|knee") + f"targets: {{{targets}}}\n", encoding="utf-8")
+    assert main(["validate", "leg.yaml", "--output-format", "json"]) == (2 if expected else 0)
+    (record,) = json.loads(capsys.readouterr().out)["files"]
+    assert [f"{item['code']} {item['where']}" for item in record["diagnostics"]] == expected
+
+
+def test_a_version_is_told_where_the_model_cannot_be_read(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = spec("missing.xml", "hip") + "targets: {mujoco: {version: '9.9'}, deploy: {joint_order: [no]}}\n"
+    Path("leg.yaml").write_text(text, encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    assert capsys.readouterr().err.count("leg.yaml:") == 1
+
+
+def test_nothing_is_told_twice(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A warning of the spec beside an error of the joints."""
+    motor = "motors: {m: {gear_ratio: 0.5}}\n"
+    Path("leg.yaml").write_text(spec("leg.urdf", "hip", "kne") + motor, encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    said = capsys.readouterr().err
+    assert said.count("SPEC182") == 1 and said.count("BIND001") == 1

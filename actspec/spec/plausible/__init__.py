@@ -11,8 +11,8 @@ import re
 from actspec.diagnostics import Collector, did_you_mean
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
-from actspec.spec.plausible.groups import group_doubts, time_doubts
-from actspec.spec.plausible.motors import motor_doubts
+from actspec.spec.plausible.groups import drives_of, group_doubts, time_doubts
+from actspec.spec.plausible.repairs import motor_doubts
 from actspec.spec.plausible.table import BY_CODE, CHECKS, Check, tell
 from actspec.spec.rules.robot import SPEC_ITSELF
 
@@ -37,6 +37,7 @@ def check_numbers(model: SpecModel, document: Document, collector: Collector) ->
             collector.at(f"accept.{key}", spans.key(("accept", key))).error(
                 "SPEC162", f"no check of a spec's numbers is called {code}", help
             )
-    doubts = [doubt for name, motor in model.motors.items() for doubt in motor_doubts(name, motor, spans)]
-    doubts += [*time_doubts(model, spans), *group_doubts(model, spans)]
+    doubts = [doubt for drive in drives_of(model) for doubt in motor_doubts(drive, spans)]
+    doubted = {doubt.where for doubt in doubts}
+    doubts += [*time_doubts(model, spans), *group_doubts(model, spans, doubted)]
     tell(doubts, document, model.accept, collector)

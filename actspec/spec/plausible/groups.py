@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator
 from typing import Any
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, dotted
 from actspec.spec.document import SourceMap
-from actspec.spec.fields import SpecDelay
+from actspec.spec.fields import DerivedGain, SpecDelay
 from actspec.spec.models import Actuators, CommandFilter, Randomize, SpecModel, Tunable
-from actspec.spec.plausible.motors import output_of
+from actspec.spec.plausible.gains import Gains, derived_doubts, gain_words
+from actspec.spec.plausible.motors import NEVER_GEARED_UP, Drive, Limit
 from actspec.spec.plausible.table import Doubt, at
 from actspec.spec.rules.groups import range_of
 from actspec.spec.values import Fault, SpecValue
@@ -32,15 +33,10 @@ FRICTION_SHARE = 0.5
 """Of the effort limit."""
 FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
-LIMIT_OF_MOTOR = (0.02, 3.0)
-"""Effort limit over the largest of the motor's torques at the joint."""
-LIMIT_BEYOND = 30.0
 FACTOR = 20.0
 """Largest factor of a range of randomisation."""
 OFF = {"rad": 0.5, "m": 0.1}
 """Largest error of an encoder [rad or m]."""
-LONGEST_RETURN = 1.0
-"""kd over kp [s]: the time in which a joint without inertia returns."""
 
 
 def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
@@ -112,8 +108,32 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
             yield (*path, "overrides", pattern), override, group
 
 
-def group_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
-    """What can hardly be right about groups; an override's fields are judged with those of its group."""
+def drives_of(model: SpecModel) -> Iterator[Drive]:
+    """Every motor, with the limits of the joints that it drives; behind a transmission nothing is compared."""
+    limits: dict[str, list[Limit]] = {}
+    for path, fields, group in _layers(model):
+        name = fields.motor or group.motor
+        if name is None or (fields.transmission or group.transmission) is not None:
+            continue
+        reduction = fields.reduction or group.reduction
+        for field in ("effort_limit", "velocity_limit"):
+            value = getattr(fields, field)
+            if isinstance(value, SpecValue):
+                factor = None if reduction is None else reduction.value
+                count = fields.motors_per_joint or group.motors_per_joint or 1
+                limits.setdefault(name, []).append(Limit(value, (*path, field), factor or 1.0, count))
+    for name, motor in model.motors.items():
+        yield Drive(name, motor, tuple(limits.get(name, ())))
+
+
+def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -> Iterator[Doubt]:
+    """What can hardly be right about groups; an override's fields are judged with those of its group.
+
+    Args:
+        model: What the spec says.
+        spans: Where it says it.
+        doubted: Places of limits that are doubted themselves, and tell nothing of gains.
+    """
     for path, fields, group in _layers(model):
         base: Path = path[:2]
 
@@ -135,15 +155,40 @@ def group_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
                 yield from _friction(coulomb, place, limit, limit_path, spans)
         kp, kp_path, own_kp = stated("kp")
         kd, kd_path, own_kd = stated("kd")
+        for gain, place, own in ((kp, kp_path, own_kp), (kd, kd_path, own_kd)):
+            if own and isinstance(gain, DerivedGain):
+                yield from derived_doubts(gain, place, spans)
         if (own_kp or own_kd) and isinstance(kp, SpecValue) and isinstance(kd, SpecValue):
-            words = return_words(kp.value or 0.0, kd.value or 0.0, kp.written, kd.written)
-            if words is not None:
-                yield at(spans, "SPEC192", words[0], kp_path, words[1], kd_path)
-        if own_limit and isinstance(limit, SpecValue):
-            yield from _limit(limit, limit_path, stated, model, spans)
+            sound = isinstance(limit, SpecValue) and not limit.linear and dotted(limit_path) not in doubted
+            known = limit.value if sound else None
+            viscous = 0.0 if friction is None or friction.viscous is None else friction.viscous.value or 0.0
+            driven = stated("motor")[0] in model.motors
+            force = "N" if kp.linear or kd.linear else "N*m"
+            found = gain_words(Gains(kp.value or 0.0, kd.value or 0.0, viscous, known, driven, force))
+            if found is not None:
+                field, message, help = found
+                places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)
+                yield at(spans, "SPEC192", message, places[0], help, places[1])
+        reduction = fields.reduction
+        if reduction is not None and reduction.value and reduction.value < 1.0:
+            yield _geared_up(reduction, (*path, "reduction"), spans)
     for name, group in model.actuators.items():
         for field, entry in group.randomize.items():
             yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
+
+
+def _geared_up(reduction: SpecValue, path: Path, spans: SourceMap) -> Doubt:
+    """A joint that turns faster than the output of its motor; published: 1.5 (knees of Go1 and Go2)."""
+    inverse = format_quantity(1.0 / (reduction.value or 1.0), "", 3)
+    return at(
+        spans,
+        "SPEC182",
+        f"{reduction.written} turns of the motor's output in one turn of the joint: the joint turns {inverse} times as "
+        "fast",
+        path,
+        f"did you mean {inverse}? reduction is turns of the motor's output in one turn of the joint",
+        error=(reduction.value or 1.0) < NEVER_GEARED_UP,
+    )
 
 
 def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterator[Doubt]:
@@ -152,15 +197,28 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
         return
     operation = "scale" if entry.scale is not None else "add" if entry.add is not None else "abs"
     pair = range_of(entry, field)
-    for index, end in enumerate(() if isinstance(pair, Fault) else pair):
-        place, value = (*path, operation, index), end.value or 0.0
-        if entry.scale is not None and value > FACTOR:
-            message = f"a factor of {end.written} on the nominal value"
-            yield at(spans, "SPEC188", message, place, f"is it in %? Then write {value / 100.0:g}")
-        elif entry.scale is None and abs(value) > OFF.get(end.unit, math.inf):
-            message = f"an encoder that is off by {end.written}"
-            help = f"is it in degrees? Then write {value:g} deg" if end.unit == "rad" else None
-            yield at(spans, "SPEC188", message, place, help)
+    ends = () if isinstance(pair, Fault) else pair
+    factors = entry.scale is not None
+    wrong = [
+        (index, end)
+        for index, end in enumerate(ends)
+        if ((end.value or 0.0) > FACTOR if factors else abs(end.value or 0.0) > OFF.get(end.unit, math.inf))
+    ]
+    if not wrong:
+        return
+    written = " and ".join(end.written for _, end in wrong)
+    help: str | None
+    if factors:
+        message = f"factors of {written}" if len(wrong) > 1 else f"a factor of {written}"
+        message += " on the nominal value"
+        meant = " and ".join(f"{(end.value or 0.0) / 100.0:g}" for _, end in wrong)
+        help = f"is it in %? Then write {meant}"
+    else:
+        message = f"an encoder that is off by {written}"
+        degrees = " and ".join(f"{end.value:g} deg" for _, end in wrong)
+        help = f"is it in degrees? Then write {degrees}" if wrong[0][1].unit == "rad" else None
+    first, second = (*path, operation, wrong[0][0]), (*path, operation, wrong[-1][0])
+    yield at(spans, "SPEC188", message, first, help, second)
 
 
 def _friction(
@@ -188,46 +246,3 @@ def friction_words(coulomb: float, unit: str, limit: float, limit_unit: str) -> 
         message += ": the drive cannot move the joint"
     help = f"is it in m{unit} ({format_quantity(coulomb / 1000, unit)}), or a dimensionless coefficient?"
     return message, help, coulomb >= FRICTION_STOPS * limit
-
-
-def return_words(kp: float, kd: float, shown_kp: str, shown_kd: str) -> tuple[str, str | None] | None:
-    """What kd implies beside kp: message and help; None where a joint without inertia returns soon."""
-    if not kp or kd / kp <= LONGEST_RETURN:
-        return None
-    message = (
-        f"kd {shown_kd} beside kp {shown_kp}: the joint would take {format_quantity(kd / kp, 's', 3)} to come back to "
-        "its command"
-    )
-    back = kp / kd <= LONGEST_RETURN / 2.0
-    return message, "are the two exchanged? kp is the stiffness, kd the velocity gain" if back else None
-
-
-def _limit(limit: SpecValue, path: Path, stated: Any, model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
-    """An effort limit against the torques of the group's motor."""
-    name = stated("motor")[0]
-    motor = model.motors.get(name) if name is not None else None
-    if motor is None or stated("transmission")[0] is not None or not limit.value or limit.linear:
-        return
-    output = output_of(name, motor)
-    if output.torque is None:
-        return
-    reduction: SpecValue | None = stated("reduction")[0]
-    factor = (1.0 if reduction is None else reduction.value or 1.0) * (stated("motors_per_joint")[0] or 1)
-    most = output.torque * factor
-    ratio = limit.value / most
-    if LIMIT_OF_MOTOR[0] <= ratio <= LIMIT_OF_MOTOR[1]:
-        return
-    far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'above' if ratio > 1 else 'below'}"
-    yield at(
-        spans,
-        "SPEC187",
-        f"an effort limit of {limit.written} is {far} the {format_quantity(most, 'N*m', 4)} that the motor '{name}' "
-        "gives",
-        path,
-        f"is it in mN*m? That is {format_quantity(limit.value / 1000, 'N*m', 4)}"
-        if ratio > LIMIT_BEYOND
-        else "look for a wrong unit, gear_ratio or side",
-        output.torque_path,
-        ("motors", name, "gear_ratio"),
-        error=ratio > LIMIT_BEYOND,
-    )

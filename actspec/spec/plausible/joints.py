@@ -11,19 +11,21 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import check_numbers
-from actspec.spec.plausible.groups import friction_words, return_words
+from actspec.spec.plausible.gains import DEGREE, Gains, gain_words
+from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
 from actspec.units import format_quantity
 
-DEGREE = math.pi / 180.0
 VISCOUS_SHARE = 0.5
 """Of the effort limit, at the motor's no-load speed; as rule FRC106 of the audit."""
 POSE_TOLERANCE = {JointKind.HINGE: 0.05, JointKind.SLIDE: 0.005}
 """A default position may be this far beyond the range [rad or m]."""
 OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
-ARMATURE_RATE = (3.0, 3e5)
+ARMATURE_RATE = (5.0, 3e5)
 """Effort limit over armature [rad/s^2 or m/s^2]."""
+ROTOR_ALONE = 3e6
+"""The same, of a joint with a motor whose links are not known."""
 HEAVY = 50.0
 """Armature over the inertia of the links: noticed where `HEAVY_RATE` holds too."""
 HEAVY_RATE = 30.0
@@ -47,6 +49,12 @@ SCALE = 2.0
 """One unit of action over the joint's range and, by kp, over the effort limit."""
 RATE_SCALE = 10.0
 """One unit of action over the fastest speed or the effort limit."""
+GRAVITY = 9.81
+WHOLE_ROBOT = 6
+"""Hinges from which on a model is a robot: a test stand has a strong motor and a light link."""
+LONGEST_LEVER = 4.0
+"""Effort limit over the weight of the robot [m]. Published: 1.55 (Z1 arm), 0.9 (A2), 0.59 (H1)."""
+HOPELESS_LEVER = 10.0
 HOPELESS_SCALE = 20.0
 """An error from this many times the bound on."""
 
@@ -75,7 +83,11 @@ class _Found:
 
 
 def check_joints(
-    joints: Sequence[JointActuator], model: SpecModel, document: Document, collector: Collector
+    joints: Sequence[JointActuator],
+    model: SpecModel,
+    document: Document,
+    collector: Collector,
+    mass: float | None,
 ) -> None:
     """Report the numbers that can hardly be right at the joints of the robot, each once, at its worst joint.
 
@@ -84,12 +96,13 @@ def check_joints(
         model: The spec.
         document: Where it says what it says.
         collector: Takes warnings, and errors where nothing could be right.
+        mass: Of the robot [kg]; None: unknown.
     """
-    tell(_joint_doubts_of(joints, collector), document, model.accept, collector)
+    tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
     if kept and not model.variants:
-        _check_kept(kept, joints, model, document, collector)
+        _check_kept(kept, joints, model, document, collector, mass)
 
 
 def _check_kept(
@@ -98,12 +111,13 @@ def _check_kept(
     model: SpecModel,
     document: Document,
     collector: Collector,
+    mass: float | None,
 ) -> None:
     """Warn of a check whose findings `accept` keeps, and which finds nothing; `kept` has its code by the key there."""
     every = Collector()
     bare = model.model_copy(update={"accept": {}})
     check_numbers(bare, document, every)
-    check_joints(joints, bare, document, every)
+    check_joints(joints, bare, document, every, mass)
     found = {item.code for item in every}
     if any(joint.inertia_held is None for joint in joints):
         # The text of a model does not tell inertia.
@@ -115,17 +129,28 @@ def _check_kept(
             )
 
 
-def _joint_doubts_of(joints: Sequence[JointActuator], collector: Collector) -> Iterator[Doubt]:
+def _joint_doubts_of(
+    joints: Sequence[JointActuator], collector: Collector, mass: float | None
+) -> Iterator[Doubt]:
     """What is found at the joints, but for what follows from numbers that are reported already."""
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
+    gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
+    whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
     for joint in joints:
-        for found in _joint_doubts(joint):
+        lever = list(_lever(joint, whole))
+        for found in (*lever, *_joint_doubts(joint)):
             doubt = found.doubt
+            if lever and joint.effort_limit.span in doubt.judged:
+                # What is judged by a wrong limit says nothing.
+                continue
             if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
+                continue
+            if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
+                # A derivation's frequency or ratio, or the same two gains by other words.
                 continue
             groups.setdefault((doubt.code, doubt.span, doubt.where), []).append(found)
     yield from (_worst(members) for members in groups.values())
@@ -219,6 +244,30 @@ def _outside(
     return _Found(doubt, joint, beyond, False)
 
 
+def _lever(joint: JointActuator, mass: float | None) -> Iterator[_Found]:
+    """An effort limit that would hold the whole robot on a lever which no robot has."""
+    limit = joint.effort_limit
+    if not mass or joint.kind is not JointKind.HINGE or not limit.value or not _stated(limit):
+        return
+    if joint.motor is None:
+        # It may be a toy: gymnasium's ant has 150 N*m and less than 1 kg.
+        return
+    lever = limit.value / (mass * GRAVITY)
+    if not LONGEST_LEVER < lever < math.inf:
+        return
+    yield _found(
+        joint,
+        "SPEC183",
+        f"actuators.{joint.group}.effort_limit",
+        lever,
+        f"an effort limit of {_shown(limit)} would hold the whole robot, {format_quantity(mass, 'kg', 3)}, on a lever "
+        f"of {format_quantity(lever, 'm', 3)}",
+        "look for a wrong unit, gear_ratio or side",
+        limit,
+        error=lever > HOPELESS_LEVER * LONGEST_LEVER,
+    )
+
+
 def _friction(joint: JointActuator) -> Iterator[_Found]:
     """Dry friction against the effort limit, where one of the two is the motor's or the results'."""
     coulomb, limit = joint.friction_coulomb, joint.effort_limit
@@ -291,7 +340,10 @@ def _armature(joint: JointActuator) -> Iterator[_Found]:
     links = None if joint.inertia_held is None else joint.inertia_held.high - value
     words = None
     large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
-    if rate is not None and (rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large)):
+    unknown = links is None and joint.motor is not None
+    if rate is not None and (
+        rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)
+    ):
         words = (
             f"an armature of {_shown(armature)}: the effort limit of {_shown(limit)} would turn the rotor alone with "
             f"{format_quantity(rate, 'rad/s^2' if joint.kind is JointKind.HINGE else 'm/s^2', 3)}"
@@ -333,12 +385,22 @@ def _gains(joint: JointActuator) -> Iterator[_Found]:
         return
     number, other = (kp, kd) if _stated(kp) and kp.span is not None else (kd, kp)
     assert number is not None
-    where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
     active = (kd.value if kd is not None else None) or 0.0
-    exchanged = None if kd is None else return_words(kp.value, active, _shown(kp), _shown(kd))
+    hinge = joint.kind is JointKind.HINGE
+    gains = Gains(
+        kp.value,
+        active,
+        joint.friction_viscous.value or 0.0,
+        limit.value if hinge else None,
+        joint.motor is not None,
+        "N*m" if hinge else "N",
+    )
+    alone = gain_words(gains)
     words: tuple[str, str | None, float] | None = None
-    if exchanged is not None:
-        words = (*exchanged, active / kp.value)
+    if alone is not None:
+        words = (alone[1], alone[2], abs(math.log(max(active, 1e-9) / kp.value)))
+        if alone[0] == "kd" and kd is not None and _stated(kd):
+            number, other = kd, kp
     elif (
         joint.motor is not None
         and held is not None
@@ -348,10 +410,11 @@ def _gains(joint: JointActuator) -> Iterator[_Found]:
         # Without a motor they may be a simulator's own servos, of any stiffness.
         words = _by_frequency(kp, joint, held.reference, limit.value)
         if words is None and active and kd is not None and _stated(kd):
-            number, other, where = kd, kp, f"actuators.{joint.group}.kd"
+            number, other = kd, kp
             words = _by_damping(kp, kd, joint, held.reference)
     if words is not None:
         message, help, size = words
+        where = f"actuators.{joint.group}.{'kp' if number is kp else 'kd'}"
         others = (other, limit, joint.armature)
         yield _found(joint, "SPEC192", where, size, message, help, number, *others)
 

@@ -1,4 +1,4 @@
-"""Checks of motors: what a datasheet's figures imply at the rotor and at the gearbox output."""
+"""What the figures of one motor, and the limits of the joints that it drives, imply of each other."""
 
 from __future__ import annotations
 
@@ -7,9 +7,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from actspec.diagnostics import Path
-from actspec.spec.document import SourceMap
 from actspec.spec.models import Motor
-from actspec.spec.plausible.table import Doubt, at
+from actspec.spec.plausible.relations import Relation
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -44,12 +43,53 @@ OUTPUT_ACCELERATION = (1.0, 1e6)
 """Torque over inertia at the output [rad/s^2]."""
 HOPELESS = 100.0
 """An acceleration outside of its bounds by this factor is an error."""
+LIMIT_ABOVE = 3.0
+"""Effort limit over the largest of the motor's torques at the joint."""
+LIMIT_FAR_ABOVE = 30.0
+LIMIT_BELOW = 0.125
+"""Effort limit over the least of peak and continuous torque. Chosen: published are 0.59 and more, a slip of ten 0.1."""
+LIMIT_BELOW_STALL = 0.02
+"""Effort limit over a stall torque that stands alone: of a winding it is many times what the drive gives."""
+SPEED_LIMIT = 3.0
+"""Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
 RPM = math.pi / 30.0
 
 
 def number(value: SpecValue | None) -> float | None:
     """The number of a field of something that turns; None where there is none, or it is of a slide."""
     return None if value is None or value.linear else value.value
+
+
+CURRENTS = (0.1, 200.0)
+VOLTAGES = (3.0, 120.0)
+"""Of drives of robots [A, V]. Chosen: from hobby servos to humanoids."""
+GEAR_INVERSE = "did you mean {}? gear_ratio is rotor turns in one output turn"
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """An effort or velocity limit of joints that a motor drives.
+
+    Attributes:
+        value: As stated.
+        path: Where it stands; its last part tells which of the two it is.
+        reduction: From the motor's output to the joint.
+        motors: How many drive one joint.
+    """
+
+    value: SpecValue
+    path: Path
+    reduction: float
+    motors: int
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """A motor, by its name in `motors`, and the limits that the spec states of its joints."""
+
+    name: str
+    motor: Motor
+    limits: tuple[Limit, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +134,11 @@ def output_of(name: str, motor: Motor) -> Output:
     return Output(gear, efficiency, torque, fast, torque_path, speed_path)
 
 
+def is_geared(output: Output) -> bool:
+    """Whether rotor and output cannot be taken for each other."""
+    return output.gear is not None and output.gear >= GEARED
+
+
 def gear_of(motor: Motor) -> float | None:
     """Rotor turns in one output turn; None where it is unknown, no number, or one of the two travels."""
     if motor.gearbox is None:
@@ -109,221 +154,287 @@ def _efficiency(motor: Motor) -> float:
     return (number(motor.efficiency) or 1.0) * math.prod(part or 1.0 for part in stages)
 
 
-def motor_doubts(name: str, motor: Motor, spans: SourceMap) -> Iterator[Doubt]:
-    """Everything that can hardly be right about one motor."""
-    yield from _above_stall(name, motor, spans)
-    yield from _constant(name, motor, spans)
-    output = output_of(name, motor)
-    for doubts in (
-        _gear(name, motor, spans),
-        _speed(motor, output, spans),
-        _beyond(motor, output, spans),
-        _rotor(name, motor, output, spans),
-    ):
-        found = list(doubts)
-        yield from found
-        if found:
-            # The others see the same mistake: each takes gear, side and torque.
-            return
+def relations(drive: Drive) -> Iterator[Relation]:
+    """Everything that the figures of a drive imply, sound or not."""
+    motor = drive.motor
+    output = output_of(drive.name, motor)
+    yield from _torques(drive.name, motor)
+    yield from _constant(drive.name, motor)
+    yield from _gear(drive.name, motor)
+    yield from _beyond(drive.name, output)
+    yield from _speed(drive.name, motor, output)
+    yield from _rotor(drive.name, motor, output)
+    yield from _limits(drive, output)
 
 
-def _above_stall(name: str, motor: Motor, spans: SourceMap) -> Iterator[Doubt]:
+def _torques(name: str, motor: Motor) -> Iterator[Relation]:
+    """Stall, peak and continuous torque, largest first."""
     path: Path = ("motors", name)
     end, at_end = motor.stall_torque, (*path, "stall_torque")
     if motor.curve is not None:
         end, at_end = motor.curve.drive_torque, (*path, "curve", "drive_torque")
-    stall = None if end is None else end.value
-    if end is None or not stall:
-        return
-    for field, bound in (("peak_torque", FAR_ABOVE_STALL), ("continuous_torque", ROUNDING)):
+    peak, continuous = motor.peak_torque, motor.continuous_torque
+    if continuous is not None and continuous.value and peak is not None and peak.value:
+        yield Relation(
+            "SPEC135",
+            continuous.value / peak.value,
+            (0.0, 1.0),
+            (0.03, 1.0),
+            f"continuous_torque {continuous.written} is above peak_torque {peak.written}",
+            (*path, "continuous_torque"),
+            "the thermal limit is the lower one; are the two swapped?",
+            ((*path, "peak_torque"),),
+            beyond=(0.0, 1.0),
+        )
+    for field, beyond in (("peak_torque", FAR_ABOVE_STALL), ("continuous_torque", ROUNDING)):
         value: SpecValue | None = getattr(motor, field)
-        if value is None or value.value is None or value.value <= ROUNDING * stall:
+        if value is None or end is None or not value.value or not end.value:
             continue
-        if field == "continuous_torque" and value.value > (number(motor.peak_torque) or math.inf):
-            # SPEC135 has it.
-            continue
-        yield at(
-            spans,
+        yield Relation(
             "SPEC180",
+            value.value / end.value,
+            (0.0, ROUNDING),
+            (0.01, ROUNDING),
             f"{field} {value.written} is above {at_end[-1]} {end.written}: the torque-speed line has no more at rest, "
             "and less at any speed",
             (*path, field),
             f"are the two swapped? {at_end[-1]} is the end of the line, {field} the "
             f"{'drive' if field == 'peak_torque' else 'thermal'} limit below it",
-            at_end,
-            error=value.value > bound * stall,
+            (at_end,),
+            beyond=(0.0, beyond),
         )
 
 
-def _constant(name: str, motor: Motor, spans: SourceMap) -> Iterator[Doubt]:
-    constant = number(motor.torque_constant)
-    if constant is None or motor.torque_constant is None:
-        return
+def _constant(name: str, motor: Motor) -> Iterator[Relation]:
+    """Torque constant times current is a torque, times speed a voltage."""
     path: Path = ("motors", name)
-    place = (*path, "torque_constant")
-    gear = gear_of(motor)
-    for field, product, key, bounds, unit in (
-        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, "N*m"),
-        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, "N*m"),
-        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, "V"),
+    constant = number(motor.torque_constant)
+    # Of a winding the stall torque is many times what the drive's current gives.
+    most = (0.0, CURRENT_RATIO[1]), (0.02, 2.0)
+    for field, product, key, bounds, usual, unit in (
+        ("peak_current", "gives", "peak_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
+        ("nominal_current", "gives", "continuous_torque", CURRENT_RATIO, (0.5, 2.0), "N*m"),
+        ("peak_current", "gives", "stall_torque", *most, "N*m"),
+        ("nominal_current", "gives", "stall_torque", *most, "N*m"),
+        ("no_load_speed", "needs", "nominal_voltage", VOLTAGE_RATIO, (0.3, 2.0), "V"),
     ):
         factor: SpecValue | None = getattr(motor, field)
         other: SpecValue | None = getattr(motor, key)
         first, second = number(factor), number(other)
-        if factor is None or other is None or first is None or not second:
+        if not constant or motor.torque_constant is None:
             continue
-        ratio = constant * first / second
-        if bounds[0] <= ratio <= bounds[1]:
+        if factor is None or other is None or not first or not second:
             continue
-        yield at(
-            spans,
+        yield Relation(
             "SPEC181",
+            constant * first / second,
+            bounds,
+            usual,
             f"a torque constant of {motor.torque_constant.written} {product} "
             f"{format_quantity(constant * first, unit, 3)} at {field} {factor.written}, and {key} is {other.written}",
-            place,
-            _constant_help(constant, ratio, gear, bounds),
-            (*path, field),
-            (*path, key),
+            (*path, "torque_constant"),
+            "torque = torque constant x current, voltage = torque constant x speed",
+            ((*path, field), (*path, key)),
         )
-        return
+    # No bounds: which of two factors is the wrong one is told by its own size.
+    for field, sizes in (
+        ("peak_current", CURRENTS),
+        ("nominal_current", CURRENTS),
+        ("nominal_voltage", VOLTAGES),
+    ):
+        value = number(getattr(motor, field))
+        if value:
+            yield Relation("SPEC181", value, (0.0, math.inf), sizes, "", (*path, field), None)
 
 
-def _constant_help(constant: float, ratio: float, gear: float | None, bounds: tuple[float, float]) -> str:
-    """What the torque constant may be: of another unit, or of the other side."""
-    for factor, unit in ((1e3, "mN*m/A"), (1e-3, "kN*m/A")):
-        if bounds[0] <= ratio / factor <= bounds[1]:
-            return f"is it in {unit}? That is {format_quantity(constant / factor, 'N*m/A', 3)}"
-    for factor, side in ((gear or 0.0, "the other side of the gear"), (1.0 / (gear or 1.0), "the rotor")):
-        if gear is not None and factor and bounds[0] <= ratio / factor <= bounds[1]:
-            return f"is it quoted at {side}? It belongs to the `side` of the torques"
-    return "torque = torque constant x current, voltage = torque constant x speed"
-
-
-def _gear(name: str, motor: Motor, spans: SourceMap) -> Iterator[Doubt]:
+def _gear(name: str, motor: Motor) -> Iterator[Relation]:
     ratio = number(motor.gear_ratio)
-    if ratio is None or ratio >= 1.0 or motor.gear_ratio is None:
+    if not ratio or motor.gear_ratio is None:
         return
-    yield at(
-        spans,
+    yield Relation(
         "SPEC182",
+        ratio,
+        (1.0, math.inf),
+        (1.0, 350.0),
         f"{motor.gear_ratio.written} rotor turns in one output turn: the output turns "
         f"{format_quantity(1 / ratio, '', 3)} times as fast as the rotor",
         ("motors", name, "gear_ratio"),
-        f"did you mean {format_quantity(1 / ratio, '', 3)}? gear_ratio is rotor turns in one output turn",
-        error=ratio < NEVER_GEARED_UP,
+        GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3)),
+        beyond=(NEVER_GEARED_UP, math.inf),
     )
 
 
-def _beyond(motor: Motor, output: Output, spans: SourceMap) -> Iterator[Doubt]:
-    torque = output.torque or 0.0
-    power = torque * (output.speed or 0.0)
-    if torque < LARGEST_TORQUE and power < LARGEST_POWER:
-        return
-    of_torque = torque >= LARGEST_TORQUE
-    shown = format_quantity(torque, "N*m", 3)
-    if not of_torque:
-        shown += f" x {format_quantity(output.speed, 'rad/s', 3)}, {format_quantity(power / 1000, 'kW', 3)}"
-    geared = motor.side == "motor" and output.gear is not None and output.gear >= GEARED
-    yield at(
-        spans,
-        "SPEC183",
-        f"this is {shown} at the gearbox output, more than any motor of a legged or humanoid robot has "
-        f"({'494 N*m' if of_torque else '360 N*m x 20 rad/s, 7.2 kW'} is the most that is published)",
-        output.torque_path,
-        f"are the figures those of the gearbox output? Then write `side: joint`: they are multiplied by the gear of "
-        f"{format_quantity(output.gear, '', 4)}"
-        if geared
-        else "look for a wrong unit: mN*m as N*m, rpm as rad/s",
-        output.speed_path,
-        error=torque >= BEYOND * LARGEST_TORQUE or power >= BEYOND * LARGEST_POWER,
-    )
-
-
-def _speed(motor: Motor, output: Output, spans: SourceMap) -> Iterator[Doubt]:
+def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     value = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
     fast = number(value)
-    if fast is None or value is None:
+    if not fast or value is None:
         return
-    gear = output.gear
-    rotor = fast if motor.side == "motor" else None if gear is None else fast * gear
-    behind = gear is not None and gear >= GEARED
-    rpm = f"is it in rpm? {fast:g} rpm is {format_quantity(fast * RPM, 'rad/s', 3)}"
-    message = help = None
-    if rotor is not None and rotor > FASTEST_ROTOR:
-        message = f"the rotor would turn with {format_quantity(rotor, 'rad/s', 4)} ({rotor / RPM:.0f} rpm)"
-        help = (
-            rpm
-            if motor.side == "motor" or rotor * RPM < FASTEST_ROTOR
-            else "look for a wrong unit or gear_ratio"
-        )
-        if motor.side == "joint" and fast <= FASTEST_ROTOR and fast > FASTEST_OUTPUT:
-            help = f"{rpm}; or is it the rotor's own (`side: motor`)?"
-    elif motor.side == "joint" and behind and fast > FASTEST_OUTPUT:
-        message = (
-            f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}: joints turn with less than "
-            f"{FASTEST_OUTPUT:g} rad/s"
-        )
-        help = f"is it the rotor's speed? Then figures at the rotor need `side: motor`; or {rpm}"
-    elif motor.side == "motor" and behind and fast < SLOWEST_ROTOR:
-        message = (
+    gear, behind = output.gear, is_geared(output)
+    at_rotor = motor.side == "motor"
+    rotor = fast if at_rotor else None if gear is None else fast * gear
+    others = (("motors", name, "gear_ratio"), ("motors", name, "side"), output.torque_path)
+    help = "look for a wrong unit, gear_ratio or side"
+    if rotor:
+        slow = at_rotor and behind and rotor < SLOWEST_ROTOR
+        yield Relation(
+            "SPEC184",
+            rotor,
+            (SLOWEST_ROTOR if at_rotor and behind else 0.0, FASTEST_ROTOR),
+            (150.0 if behind else 5.0, 2500.0),
             f"{value.written} at the rotor is {format_quantity(output.speed, 'rad/s', 3)} behind a gear of "
             f"{format_quantity(gear, '', 4)}: a rotor turns with {SLOWEST_ROTOR:g} rad/s or more"
+            if slow
+            else f"the rotor would turn with {format_quantity(rotor, 'rad/s', 4)} ({rotor / RPM:.0f} rpm)",
+            output.speed_path,
+            help,
+            others,
+            beyond=(0.0, 10.0 * FASTEST_ROTOR),
+            about="rotor",
         )
-        help = "is it the speed of the gearbox output? Then write `side: joint`"
-    elif (output.speed or 0.0) * math.sqrt(output.torque or 0.0) > FASTEST_BY_TORQUE:
-        message = (
+    if output.speed:
+        yield Relation(
+            "SPEC184",
+            output.speed,
+            (0.0, FASTEST_OUTPUT if behind and not at_rotor else math.inf),
+            (1.0, 50.0 if behind else 1000.0),
+            f"{value.written} at the output of a gear of {format_quantity(gear, '', 4)}: joints turn with less than "
+            f"{FASTEST_OUTPUT:g} rad/s",
+            output.speed_path,
+            help,
+            others,
+            about="output",
+        )
+    if output.speed and output.torque:
+        yield Relation(
+            "SPEC184",
+            output.speed * math.sqrt(output.torque),
+            (0.0, FASTEST_BY_TORQUE),
+            (1.0, 500.0),
             f"{format_quantity(output.speed, 'rad/s', 4)} at the output, of a motor of "
-            f"{format_quantity(output.torque, 'N*m', 3)}: no joint of such a torque is nearly as fast"
+            f"{format_quantity(output.torque, 'N*m', 3)}: no joint of such a torque is nearly as fast",
+            output.speed_path,
+            help,
+            others,
         )
-        help = rpm
-    if message is not None:
-        others = (("motors", *output.speed_path[1:2], "gear_ratio"), output.torque_path)
-        error = rotor is not None and rotor > 10.0 * FASTEST_ROTOR
-        yield at(spans, "SPEC184", message, output.speed_path, help, *others, error=error)
 
 
-def _rotor(name: str, motor: Motor, output: Output, spans: SourceMap) -> Iterator[Doubt]:
-    torque, gear = output.torque, output.gear
-    if torque is None:
+def _beyond(name: str, output: Output) -> Iterator[Relation]:
+    torque, speed = output.torque, output.speed
+    if not torque:
         return
+    others = (output.speed_path, ("motors", name, "gear_ratio"), ("motors", name, "side"))
+    said = "more than any motor of a legged or humanoid robot has"
+    help = "look for a wrong unit: mN*m as N*m, rpm as rad/s"
+    yield Relation(
+        "SPEC183",
+        torque,
+        (0.0, LARGEST_TORQUE),
+        (0.1, 500.0),
+        f"this is {format_quantity(torque, 'N*m', 3)} at the gearbox output, {said} (494 N*m is the most that is "
+        "published)",
+        output.torque_path,
+        help,
+        others,
+        beyond=(0.0, BEYOND * LARGEST_TORQUE),
+    )
+    if speed:
+        yield Relation(
+            "SPEC183",
+            torque * speed,
+            (0.0, LARGEST_POWER),
+            (0.5, 8e3),
+            f"this is {format_quantity(torque, 'N*m', 3)} x {format_quantity(speed, 'rad/s', 3)}, "
+            f"{format_quantity(torque * speed / 1000, 'kW', 3)} at the gearbox output, {said} (360 N*m x 20 rad/s, "
+            "7.2 kW is the most that is published)",
+            output.torque_path,
+            help,
+            others,
+            beyond=(0.0, BEYOND * LARGEST_POWER),
+            about="power",
+        )
+
+
+def _rotor(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
+    torque, gear = output.torque, output.gear
     for field in ("rotor_inertia", "reflected_inertia"):
         value: SpecValue | None = getattr(motor, field)
         inertia = number(value)
-        if value is None or not inertia or (field == "rotor_inertia" and not gear):
+        at_rotor = field == "rotor_inertia"
+        if value is None or not inertia or not torque or (at_rotor and not gear):
             continue
-        own = torque if field == "reflected_inertia" else torque / (gear or 1.0) / output.efficiency
-        low, high = OUTPUT_ACCELERATION if field == "reflected_inertia" else ROTOR_ACCELERATION
+        own = torque / (gear or 1.0) / output.efficiency if at_rotor else torque
+        low, high = bounds = ROTOR_ACCELERATION if at_rotor else OUTPUT_ACCELERATION
         rate = own / inertia
-        if low <= rate <= high:
-            continue
-        yield at(
-            spans,
+        yield Relation(
             "SPEC185",
+            rate,
+            bounds,
+            (2e4, 2e5) if at_rotor else (50.0, 2e4),
             f"a rotor of {value.written} would be turned by the motor's own {format_quantity(own, 'N*m', 3)} with only "
             f"{format_quantity(rate, 'rad/s^2', 3)}"
             if rate < low
             else f"the motor's {format_quantity(own, 'N*m', 3)} would turn a rotor of {value.written} with "
             f"{format_quantity(rate, 'rad/s^2', 3)}",
             ("motors", name, field),
-            _rotor_help(field, inertia, rate, gear),
-            output.torque_path,
-            ("motors", name, "gear_ratio"),
-            error=not low / HOPELESS <= rate <= high * HOPELESS,
+            "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2"
+            if rate < low
+            else "look for a wrong unit: g*cm^2 for kg*cm^2",
+            (output.torque_path, ("motors", name, "gear_ratio")),
+            beyond=(low / HOPELESS, high * HOPELESS),
         )
 
 
-def _rotor_help(field: str, inertia: float, rate: float, gear: float | None) -> str:
-    """What an inertia may be: of another unit, or on the other side of the gear."""
-    usual = (2e4, 2e5) if field == "rotor_inertia" else (50.0, 2e4)
-    for factor, unit in ((1e-7, "g*cm^2"), (1e-4, "kg*cm^2"), (1e-6, "kg*mm^2"), (1e-3, "g*m^2")):
-        if usual[0] <= rate / factor <= usual[1]:
-            return f"is it in {unit}? {inertia:g} {unit} is {format_quantity(inertia * factor, 'kg*m^2', 4)}"
-    geared = field == "rotor_inertia" and gear is not None and gear >= GEARED
-    if (
-        geared
-        and gear is not None
-        and rate < ROTOR_ACCELERATION[0]
-        and rate * gear**2 <= ROTOR_ACCELERATION[1]
-    ):
-        return "is it the inertia at the output? Then write `reflected_inertia`; or a wrong unit, g*cm^2"
-    return "look for a wrong unit: g*cm^2 or kg*cm^2 as kg*m^2"
+def _limits(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Limits of joints against what the motor gives there."""
+    motor = drive.motor
+    gear = (output.gear or 0.0) * output.efficiency if motor.side == "motor" else 1.0
+    own = [number(motor.peak_torque), number(motor.continuous_torque)]
+    least = min((torque for torque in own if torque), default=None)
+    below = LIMIT_BELOW
+    if least is None:
+        least, below = output.torque, LIMIT_BELOW_STALL
+    else:
+        least *= gear
+    for limit in drive.limits:
+        stated = number(limit.value)
+        others = (output.torque_path, ("motors", drive.name, "gear_ratio"), ("motors", drive.name, "side"))
+        if limit.path[-1] == "velocity_limit":
+            fastest = None if output.speed is None else output.speed / limit.reduction
+            if stated and fastest and fastest < math.inf:
+                yield Relation(
+                    "SPEC184",
+                    stated / fastest,
+                    (0.0, SPEED_LIMIT),
+                    (0.0, 1.5),
+                    f"a velocity limit of {limit.value.written} is {format_quantity(stated / fastest, '', 3)} times "
+                    f"the {format_quantity(fastest, 'rad/s', 4)} at which the motor '{drive.name}' ends",
+                    limit.path,
+                    "look for a wrong unit, gear_ratio or side",
+                    (output.speed_path, *others[1:]),
+                    about=f"{limit.path}",
+                )
+            continue
+        for about, most, bounds, usual, beyond in (
+            ("above", output.torque, (0.0, LIMIT_ABOVE), (0.0, 1.1), LIMIT_FAR_ABOVE),
+            ("below", least, (below, math.inf), (0.5, math.inf), math.inf),
+        ):
+            if not stated or not most:
+                continue
+            most *= limit.reduction * limit.motors
+            ratio = stated / most if most else math.inf
+            if not 0.0 < ratio < math.inf:
+                continue
+            far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'above' if ratio > 1 else 'below'}"
+            yield Relation(
+                "SPEC187",
+                ratio,
+                bounds,
+                usual,
+                f"an effort limit of {limit.value.written} is {far} the {format_quantity(most, 'N*m', 4)} that the "
+                f"motor '{drive.name}' gives",
+                limit.path,
+                "look for a wrong unit, gear_ratio or side",
+                others,
+                beyond=(0.0, beyond),
+                about=f"{about} {limit.path}",
+            )

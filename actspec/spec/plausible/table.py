@@ -35,6 +35,12 @@ class Check:
 
 CHECKS = (
     Check(
+        "SPEC135",
+        "continuous-above-peak",
+        "Continuous torque above peak torque.",
+        "An error: the thermal limit is the lower of the two.",
+    ),
+    Check(
         "SPEC180",
         "torque-above-stall",
         "Peak or continuous torque above stall torque, the end of the torque-speed line.",
@@ -52,23 +58,29 @@ CHECKS = (
     Check(
         "SPEC182",
         "gear-below-one",
-        "A gear ratio below 1: the output would turn faster than the rotor.",
-        "A warning; an error below 0.05, as no joint is geared up twenty times. Published: 5 to 345.",
+        "A gear ratio or a reduction below 1: the output would turn faster than the rotor, or the joint than the "
+        "output.",
+        "A warning; an error below 0.05, as no joint is geared up twenty times. Published: gears of 5 to 345, "
+        "reductions to 2.2.",
     ),
     Check(
         "SPEC183",
         "beyond-any-motor",
-        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot.",
-        "A warning from 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
-        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros).",
+        "Torque or power at the gearbox output beyond any motor of a legged or humanoid robot, or of the robot's size.",
+        "A warning above 1000 N*m or 20 kW (stall torque times no-load speed), an error from three times that. Largest "
+        "published: 494 N*m (Apollo's hip, playground) and 360 N*m at 20 rad/s, 7.2 kW (H2, unitree_ros). Of robots "
+        "with six hinges or more also the effort limit of a joint with a motor that would hold the whole robot on a "
+        "lever of more than 4 m, an error from 40 m (1.55 m, arm Z1).",
     ),
     Check(
         "SPEC184",
         "speed-of-side",
-        "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s.",
+        "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
+        "limit far above it.",
         "Behind a gear of 3 or more a rotor below 60 rad/s, an output above 100 rad/s; a rotor above 8000 rad/s; an "
-        "output above 1000 rad/s divided by the root of its torque in N*m. Published: rotors of 180 (Go2) to 2044 "
-        "rad/s (STS3215), outputs to 40 rad/s, speed times root of torque to 439 (ankle of the H2).",
+        "output above 1000 rad/s divided by the root of its torque in N*m; a velocity limit above 3 times the motor's "
+        "speed at the joint. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times "
+        "root of torque to 439 (ankle of the H2), velocity limits to 1 times the speed.",
     ),
     Check(
         "SPEC185",
@@ -89,7 +101,8 @@ CHECKS = (
         "SPEC187",
         "limit-of-motor",
         "An effort limit far from what the motor gives at the joint.",
-        "A warning above 3 times the largest of its torques or below a fiftieth of it, an error above 30 times. "
+        "A warning above 3 times the largest of its torques, an error above 30 times; a warning below an eighth of the "
+        "least of peak and continuous torque, or a fiftieth of a stall torque that stands alone. "
         "Published: 0.59 (STS3215) to 1.003 (Spot's hips).",
     ),
     Check(
@@ -125,20 +138,22 @@ CHECKS = (
         "armature",
         "An armature that is not the motor's inertia at the joint, or far from the links and the torque.",
         "Outside of 0.3 to 3 times what rotor inertia and gears give. Without those: effort limit over armature below "
-        "3 or above 3e5 rad/s^2; from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, "
-        "from 300 times on in any case. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at "
-        "150 rad/s^2 (gymnasium's ant).",
+        "5 or above 3e5 rad/s^2 (of a motor whose links are not known 3e6); from 50 times the links' inertia (2e-3 "
+        "kg*m^2 or more) on where it is below 30, too, from 300 times on in any case. Published: 10 (fingers of the "
+        "H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
     ),
     Check(
         "SPEC192",
         "gains",
         "kp and kd exchanged, or given per degree or times 57.3, by natural frequency and damping ratio.",
-        "kd over kp above 1 s (published: 0.0071 to 0.25 s). Of joints with a motor also, by the inertia of links and "
-        "armature at the reference pose: below 6 rad/s where the limit needs an error of more than 10 rad, or below 1 "
-        "rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above 150 rad/s where it needs "
-        "less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping ratio below 0.015 with "
-        "friction (0.064) or above 60 (12). Servos without a motor are often a simulator's own: Isaac Lab's G1 has "
-        "arms of 1482 rad/s.",
+        "kd over kp above 1 s (published: 0.0071 to 0.25 s); a natural frequency outside of 0.15 to 100 Hz or a "
+        "damping ratio outside of 0.015 to 60 that a gain is derived from. Of joints with a motor also kd over kp "
+        "below 0.5 ms, a kp that needs an error of more than 50 rad for the effort limit (2.2 rad); and, by the "
+        "inertia of links and armature at the reference pose: below 6 rad/s where the limit needs an error of more "
+        "than 10 rad, or below 1 rad/s (published: 6.2 rad/s and up; an error of 25 rad at most, at 16 rad/s); above "
+        "150 rad/s where it needs less than 0.06 rad, of 1e-3 kg*m^2 or more (95 rad/s; 203 at 0.1 rad); a damping "
+        "ratio below 0.015 with friction (0.064) or above 60 (12). Servos without a motor are often a simulator's "
+        "own: Isaac Lab's G1 has arms of 1482 rad/s.",
     ),
     Check(
         "SPEC193",

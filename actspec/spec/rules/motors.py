@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from actspec.diagnostics import Path
+from actspec.diagnostics import Path, listed
 from actspec.patterns import PatternError, match_names
 from actspec.spec.document import Breaches
 from actspec.spec.gears import KINDS_OF_STAGE, Linkage, Stage
@@ -34,14 +34,17 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
     geared = motor.gearbox is not None or (
         motor.gear_ratio is not None and motor.gear_ratio.value is not None
     )
-    if motor.side == "motor" and not geared:
-        for field in sided:
-            breaches.error(
-                "SPEC131",
-                f"{field} is quoted at the motor, but `gear_ratio` is {missing}",
-                (*path, field),
-                "state gear_ratio or gearbox, or quote the figure at the joint with `side: joint`",
-            )
+    turning = motor.rotor_inertia is not None and motor.rotor_inertia.value is not None
+    at_motor = sided if motor.side == "motor" else []
+    if at_motor and not geared:
+        named = [*at_motor, *["rotor_inertia"] * turning]
+        are = "are" if len(named) > 1 else "is"
+        breaches.error(
+            "SPEC131",
+            f"{listed(named, 8)} {are} quoted at the motor, but `gear_ratio` is {missing}",
+            (*path, "side" if motor.gear_ratio is None else "gear_ratio"),
+            "state gear_ratio or gearbox, or quote the figures at the joint with `side: joint`",
+        )
     torques = [field for field in sided if field != "no_load_speed"]
     for at, efficiency in _efficiencies(path, motor):
         if motor.side == "motor" and torques and efficiency is not None and efficiency.value is None:
@@ -51,7 +54,7 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
                 at,
                 "state it, or remove it to take 1; or quote the torques at the joint with `side: joint`",
             )
-    if motor.rotor_inertia is not None and motor.rotor_inertia.value is not None and not geared:
+    if turning and not at_motor and not geared:
         breaches.error(
             "SPEC131",
             f"rotor_inertia is at the rotor, but `gear_ratio` is {missing}",
@@ -81,14 +84,6 @@ def check_motor(name: str, motor: Motor, breaches: Breaches) -> None:
                 (*path, "curve", "knee_speed"),
                 "the full torque ends at the knee, all torque at no_load_speed",
             )
-    low, high = motor.continuous_torque, motor.peak_torque
-    if low and high and low.value is not None and high.value is not None and low.value > high.value:
-        breaches.error(
-            "SPEC135",
-            f"continuous_torque {low.written} is above peak_torque {high.written}",
-            (*path, "continuous_torque"),
-            "the thermal limit is the lower one; are the two swapped?",
-        )
 
 
 def _efficiencies(path: Path, motor: Motor) -> Iterator[tuple[Path, SpecValue | None]]:

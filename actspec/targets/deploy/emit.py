@@ -12,11 +12,12 @@ import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
 
-from actspec.diagnostics import Collector, EmitError, listed, nearest, one_line, shortened
+from actspec.diagnostics import Collector, EmitError, listed, one_line
 from actspec.ir import ActuatorSet, Command, JointActuator, Origin, Quantity
 from actspec.robot.view import ModelFormat, RobotView, isaac_order
 from actspec.spec.models import DeployTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
+from actspec.targets.deploy.order import check_sdk_order
 from actspec.targets.kit.provenance import source_lines, written_by
 from actspec.targets.kit.python_text import environment, grouped, identifier, origin_of
 from actspec.targets.kit.yaml_quoted import double_quoted
@@ -35,8 +36,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     collector = Collector()
     own = tuple(actuator.joint for actuator in actuators.joints)
     sdk = options.of(DeployTarget).joint_order or None
-    if sdk is not None:
-        check_sdk_order(options, own, collector)
+    check_sdk_order(options, own, collector)
     collector.raise_if_failed(EmitError)
     isaac = isaac_order(robot, own)
     orders: dict[str, Order | None] = {"robot": own, "isaac": isaac, "sdk": sdk}
@@ -220,41 +220,6 @@ def _origins(
     if len(kinds) == 1:
         return [kinds[0][0]]
     return [f"{text}: {listed((name for _, name in members), 4)}" for text, members in kinds]
-
-
-def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: Collector) -> None:
-    """Report where an SDK's order does not name exactly the managed joints, each once.
-
-    Args:
-        options: With the order.
-        managed: The joints that the spec manages.
-        collector: Takes what is wrong.
-    """
-    seen: set[str] = set()
-    for index, name in enumerate(options.of(DeployTarget).joint_order or ()):
-        entry = f"joint_order[{index}]"
-        place = options.at(entry, collector)
-        if name is None:
-            continue
-        if name in seen:
-            place.error(
-                "DEP002", f"'{shortened(name)}' is named twice", "name every joint that the spec manages once"
-            )
-        elif name not in managed:
-            guess = nearest(name, managed)
-            place.error(
-                "DEP001",
-                f"'{shortened(name)}' is not a joint that the spec manages",
-                f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",
-            )
-        seen.add(name)
-    missing = [name for name in managed if name not in seen]
-    if missing:
-        options.at("joint_order", collector).error(
-            "DEP003",
-            f"{len(missing)} of {len(managed)} managed joints missing: {listed(missing)}",
-            "name every joint that the spec manages once",
-        )
 
 
 def index_map(source: Sequence[str | None], result: Sequence[str | None]) -> tuple[int | None, ...]:

@@ -12,10 +12,10 @@ from actspec.robot.view import ModelFormat, RobotView
 from actspec.simulators.isaaclab import IsaacLabDialect
 from actspec.spec.models import IsaacLabTarget
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
-from actspec.targets.isaaclab import dialect_for
+from actspec.targets.check import isaaclab_row
 from actspec.targets.isaaclab.joint_cfg import IMPLICIT, JointCfg, cfg_of
 from actspec.targets.isaaclab.text import groups_of, module_text
-from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint, warn_unknown_armature
+from actspec.targets.kit.joint import delta_action_loss, joint_by_joint, warn_unknown_armature
 from actspec.targets.kit.network import NetworkWithManifest, check_joints, read_networks
 from actspec.targets.kit.python_text import grouped, identifier, module_name
 
@@ -26,7 +26,7 @@ CLASSES = ("auto", "implicit", "custom")
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
     """Compile a robot's actuators into an Isaac Lab module, for which its joints' names are used; see `choose.Emit`."""
     collector = Collector()
-    dialect = dialect_of(lambda: dialect_for(options), "ISL001", options, collector)
+    dialect = isaaclab_row(options, collector)
     _check_class(actuators, dialect, options, collector)
     unlimited = [
         a

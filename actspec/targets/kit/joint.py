@@ -8,12 +8,10 @@ from collections.abc import Callable, Collection
 from dataclasses import replace
 from typing import Generic, TypeVar
 
-from actspec.diagnostics import Collector, EmitError, listed
+from actspec.diagnostics import Collector, listed
 from actspec.ir import ActuatorSet, Approximation, Command, Delay, JointActuator, Level
 from actspec.laws import TorqueLaw, delay_steps, law_of
 from actspec.resolution.quantities import Reports
-from actspec.simulators import UnknownVersion
-from actspec.targets.base import TargetOptions
 from actspec.targets.kit.network import network_clip
 from actspec.targets.kit.sizes import command_range_error, held_step_error, lined, static_error, viscous_error
 from actspec.units import format_number, format_quantity
@@ -276,24 +274,6 @@ def delta_action_loss(actuators: ActuatorSet, target: str, why: str) -> tuple[Ap
         return ()
     asked = os.path.basename(actuators.delta_action.manifest)
     return (Approximation(target, "", "delta_action", asked, "none", why, None),)
-
-
-def dialect_of(row: Callable[[], T], code: str, options: TargetOptions, collector: Collector) -> T:
-    """The row of a target's version.
-
-    Args:
-        row: Looks it up.
-        code: Of the error where there is none.
-        options: The target.
-        collector: Takes that error.
-
-    Raises: EmitError: the version is not known.
-    """
-    try:
-        return row()
-    except UnknownVersion as err:
-        options.at(err.key, collector).error(code, err.message, err.help)
-        raise EmitError(collector.sorted()) from None
 
 
 def joint_by_joint(

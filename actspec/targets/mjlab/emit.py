@@ -12,9 +12,9 @@ from collections.abc import Sequence
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators.mjlab import mjlab_dialect
 from actspec.targets.base import Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.joint import delta_action_loss, dialect_of
+from actspec.targets.check import mjlab_row
+from actspec.targets.kit.joint import delta_action_loss
 from actspec.targets.kit.network import network_files
 from actspec.targets.kit.python_text import joint_patterns, module_name, stated
 from actspec.targets.mjlab.joint_cfg import cfgs_of
@@ -24,7 +24,7 @@ from actspec.targets.mjlab.text import Preparation, module_text
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
     """Write a robot's actuators as a module for mjlab; see `choose.Emit`."""
     collector = Collector()
-    dialect = dialect_of(lambda: mjlab_dialect(options.version), "MJL007", options, collector)
+    dialect = mjlab_row(options, collector)
     for actuator in actuators.joints:
         _check_springdamper(actuator, robot, collector)
     cfgs = cfgs_of(actuators, robot, dialect, options.name, collector)

@@ -15,9 +15,9 @@ from actspec.robot.view import ModelFile, ModelFormat, RobotView
 from actspec.robot.xml import parse_document
 from actspec.robot.xml_edit import InsertBefore, apply_edits
 from actspec.simulators import DEFAULT_VERSIONS, text_of
-from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect, mujoco_dialect
+from actspec.simulators.mujoco import KEYFRAME_ACT, MujocoDialect, installed_dialect
 from actspec.targets.base import Emission, EmittedFile, PathError, TargetOptions
-from actspec.targets.kit.joint import dialect_of
+from actspec.targets.check import mujoco_row
 from actspec.targets.mujoco.apply_spec import apply_to_spec
 from actspec.targets.mujoco.apply_text import Anchors, find_anchors, header, text_edits, users_of
 from actspec.targets.mujoco.check import check_readback, differences, outside_plan
@@ -44,7 +44,7 @@ def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Em
     See `choose.Emit`.
     """
     collector = Collector()
-    dialect = dialect_of(lambda: mujoco_dialect(options.version), "MJC007", options, collector)
+    dialect = mujoco_row(options, collector)
     installed = installed_dialect()
     if "version" not in (options.spans or {}) and options.version == DEFAULT_VERSIONS["mujoco"]:
         _say_which_loads(dialect, installed, options, collector)

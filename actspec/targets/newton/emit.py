@@ -10,9 +10,10 @@ import actspec
 from actspec.diagnostics import Collector, EmitError, listed
 from actspec.ir import ActuatorSet, JointActuator, JointKind
 from actspec.robot.view import ModelFormat, RobotView
-from actspec.simulators.newton import NewtonDialect, newton_dialect
+from actspec.simulators.newton import NewtonDialect
 from actspec.targets.base import Approximation, Emission, EmittedFile, TargetOptions
-from actspec.targets.kit.joint import delta_action_loss, dialect_of, joint_by_joint
+from actspec.targets.check import newton_row
+from actspec.targets.kit.joint import delta_action_loss, joint_by_joint
 from actspec.targets.kit.network import network_files, read_networks
 from actspec.targets.kit.provenance import sections, written_by
 from actspec.targets.kit.python_text import comment_lines, free_name, identifier, section_lines
@@ -35,7 +36,7 @@ def overlay_name(robot: str) -> str:
 def emit(actuators: ActuatorSet, robot: RobotView, options: TargetOptions) -> Emission:
     """Write a robot's actuators as an overlay of its USD stage; see `choose.Emit`."""
     collector = Collector()
-    dialect = dialect_of(lambda: newton_dialect(options.version), "NWT007", options, collector)
+    dialect = newton_row(options, collector)
     step = actuators.physics_dt.require()
 
     read = read_networks(actuators.joints, "onnx", collector)

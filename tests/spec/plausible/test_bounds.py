@@ -10,6 +10,7 @@ import pytest
 from actspec import api
 from actspec.cli.main import main
 from actspec.diagnostics import ActspecError, Diagnostic, Severity
+from actspec.robot.load import joints_of_text, load_robot
 from actspec.spec.plausible import BY_CODE, CHECKS
 from tests.fitting import fit, spec_of
 
@@ -39,8 +40,9 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("side: joint, stall_torque: 10, peak_torque: 10.3", ["SPEC180"]),
         ("side: joint, stall_torque: 10, peak_torque: 31", ["SPEC180!"]),
         ("side: joint, stall_torque: 10, continuous_torque: 11", ["SPEC180!"]),
-        # A continuous torque above the peak is an error of its own, SPEC135, and told once.
-        ("side: joint, stall_torque: 10, peak_torque: 10, continuous_torque: 11", []),
+        # One swap explains both that it is above the peak and above the stall torque.
+        ("side: joint, stall_torque: 10, peak_torque: 10, continuous_torque: 11", ["SPEC135!"]),
+        ("side: joint, peak_torque: 10, continuous_torque: 10", []),
         ("side: joint, stall_torque: unknown, peak_torque: 31", []),
         (
             "side: joint, peak_torque: 13, curve: {drive_torque: 12, brake_torque: 20, knee_speed: 1 rad/s, "
@@ -56,11 +58,11 @@ def codes(text: str, model: str | None = None) -> list[str]:
         ("gear_ratio: 1", []),
         ("gear_ratio: 0.99", ["SPEC182"]),
         ("gear_ratio: 0.04", ["SPEC182!"]),
-        # 9.99 x 100; 10 x 100 x 0.9 with an efficiency; 3000 N*m.
-        ("side: motor, gear_ratio: 100, peak_torque: 9.99", []),
-        ("side: motor, gear_ratio: 100, peak_torque: 10", ["SPEC183"]),
-        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10", []),
-        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10", ["SPEC183!"]),
+        # 10 x 100; 10.1 x 100 x 0.9 with an efficiency; 3030 N*m.
+        ("side: motor, gear_ratio: 100, peak_torque: 10", []),
+        ("side: motor, gear_ratio: 100, peak_torque: 10.1", ["SPEC183"]),
+        ("side: motor, gear_ratio: 100, efficiency: 0.9, peak_torque: 10.1", []),
+        ("side: motor, gearbox: [{ratio: 10}, {ratio: 30}], peak_torque: 10.1", ["SPEC183!"]),
         # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
         ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
         ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),
@@ -109,21 +111,44 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
-        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106"]),
+        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106", "SPEC182"]),
+        # 20 N*m x 0.04 = 0.8 N*m.
+        ("motor: m, reduction: 0.04", ["SPEC182!"]),
+        ("motor: m, reduction: 1", []),
+        # An eighth of the peak torque, 2.5 N*m; of the stall torque alone, above, a fiftieth.
+        ("motor: peaked, effort_limit: 2.5", []),
+        ("motor: peaked, effort_limit: 2.4", ["SPEC187"]),
+        # Three times the motor's 10 rad/s, and of its 5 behind a reduction of 2.
+        ("motor: m, velocity_limit: 30 rad/s", []),
+        ("motor: m, velocity_limit: 31 rad/s", ["SPEC184"]),
+        ("motor: m, velocity_limit: 16 rad/s, reduction: 2", ["SPEC184"]),
         ("motor: m, effort_limit: 60", []),
         ("motor: m, effort_limit: 61", ["SPEC187"]),
         ("motor: m, effort_limit: 61, reduction: 2", []),
         ("motor: m, effort_limit: 61, motors_per_joint: 2", []),
         ("motor: m, effort_limit: 601", ["SPEC187!"]),
         ("motor: m, effort_limit: 0.39", ["SPEC187"]),
-        # kd / kp is a time, of 1 s at most.
+        # kd / kp is a time, of 1 s at most, and of joints with a motor 0.5 ms at least.
+        ("motor: m, kp: 100, kd: 0.051", []),
+        ("motor: m, kp: 100, kd: 0.049", ["SPEC192"]),
+        ("motor: m, kp: 100, kd: 0.049, friction: {viscous: 0.01}", []),
+        ("motor: m, kp: 100, kd: 0", []),
+        ("kp: 100, kd: 0.049", []),
+        # 20 N*m / 0.4 N*m/rad = 50 rad.
+        ("motor: m, kp: 0.41, kd: 0.1", []),
+        ("motor: m, kp: 0.39, kd: 0.1", ["SPEC192"]),
+        ("effort_limit: 20, kp: 0.39, kd: 0.1", []),
+        ("kp: {derive: natural_frequency; frequency: 100 Hz; inertia: 0.1}", []),
+        ("kp: {derive: natural_frequency; frequency: 101 Hz; inertia: 0.1}", ["SPEC192"]),
+        ("kd: {derive: damping_ratio; ratio: 60; inertia: 0.0001}", []),
+        ("kd: {derive: damping_ratio; ratio: 61; inertia: 0.0001}", ["SPEC192"]),
         ("kp: 2, kd: 2", []),
         ("kp: 2, kd: 2.1", ["SPEC192"]),
         ("kp: 0, kd: 2.1", []),
         ("kp: 20, kd: 2.1, overrides: {hip: {kp: 2}}", ["SPEC192"]),
-        # 3.03 and 2.99 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
-        ("effort_limit: 20, armature: 6.6", []),
-        ("effort_limit: 20, armature: 6.7", ["SPEC191"]),
+        # 5.1 and 4.9 rad/s^2 of 20 N*m; the motor's 0.1 kg*m^2 times 3 and 0.3.
+        ("effort_limit: 20, armature: 3.9", []),
+        ("effort_limit: 20, armature: 4.1", ["SPEC191"]),
         ("motor: m, armature: 0.299", []),
         ("motor: m, armature: 0.301", ["SPEC191"]),
         ("motor: m, armature: 0.029", ["SPEC191"]),
@@ -134,7 +159,7 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
         ("randomize: {kd: {scale: [0.3, 20]}}", []),
-        ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"] * 2),
+        ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"]),
         ("randomize: {encoder_bias: {add: [-0.5 rad, 0.5 rad]}}", []),
         ("randomize: {encoder_bias: {abs: [-0.51 rad, 0 rad]}}", ["SPEC188"]),
         ("randomize: {effort_limit: {add: [0, 100]}}", []),
@@ -164,8 +189,9 @@ def test_groups(fields: str, expected: list[str]) -> None:
         own.pop("kd")
     rest = "".join(f", {text}" for key, text in own.items() if key not in given)
     text = spec_of(
-        f"legs: {{joints: [hip]{rest}, {fields}}}, {REST}",
-        motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}}",
+        f"legs: {{joints: [hip]{rest}, {fields.replace(';', ',')}}}, {REST}",
+        motors="{m: {side: joint, stall_torque: 20, no_load_speed: 10 rad/s, reflected_inertia: 0.1}, "
+        "peaked: {side: joint, peak_torque: 20}}",
     )
     assert codes(text) == expected
 
@@ -214,6 +240,67 @@ def test_joints_of_a_model(fields: str, pose: str, expected: list[str]) -> None:
         motors="{m: {gear_ratio: 9}}",
     )
     assert codes(text, MODEL) == expected
+
+
+def robot_of(count: int, body: str) -> str:
+    """A model of so many hinges, one behind the other, each with a link of `body`."""
+    text = "".join(f'<body><joint name="j{index}"/>{body}' for index in range(count))
+    return f"<mujoco><worldbody>{text}{'</body>' * count}</worldbody></mujoco>"
+
+
+KILO = '<inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>'
+
+
+@pytest.mark.parametrize(
+    ("count", "limit", "expected"),
+    [
+        # 6 kg x 9.81 m/s^2 x 4 m = 235.4 N*m; ten times that.
+        (6, 235, []),
+        (6, 236, ["SPEC183"]),
+        (6, 2355, ["SPEC183!"]),
+        # A test stand.
+        (5, 236, []),
+    ],
+)
+def test_an_effort_limit_against_the_weight_of_the_robot(
+    count: int, limit: float, expected: list[str]
+) -> None:
+    for motor, found in ((", motor: m", expected), ("", [])):
+        text = spec_of(
+            f"legs: {{joints: ['j.*'], level: ideal_pd, kp: 100, kd: 10, effort_limit: {limit}{motor}}}",
+            robot="name: leg, model: robot.xml",
+            motors="{m: {gear_ratio: 9}}",
+        )
+        assert codes(text, robot_of(count, KILO)) == found
+
+
+@pytest.mark.parametrize(
+    ("body", "compiler", "mass"),
+    [
+        (KILO, "", 3.0),
+        (KILO + '<geom size="1" mass="5"/>', "", 3.0),
+        # The text does not weigh geoms, nor scale.
+        ('<geom size="1" mass="5"/>', "", None),
+        (KILO, '<compiler settotalmass="9"/>', None),
+        (KILO + '<geom size="1" mass="5"/>', '<compiler inertiafromgeom="true"/>', None),
+    ],
+)
+def test_the_mass_of_a_text(body: str, compiler: str, mass: float | None, tmp_path: Path) -> None:
+    """What is told is what MuJoCo has."""
+    path = tmp_path / "robot.xml"
+    path.write_text(robot_of(3, body).replace("<worldbody>", f"{compiler}<worldbody>"), encoding="utf-8")
+    assert joints_of_text(str(path)).mass == mass
+    if mass is not None:
+        assert load_robot(str(path)).mass == mass
+
+
+def test_the_mass_of_a_urdf(tmp_path: Path) -> None:
+    path = tmp_path / "robot.urdf"
+    link = '<link name="{}"><inertial><mass value="1.5"/><inertia ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"/>'
+    joint = '<joint name="j" type="continuous"><parent link="a"/><child link="b"/></joint>'
+    links = "".join(f"{link.format(name)}</inertial></link>" for name in "ab")
+    path.write_text(f'<robot name="r">{links}<link name="c"/>{joint}</robot>', encoding="utf-8")
+    assert joints_of_text(str(path)).mass == load_robot(str(path)).mass == 3.0
 
 
 def test_servos_without_a_motor_may_be_of_any_stiffness() -> None:

@@ -323,9 +323,13 @@ def test_units_and_origins_are_said() -> None:
     [
         (
             ("l_hip", "l_knee", "r_hip", "r_kneee"),
+            ["DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is not a joint that the spec manages"],
+        ),
+        (
+            ("l_hip", "l_knee", "r_kneee"),
             [
-                "DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee",
-                "DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is not a joint that the spec manages",
+                "DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_hip",
+                "DEP001 targets.robot_side.joint_order[2]: 'r_kneee' is not a joint that the spec manages",
             ],
         ),
         (
@@ -345,7 +349,7 @@ def test_units_and_origins_are_said() -> None:
             ["DEP001 targets.robot_side.joint_order[4]: 'r_roll' is not a joint that the spec manages"],
         ),
     ],
-    ids=["misspelt", "twice", "gaps", "missing", "unmanaged"],
+    ids=["misspelt", "misspelt and missing", "twice", "gaps", "missing", "unmanaged"],
 )
 def test_sdk_order_is_checked(order: tuple[str | None, ...], expected: list[str]) -> None:
     """An SDK order names every managed joint once and no other; the nearest name is offered."""

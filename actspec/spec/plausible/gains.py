@@ -1,0 +1,153 @@
+"""Checks of kp and kd by each other and by the effort limit; what needs the joint's inertia is in `joints`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+from actspec.diagnostics import Path
+from actspec.spec.document import SourceMap
+from actspec.spec.fields import DerivedGain
+from actspec.spec.plausible.relations import Relation, Repair, explained
+from actspec.spec.plausible.table import Doubt, at
+from actspec.units import format_quantity
+
+DEGREE = math.pi / 180.0
+RETURN = (5e-4, 1.0)
+"""kd over kp [s]: the time in which a joint without inertia returns."""
+USUAL_RETURN = (0.005, 0.25)
+LARGEST_ERROR = 50.0
+"""Effort limit over kp [rad]: where the drive gives all that it has. Published: 0.21 to 2.2, without a motor to 25."""
+USUAL_ERROR = (0.06, 10.0)
+FREQUENCY = (0.15, 100.0)
+"""Natural frequency that a kp is derived from [Hz]. Chosen: mjlab's is 10, the stiffest published servo has 236."""
+RATIO = (0.015, 60.0)
+"""Damping ratio. Published: 0.064 to 12."""
+
+
+@dataclass(frozen=True, slots=True)
+class Gains:
+    """Gains of one hinge or slide.
+
+    Attributes:
+        kp: [N*m/rad or N/m].
+        kd: [N*m*s/rad or N*s/m].
+        viscous: Friction [N*m*s/rad or N*s/m].
+        limit: Effort limit of a hinge [N*m]; None: unknown, or of a slide.
+        driven: A motor is stated. Without one they may be a simulator's own servos, of any stiffness.
+        unit: Of a joint's force, N*m or N.
+    """
+
+    kp: float
+    kd: float
+    viscous: float
+    limit: float | None
+    driven: bool
+    unit: str
+
+    @property
+    def shown_kp(self) -> str:
+        """As one writes it."""
+        return format_quantity(self.kp, "N*m/rad" if self.unit == "N*m" else "N/m", 4)
+
+    @property
+    def shown_kd(self) -> str:
+        """As one writes it."""
+        return format_quantity(self.kd, "N*m*s/rad" if self.unit == "N*m" else "N*s/m", 4)
+
+
+def gain_words(gains: Gains) -> tuple[str, str, str | None] | None:
+    """Which of kp and kd cannot be right, message and help; None where both may be."""
+    before = list(_relations(gains))
+    broken = [relation for relation in before if relation.broken]
+    if not broken:
+        return None
+    best = explained(before, _repairs(gains))
+    if not best:
+        return "kp", broken[0].message, None
+    (place,) = best[0].paths[0]
+    help = best[0].help or ""
+    if gains.limit is None and "57.3" in help:
+        # The effort limit would tell which of the two it is.
+        help = "is kp given per degree, or kd multiplied by 57.3?"
+        place = "kp"
+    return str(place), broken[0].message, help
+
+
+def _relations(gains: Gains) -> Iterator[Relation]:
+    if gains.kp and gains.kd:
+        pair = f"kd {gains.shown_kd} beside kp {gains.shown_kp}"
+        time = format_quantity(gains.kd / gains.kp, "s", 3)
+        yield Relation(
+            "SPEC192",
+            gains.kd / gains.kp,
+            (0.0, RETURN[1]),
+            USUAL_RETURN,
+            f"{pair}: the joint would take {time} to come back to its command",
+            ("kp",),
+            None,
+            about="slow",
+        )
+        damped = (gains.kd + gains.viscous) / gains.kp
+        yield Relation(
+            "SPEC192",
+            damped,
+            (RETURN[0] if gains.driven else 0.0, math.inf),
+            (0.0, math.inf),
+            f"{pair}: hardly any damping, kd/kp is {format_quantity(1000.0 * gains.kd / gains.kp, 'ms', 3)}",
+            ("kp",),
+            None,
+            about="undamped",
+        )
+    if gains.kp and gains.limit and gains.limit < math.inf:
+        error = gains.limit / gains.kp
+        yield Relation(
+            "SPEC192",
+            error,
+            (0.0, LARGEST_ERROR if gains.driven else math.inf),
+            USUAL_ERROR,
+            f"kp {gains.shown_kp} needs an error of {format_quantity(error, 'rad', 3)} for the effort limit of "
+            f"{format_quantity(gains.limit, 'N*m', 4)}",
+            ("kp",),
+            None,
+            about="error",
+        )
+
+
+def _repairs(gains: Gains) -> Iterator[Repair]:
+    kp, kd = gains.kp, gains.kd
+    for field, other, help in (
+        (
+            "kp",
+            replace(gains, kp=kd, kd=kp),
+            "are the two exchanged? kp is the stiffness, kd the velocity gain",
+        ),
+        ("kp", replace(gains, kp=kp / DEGREE), "is kp per degree? Per radian it is {0.shown_kp}"),
+        ("kp", replace(gains, kp=kp * DEGREE), "is kp multiplied by 57.3? Without that it is {0.shown_kp}"),
+        ("kd", replace(gains, kd=kd * DEGREE), "is kd multiplied by 57.3? Without that it is {0.shown_kd}"),
+        ("kd", replace(gains, kd=kd / DEGREE), "is kd per degree? Per radian it is {0.shown_kd}"),
+        (
+            "kp",
+            replace(gains, kp=kp / DEGREE, kd=kd / DEGREE),
+            "are kp and kd per degree? Per radian they are {0.shown_kp} and {0.shown_kd}",
+        ),
+    ):
+        yield Repair(tuple(_relations(other)), ((field,),), help.format(other))
+
+
+def derived_doubts(gain: DerivedGain, path: Path, spans: SourceMap) -> Iterator[Doubt]:
+    """A natural frequency or a damping ratio that no joint has."""
+    for key, bounds, what, percent in (
+        ("frequency", FREQUENCY, "a natural frequency", False),
+        ("ratio", RATIO, "a damping ratio", True),
+    ):
+        value = gain.numbers.get(key)
+        if value is None or not value.value or bounds[0] <= value.value <= bounds[1]:
+            continue
+        help = (
+            f"is it in %? {value.value:g} % is {value.value / 100:g}" if percent and value.value > 1 else None
+        )
+        usual = f"{bounds[0]:g} to {format_quantity(bounds[1], value.unit)}"
+        message = f"{value.written} is no usual size of {what}: {usual}"
+        yield at(spans, "SPEC192", message, (*path, key), help)

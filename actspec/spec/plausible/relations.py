@@ -1,0 +1,126 @@
+"""Where figures contradict each other: the one number whose correction makes all of them agree.
+
+Each correction is a slip that people make: a wrong unit, a wrong power of ten, two lines exchanged, a figure of the
+other side of the gear. A correction explains a doubt if with it all relations hold. Of several, the one is blamed that
+leaves the figures nearest to those of published robots.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from actspec.diagnostics import Path
+from actspec.spec.document import SourceMap
+from actspec.spec.plausible.table import Doubt, at
+
+RARE = 0.3
+"""What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
+NEAR = 0.8
+"""A correction explains a doubt if no relation gets further from what is usual [powers of ten]."""
+ALIKE = 0.1
+"""Two readings of one number are both told if they differ by no more than this [powers of ten]."""
+
+
+@dataclass(frozen=True, slots=True)
+class Relation:
+    """One thing that figures of a drive imply of each other.
+
+    Attributes:
+        code: Of its check.
+        value: What is judged: one figure over what others say of it.
+        bounds: Outside of them no robot is known.
+        usual: What published robots have; between two explanations of a doubt these decide.
+        message: What is implied.
+        path: The figure that is blamed where no other correction explains it.
+        help: What may be meant there.
+        others: Where the other figures are written.
+        beyond: Outside of these bounds nothing could be right.
+        about: Tells it from others of the same figures.
+    """
+
+    code: str
+    value: float
+    bounds: tuple[float, float]
+    usual: tuple[float, float]
+    message: str
+    path: Path
+    help: str | None
+    others: tuple[Path, ...] = ()
+    beyond: tuple[float, float] = (0.0, math.inf)
+    about: str = ""
+
+    @property
+    def broken(self) -> bool:
+        """Whether no robot is known that has it."""
+        return not self.bounds[0] <= self.value <= self.bounds[1]
+
+    @property
+    def error(self) -> bool:
+        """Whether nothing could be right."""
+        return not self.beyond[0] <= self.value <= self.beyond[1]
+
+    @property
+    def excess(self) -> float:
+        """How far it is outside of what is usual, in powers of ten."""
+        low, high = self.usual
+        if not 0.0 < self.value < math.inf:
+            # It left the range of floats.
+            return math.inf
+        below = math.log10(low / self.value) if low and self.value < low else 0.0
+        return max(below, math.log10(self.value / high) if self.value > high else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Repair:
+    """A correction.
+
+    Attributes:
+        after: The relations with it.
+        paths: What is corrected.
+        help: What was probably meant.
+        rare: What it costs before others.
+    """
+
+    after: Sequence[Relation]
+    paths: tuple[Path, ...]
+    help: str | None
+    rare: float = 0.0
+
+
+def explained(before: Iterable[Relation], repairs: Iterable[Repair]) -> list[Repair]:
+    """The best correction, with another of the same number that is as good; none where nothing explains all."""
+    was = {_about(relation): 0.0 if relation.broken else relation.excess for relation in before}
+    found: list[tuple[float, Repair]] = []
+    for repair in repairs:
+        if any(relation.broken for relation in repair.after):
+            continue
+        further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
+        if further <= NEAR:
+            found.append((sum(relation.excess for relation in repair.after) + repair.rare, repair))
+    if not found:
+        return []
+    least, best = min(found, key=lambda item: item[0])
+    alike = [
+        repair
+        for cost, repair in found
+        if repair is not best and repair.paths == best.paths and not repair.rare and cost <= least + ALIKE
+    ]
+    return [best, *alike[:1]]
+
+
+def _about(relation: Relation) -> tuple[object, ...]:
+    """What a relation is about, whatever its figures are."""
+    return relation.code, relation.path[-1], relation.others[-1:], relation.about
+
+
+def explanation(best: Sequence[Repair], broken: Sequence[Relation], spans: SourceMap) -> Doubt:
+    """A doubt about what the best correction changes, in the words of the relation that it is most about."""
+    blamed = {relation.path for relation in broken}.intersection(best[0].paths) or best[0].paths
+    where = min(blamed, key=lambda path: (spans.value(path).line or 0, spans.value(path).column or 0))
+    told = min(broken, key=lambda relation: (relation.path != where, where not in relation.others))
+    readings = dict.fromkeys(repair.help for repair in best if repair.help is not None)
+    judged = [path for relation in broken for path in (relation.path, *relation.others)]
+    error = any(relation.error for relation in broken)
+    return at(spans, told.code, told.message, where, "; or ".join(readings) or None, *judged, error=error)

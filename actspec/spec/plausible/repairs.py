@@ -1,0 +1,220 @@
+"""Corrections of a motor's figures and of the limits of its joints: what people mistype, and what it would be."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+
+from actspec.diagnostics import Path, listed
+from actspec.spec.document import SourceMap
+from actspec.spec.models import Motor
+from actspec.spec.plausible.motors import (
+    GEAR_INVERSE,
+    GEARED,
+    RPM,
+    Drive,
+    gear_of,
+    number,
+    relations,
+)
+from actspec.spec.plausible.relations import RARE, Relation, Repair, explained, explanation
+from actspec.spec.plausible.table import Doubt
+from actspec.spec.values import SpecValue
+from actspec.units import format_quantity
+
+DEGREE = math.pi / 180.0
+
+TORQUES: tuple[Path, ...] = (
+    ("stall_torque",),
+    ("peak_torque",),
+    ("continuous_torque",),
+    ("curve", "drive_torque"),
+    ("curve", "brake_torque"),
+)
+SPEEDS: tuple[Path, ...] = (("no_load_speed",), ("curve", "no_load_speed"))
+INERTIAS = ((1e-7, "g*cm^2"), (1e-6, "kg*mm^2"), (1e-4, "kg*cm^2"), (1e-3, "g*m^2"))
+"""Units of datasheets [kg*m^2]."""
+
+
+def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
+    """Everything that can hardly be right about one motor and the limits of its joints."""
+    before = list(relations(drive))
+    broken = [relation for relation in before if relation.broken]
+    if not broken:
+        return
+    best = explained(before, _repairs(drive))
+    if best:
+        yield explanation(best, broken, spans)
+        return
+    for relation in _first(broken):
+        yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
+
+
+def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
+    """Of relations that see the same mistake the first: all but those of torques take gear, side and torque."""
+    seen: set[object] = set()
+    for relation in broken:
+        key: object = relation.path
+        if relation.code not in ("SPEC135", "SPEC180"):
+            key = "constant" if relation.code == "SPEC181" else "output"
+        if key not in seen:
+            seen.add(key)
+            yield relation
+
+
+def _repairs(drive: Drive) -> Iterator[Repair]:
+    """Every correction of a drive, those before that are preferred where two are equally good."""
+    motor, root = drive.motor, ("motors", drive.name)
+    gear = gear_of(motor)
+    for index, limit in enumerate(drive.limits):
+        for factor, help, rare in _slips(limit.value, limit.path[-1] == "velocity_limit"):
+            limits = list(drive.limits)
+            limits[index] = replace(limit, value=_times(limit.value, factor))
+            yield Repair(tuple(relations(replace(drive, limits=tuple(limits)))), (limit.path,), help, rare)
+
+    def changed(result: Motor, paths: Sequence[Path], help: str, rare: float = 0.0) -> Repair:
+        after = tuple(relations(replace(drive, motor=result)))
+        return Repair(after, tuple((*root, *path) for path in paths), help, rare)
+
+    def moved(paths: Sequence[Path], factor: float, help: str, rare: float = 0.0) -> Repair:
+        result = motor
+        for path in paths:
+            result = _with(result, path, _times(_at(motor, path), factor))
+        return changed(result, paths, help, rare)
+
+    torques = [path for path in TORQUES if number(_at(motor, path))]
+    there, here = ("gearbox output", "rotor") if motor.side == "motor" else ("rotor", "gearbox output")
+    # What a torque that is quoted at the other side is at this one; speeds go the other way.
+    across = None
+    if gear is not None and gear >= GEARED and motor.side is not None:
+        across = 1.0 / gear if motor.side == "motor" else gear
+        other = "joint" if motor.side == "motor" else "motor"
+        help = f"are the figures those of the {there}? Then write `side: {other}`"
+        yield changed(motor.model_copy(update={"side": other}), [("side",)], help)
+
+    def sided(path: Path, factor: float) -> Repair:
+        meant = _shown(_times(_at(motor, path), factor))
+        return moved([path], factor, f"is it quoted at the {there}? At the {here} it is {meant}")
+
+    if number(motor.gear_ratio) and motor.gear_ratio is not None:
+        ratio = motor.gear_ratio.value or 1.0
+        if ratio < 1.0:
+            help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
+            yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
+        yield from (moved([("gear_ratio",)], *slip) for slip in _tens(motor.gear_ratio))
+    for path in SPEEDS:
+        speed = _at(motor, path)
+        if speed is not None and number(speed):
+            yield from (moved([path], *slip) for slip in _slips(speed, speed=True))
+            if across is not None:
+                yield sided(path, 1.0 / across)
+    for field in ("torque_constant", "peak_current", "nominal_current", "nominal_voltage"):
+        value: SpecValue | None = getattr(motor, field)
+        if value is not None and number(value):
+            yield from (moved([(field,)], *slip) for slip in _slips(value))
+            if field == "torque_constant" and across is not None:
+                yield sided((field,), across)
+    plain = [path for path in torques if len(path) == 1]
+    for one, two in itertools.combinations(plain, 2):
+        result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
+        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?")
+    for path in torques:
+        yield from (moved([path], *slip) for slip in _slips(_given(motor, path)))
+    if torques:
+        first = _given(motor, torques[0])
+        names = listed([str(path[-1]) for path in torques], 5)
+        if across is not None:
+            meant = _shown(_times(first, across))
+            help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
+            yield moved(torques, across, help)
+        yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
+    for field in ("rotor_inertia", "reflected_inertia"):
+        inertia: SpecValue | None = getattr(motor, field)
+        if inertia is None or not number(inertia):
+            continue
+        yield from (moved([(field,)], *slip) for slip in _inertias(inertia))
+        if field == "rotor_inertia" and across is not None:
+            help = "is it the inertia at the output? Then write `reflected_inertia`; or a wrong unit, g*cm^2"
+            yield changed(
+                motor.model_copy(update={field: None, "reflected_inertia": inertia}), [(field,)], help, 0.15
+            )
+
+
+def _inertias(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """An inertia in another unit: one with g in place of kg, or one of datasheets."""
+    size = value.value or 0.0
+    amount, _, unit = value.written.partition(" ")
+    units = [(amount, *pair) for pair in ((1e-3, unit.removeprefix("k")), (1e3, f"k{unit}"))]
+    if unit in ("", "kg*m^2"):
+        units = [(f"{size:g}", *pair) for pair in INERTIAS]
+    for shown, factor, other in units:
+        if other != unit and other.startswith(("g*", "kg*")):
+            meant = format_quantity(size * factor, "kg*m^2", 4)
+            yield factor, f"is it in {other}? {shown} {other} is {meant}", 0.0
+    yield from _tens(value)
+
+
+def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, float]]:
+    """Factor, help and cost of the slips in one number."""
+    size = value.value or 0.0
+    if speed:
+        if "rpm" not in value.written:
+            yield RPM, f"is it in rpm? {size:g} rpm is {format_quantity(size * RPM, 'rad/s', 3)}", 0.0
+        else:
+            yield 1.0 / RPM, f"did you mean {format_quantity(size / RPM, 'rad/s')}?", 0.0
+        if not any(unit in value.written for unit in ("deg", "rpm")):
+            meant = format_quantity(size * DEGREE, "rad/s", 3)
+            yield DEGREE, f"is it in deg/s? {size:g} deg/s is {meant}", RARE
+    else:
+        yield 1e-3, f"is it in m{value.unit}? {_milli(value)}", 0.0
+        yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
+    yield from _tens(value)
+
+
+def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:
+    """A number whose point is in the wrong place."""
+    for power in (-1, 1, -2, 2, -3, 3, -4, 4):
+        factor = 10.0**power
+        yield factor, f"did you mean {_shown(_times(value, factor))}?", RARE
+
+
+def _milli(value: SpecValue) -> str:
+    size = value.value or 0.0
+    return f"{size:g} m{value.unit} is {format_quantity(size / 1000, value.unit, 3)}"
+
+
+def _shown(value: SpecValue) -> str:
+    return format_quantity(value.value, value.unit, 4)
+
+
+def _at(motor: Motor, path: Path) -> SpecValue | None:
+    """A figure of a motor or of its curve."""
+    node: object = motor
+    for part in path:
+        node = None if node is None else getattr(node, str(part))
+    assert node is None or isinstance(node, SpecValue)
+    return node
+
+
+def _given(motor: Motor, path: Path) -> SpecValue:
+    """A figure that is stated."""
+    value = _at(motor, path)
+    assert value is not None
+    return value
+
+
+def _with(motor: Motor, path: Path, value: SpecValue | None) -> Motor:
+    """The motor with another figure."""
+    if len(path) == 1:
+        return motor.model_copy(update={str(path[0]): value})
+    part = getattr(motor, str(path[0]))
+    return motor.model_copy(update={str(path[0]): part.model_copy(update={str(path[1]): value})})
+
+
+def _times(value: SpecValue | None, factor: float) -> SpecValue:
+    """A number as it would be with another factor, as one would write it."""
+    assert value is not None and value.value is not None
+    size = value.value * factor
+    return replace(value, value=size, written=format_quantity(size, value.unit, 4))

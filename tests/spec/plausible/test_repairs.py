@@ -1,0 +1,231 @@
+"""One wrong number of a datasheet: it is blamed itself, once, whatever figures it contradicts."""
+
+from __future__ import annotations
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Diagnostic
+from tests.fitting import fit, spec_of
+
+# 0.04 N*m/A x 15 A = 0.6 N*m, 0.04 V*s/rad x 502.7 rad/s = 20.1 of 24 V; 30 N*m and 10.05 rad/s behind the gear.
+SHEET = {
+    "side": "motor",
+    "peak_torque": "0.6",
+    "continuous_torque": "0.2",
+    "stall_torque": "0.6",
+    "no_load_speed": "4800 rpm",
+    "torque_constant": "0.04",
+    "peak_current": "15 A",
+    "nominal_voltage": "24 V",
+    "gear_ratio": "50",
+    "rotor_inertia": "60 g*cm^2",
+}
+
+
+SOUND = {
+    "mini cheetah": "side: joint, peak_torque: 17, continuous_torque: 6.9, no_load_speed: 40 rad/s, gear_ratio: 6, "
+    "rotor_inertia: 6e-5, nominal_voltage: 24 V, torque_constant: 0.57, peak_current: 30 A",
+    "AK80-64": "side: joint, peak_torque: 120, continuous_torque: 48, no_load_speed: 57 rpm, gear_ratio: 64, "
+    "rotor_inertia: 564 g*cm^2, nominal_voltage: 48 V, peak_current: 19 A",
+    "EC-i 40 with a gear of 111": "side: motor, stall_torque: 1.81, continuous_torque: 0.2, no_load_speed: 5000 rpm, "
+    "gear_ratio: 111, efficiency: 0.7, rotor_inertia: 24.2 g*cm^2, nominal_voltage: 24 V, torque_constant: 0.045, "
+    "nominal_current: 4.5 A",
+    "XM430": "side: joint, stall_torque: 4.1, no_load_speed: 46 rpm, gear_ratio: 353.5, nominal_voltage: 12 V, "
+    "torque_constant: 1.78, peak_current: 2.3 A, reflected_inertia: 0.012",
+    "UR10": "side: joint, peak_torque: 330, no_load_speed: 120 deg/s, gear_ratio: 101, rotor_inertia: 3.5 kg*cm^2",
+    "U8, no gear": "side: motor, gear_ratio: 1, peak_torque: 2.5, continuous_torque: 0.9, no_load_speed: 4800 rpm, "
+    "rotor_inertia: 1.2e-4, nominal_voltage: 48 V, torque_constant: 0.095, peak_current: 30 A",
+    "ODRI": "side: motor, gear_ratio: 9, peak_torque: 0.3, no_load_speed: 8000 rpm, rotor_inertia: 5.1e-6, "
+    "nominal_voltage: 24 V, torque_constant: 0.025, peak_current: 12 A",
+    "hub of a wheel": "side: joint, gear_ratio: 1, peak_torque: 16, no_load_speed: 40 rad/s, nominal_voltage: 36 V, "
+    "torque_constant: 0.85, peak_current: 20 A",
+}
+"""About what datasheets of such motors say, rounded."""
+
+
+def said(limits: str = "", sheet: str | None = None, **wrong: str) -> list[Diagnostic]:
+    """What is said of the sheet with other figures, and with limits of the joint."""
+    motor = (
+        ", ".join(f"{key}: {value}" for key, value in {**SHEET, **wrong}.items()) if sheet is None else sheet
+    )
+    groups = f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 60, kd: 2{limits}}}"
+    try:
+        return [
+            *fit(
+                spec_of(
+                    f"{groups}, rest: {{joints: [calf, slide], level: ideal_pd, kp: 1, kd: 1}}",
+                    motors=f"{{m: {{{motor}}}}}",
+                )
+            ).diagnostics
+        ]
+    except ActspecError as err:
+        return [*err.diagnostics]
+
+
+@pytest.mark.parametrize("name", SOUND)
+def test_sheets_of_motors_are_sound(name: str) -> None:
+    assert said(sheet=SOUND[name]) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "right", "wrong", "place"),
+    [
+        ("EC-i 40 with a gear of 111", "stall_torque: 1.81", "stall_torque: 1810", "stall_torque"),
+        (
+            "EC-i 40 with a gear of 111",
+            "continuous_torque: 0.2",
+            "continuous_torque: 200",
+            "continuous_torque",
+        ),
+        ("XM430", "nominal_voltage: 12 V", "nominal_voltage: 120 V", "nominal_voltage"),
+        ("XM430", "peak_current: 2.3 A", "peak_current: 2300 A", "peak_current"),
+        ("UR10", "peak_torque: 330", "peak_torque: 330000", "peak_torque"),
+        ("UR10", "gear_ratio: 101", "gear_ratio: 10100", "gear_ratio"),
+        # 4800 rpm is 502.7 rad/s.
+        ("U8, no gear", "no_load_speed: 4800 rpm", "no_load_speed: 502.7 rpm", "no_load_speed"),
+        ("ODRI", "side: motor", "side: joint", "side"),
+        ("AK80-64", "side: joint", "side: motor", "side"),
+    ],
+)
+def test_a_slip_in_a_sheet(name: str, right: str, wrong: str, place: str) -> None:
+    assert [found.where for found in said(sheet=SOUND[name].replace(right, wrong))] == [f"motors.m.{place}"]
+
+
+def test_the_sheet_is_sound() -> None:
+    assert said() == []
+    # 30 N*m and 10.05 rad/s at the joint.
+    assert said(", effort_limit: 30, velocity_limit: 10 rad/s") == []
+
+
+@pytest.mark.parametrize(
+    ("wrong", "code", "place", "help"),
+    [
+        ({"stall_torque": "600"}, "SPEC183", "stall_torque", "is it in mN*m? 600 mN*m is 0.6 N*m"),
+        ({"peak_torque": "600"}, "SPEC180", "peak_torque", "is it in mN*m? 600 mN*m is 0.6 N*m"),
+        ({"continuous_torque": "200"}, "SPEC135", "continuous_torque", "is it in mN*m? 200 mN*m is 0.2 N*m"),
+        (
+            {"stall_torque": "600", "peak_torque": "600", "continuous_torque": "200"},
+            "SPEC183",
+            "stall_torque",
+            "are stall_torque, peak_torque, continuous_torque in mN*m? 600 mN*m is 0.6 N*m",
+        ),
+        ({"no_load_speed": "4800 rad/s"}, "SPEC181", "no_load_speed", "is it in rpm? 4800 rpm is 503 rad/s"),
+        # 96 rpm x 50 = 4800 rpm.
+        (
+            {"no_load_speed": "96 rpm"},
+            "SPEC184",
+            "no_load_speed",
+            "is it quoted at the gearbox output? At the rotor it is 502.7 rad/s",
+        ),
+        ({"peak_current": "15000 A"}, "SPEC181", "peak_current", "is it in mA? 15000 mA is 15 A"),
+        ({"nominal_voltage": "240 V"}, "SPEC181", "nominal_voltage", "did you mean 24 V?"),
+        ({"torque_constant": "40"}, "SPEC181", "torque_constant", "is it in mN*m/A? 40 mN*m/A is 0.04 N*m/A"),
+        # 0.04 x 50 = 2 N*m/A at the output.
+        (
+            {"torque_constant": "2"},
+            "SPEC181",
+            "torque_constant",
+            "is it quoted at the gearbox output? At the rotor it is 0.04 N*m/A",
+        ),
+        # 0.6 x 50 and 0.2 x 50 N*m, of the output.
+        (
+            {"stall_torque": "30", "peak_torque": "30", "continuous_torque": "10"},
+            "SPEC183",
+            "stall_torque",
+            "is it quoted at the gearbox output (stall_torque, peak_torque, continuous_torque)? At the rotor 30 N*m is "
+            "0.6 N*m",
+        ),
+        (
+            {"peak_torque": "0.2", "continuous_torque": "0.6"},
+            "SPEC135",
+            "continuous_torque",
+            "are peak_torque and continuous_torque swapped?",
+        ),
+        (
+            {"side": "joint"},
+            "SPEC184",
+            "side",
+            "are the figures those of the rotor? Then write `side: motor`",
+        ),
+        (
+            {"gear_ratio": "0.02"},
+            "SPEC182",
+            "gear_ratio",
+            "did you mean 50? gear_ratio is rotor turns in one output turn",
+        ),
+        ({"gear_ratio": "5000"}, "SPEC183", "gear_ratio", "did you mean 50?"),
+        (
+            {"rotor_inertia": "60 kg*cm^2"},
+            "SPEC185",
+            "rotor_inertia",
+            "is it in g*cm^2? 60 g*cm^2 is 6e-06 kg*m^2",
+        ),
+        # 6e-9 kg*m^2: a help that could only make it smaller would be wrong.
+        (
+            {"rotor_inertia": "0.06 g*cm^2"},
+            "SPEC185",
+            "rotor_inertia",
+            "is it in kg*cm^2? 0.06 kg*cm^2 is 6e-06 kg*m^2",
+        ),
+        ({"rotor_inertia": "6e-9 kg*m^2"}, "SPEC185", "rotor_inertia", "did you mean 6e-06 kg*m^2?"),
+    ],
+)
+def test_the_wrong_number_is_blamed(wrong: dict[str, str], code: str, place: str, help: str) -> None:
+    (found,) = said(**wrong)
+    assert (found.code, found.where, found.help) == (code, f"motors.m.{place}", help)
+
+
+@pytest.mark.parametrize(
+    ("limits", "wrong", "place"),
+    [
+        # 30 N*m at the joint.
+        (", effort_limit: 30000", {}, "actuators.legs.effort_limit"),
+        (", effort_limit: 3", {"continuous_torque": "unknown"}, "actuators.legs.effort_limit"),
+        # 96 rpm at the joint, in rpm.
+        (", velocity_limit: 96 rad/s", {}, "actuators.legs.velocity_limit"),
+        # The limit agrees with the sheet, had the sheet its own side.
+        (
+            ", effort_limit: 30",
+            {"side": "joint", "no_load_speed": "unknown", "nominal_voltage": "unknown"},
+            "motors.m.side",
+        ),
+        # The torques alone are the output's.
+        (
+            ", effort_limit: 30",
+            {
+                "stall_torque": "30",
+                "peak_torque": "30",
+                "continuous_torque": "10",
+                "torque_constant": "unknown",
+            },
+            "motors.m.stall_torque",
+        ),
+        (", effort_limit: 30", {"stall_torque": "600"}, "motors.m.stall_torque"),
+    ],
+)
+def test_limits_of_the_joint_are_evidence(limits: str, wrong: dict[str, str], place: str) -> None:
+    assert [found.where for found in said(limits, **wrong)] == [place]
+
+
+def test_what_no_single_correction_explains_is_told_where_it_is_seen() -> None:
+    """0.04 x 200 of 0.6 N*m is 13, and a gear of 0.02 is told beside it."""
+    found = said(peak_current="200 A", gear_ratio="0.02", no_load_speed="unknown", rotor_inertia="unknown")
+    assert [item.where for item in found] == ["motors.m.torque_constant", "motors.m.gear_ratio"]
+
+
+def test_a_correction_that_leaves_a_doubt_is_none() -> None:
+    """0.1 x 33 is 0.33 of 10 N*m, and ten times that 3.3, above 2.5."""
+    (found,) = said(sheet="side: joint, peak_torque: 10, torque_constant: 0.1, peak_current: 33 A")
+    assert found.where == "motors.m.torque_constant"
+    assert found.help == "torque = torque constant x current, voltage = torque constant x speed"
+
+
+def test_one_power_of_ten_is_offered() -> None:
+    """19.12 and 1.912 rad/s are both usual."""
+    (found,) = said(sheet="side: joint, peak_torque: 33.5, no_load_speed: 1826 rpm")
+    assert (found.where, found.help) == ("motors.m.no_load_speed", "did you mean 19.12 rad/s?")
+
+
+def test_sure_at_one_of_the_figures_keeps_them() -> None:
+    assert said(no_load_speed="{value: 4800 rad/s, sure: true}") == []
+    assert said(no_load_speed="{value: 4800 rad/s, sure: false}") != []
