@@ -47,6 +47,15 @@ And by what it hands a configuration's drive to the simulator: Genesis integrate
 implicitly (RigidOptions.integrator is approximate_implicitfast).
 """
 
+_PYBULLET = re.compile(rb"\bsetJointMotorControl")
+_TAKES_EFFORT = re.compile(
+    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b"
+)
+"""PyBullet drives a joint with the force of each command and asks no URDF for it; these simulators do.
+
+Source: setJointMotorControl2 of PyBullet, `force` and `maxVelocity`.
+"""
+
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
 _MADE = rb"\{[^{}\n]*\}|%[sd]|\*"
@@ -178,9 +187,17 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     run = _Models(models, running).run()
     return Idle(
         frozenset() if run is None else frozenset(models) - run,
-        frozenset(name for name, form in _WRITES.items() if any(map(form.search, texts.values()))),
+        _written(tuple(texts.values())),
         {path: frozenset(name.decode() for name in names) for path, names in alone.items()},
     )
+
+
+def _written(texts: Collection[bytes]) -> frozenset[str]:
+    """What programs write over, of `_WRITES`, and `urdf_effort` where PyBullet alone loads the folder's URDFs."""
+    found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
+    if any(map(_PYBULLET.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
+        found.add("urdf_effort")
+    return frozenset(found)
 
 
 def _texts(programs: Iterable[str]) -> Iterator[tuple[str, bytes]]:

@@ -548,6 +548,33 @@ def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
     assert {item.finding.code for item in found} == {"STB101", "SRC101"}
 
 
+@pytest.mark.parametrize(
+    ("program", "severity"),
+    [
+        ("p.loadURDF('dog.urdf')\n", Severity.WARNING),
+        (
+            "p.loadURDF('dog.urdf')\np.setJointMotorControl2(dog, 0, p.POSITION_CONTROL, q, force=9)\n",
+            Severity.INFO,
+        ),
+        (
+            "import isaacgym\np.loadURDF('dog.urdf')\np.setJointMotorControl2(dog, 0, p.TORQUE_CONTROL, force=9)\n",
+            Severity.WARNING,
+        ),
+    ],
+)
+def test_effort_of_a_urdf_that_pybullet_loads(program: str, severity: Severity) -> None:
+    """PyBullet takes the force from each command and none from the URDF."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=40)
+    Path("r/models/dog.urdf").write_text(
+        f'<robot name="dog"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+    )
+    Path("r/run.py").write_text(program)
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    assert [item.severity for item in found] == [severity]
+
+
 def test_speeds_and_damping_of_a_urdf_by_side() -> None:
     """Few programs that load one read them; the effort they do."""
     for name, effort, speed in (("one", 20, 18), ("two", 30, 9)):

@@ -78,6 +78,7 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
     name = "left-right-asymmetry"
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
+    written_over = frozenset({"urdf_effort"})
     paired = True
     needs = "no joints whose names mirror each other among the files"
     options: ClassVar[dict[str, float]] = {"relative": 0.01, "angle": 0.02}
