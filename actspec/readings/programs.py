@@ -104,6 +104,13 @@ ASIDE = re.compile(
 """Words by which files and folders say that nobody runs them on a robot, or steps them at all."""
 
 
+_HANDED_ON = re.compile(
+    rb"^[ \t]*from[ \t]+[.\w]+[ \t]+import[ \t]+(?:\([^)*]*\)|[^*(\n]+)|__all__\s*\+?=\s*[\[(][^\])]*[\])]",
+    re.MULTILINE,
+)
+"""What a package's `__init__.py` hands on to who imports it, which is no use of it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Idle:
     """What nobody runs.
@@ -318,7 +325,7 @@ class _Models:
         if name.ending in (b"urdf", b"xml", b"mjcf"):
             ending = "." + name.ending.decode()
             found = [path for path in found if path.endswith(ending)]
-        elif name.ending == b"xacro" and name.literal is not None:
+        elif name.ending == b"xacro" and name.literal is not None and not by.endswith(".xacro"):
             found = [*found, *self._made_of(name)]
         return _closest(found, name.folders, by, self.words) if len(found) > 1 else found
 
@@ -386,7 +393,12 @@ def _idle_configs(
     every = frozenset().union(*configs.values()) | {_stem(path) for path in configs}
     # Whole words, each name that is not part of a longer one.
     pattern = re.compile(rb"(?<![\w])(?:" + b"|".join(map(re.escape, sorted(every))) + rb")(?![\w])")
-    counts = {path: Counter(pattern.findall(text)) for path, text in programs.items()}
+    counts = {
+        path: Counter(
+            pattern.findall(_HANDED_ON.sub(b"", text) if os.path.basename(path) == "__init__.py" else text)
+        )
+        for path, text in programs.items()
+    }
     used: dict[bytes, set[str]] = {}
     for path, count in counts.items():
         for name, times in count.items():

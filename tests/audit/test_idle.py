@@ -109,6 +109,10 @@ def test_urdfs_beside_a_xacro() -> None:
     Path("r/view.launch").write_text('<launch><arg model="$(find dog)/models/dog.xacro"/></launch>')
     Path("r/run.py").write_text("load('other/one.urdf')\n")
     assert severities("r") == {"one": Severity.WARNING, "two": Severity.WARNING}
+    # What only another xacro includes is run by nobody.
+    Path("r/view.launch").unlink()
+    Path("r/models/cat.xacro").write_text('<robot><xacro:include filename="dog.xacro"/></robot>')
+    assert severities("r") == {"one": Severity.WARNING, "two": Severity.INFO}
 
 
 @pytest.mark.parametrize(
@@ -212,6 +216,29 @@ def test_a_configuration_that_nothing_imports(task: str, more: str, lines: dict[
         for item in found
         if item.finding.code == "SYM101" and item.finding.span.path.endswith(".py")
     } == lines
+
+
+@pytest.mark.parametrize(
+    ("text", "cat"),
+    [
+        (
+            "from .robots import (\n    CAT_CFG,\n    DOG_CFG,\n)\n__all__ = ['CAT_CFG', 'DOG_CFG']\n",
+            Severity.INFO,
+        ),
+        ("from .robots import CAT_CFG, DOG_CFG\n", Severity.INFO),
+        ("from .robots import CAT_CFG, DOG_CFG\nregister('cat', CAT_CFG)\n", Severity.WARNING),
+    ],
+)
+def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
+    """An `__init__.py` that imports a name, for others, runs nothing; the task imports one of two."""
+    Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
+    Path("r/__init__.py").write_text(text)
+    Path("r/task.py").write_text("from . import DOG_CFG\n")
+    found = audit(["r"], Settings(select=("SYM101",))).findings
+    said = {
+        item.finding.span.line: item.severity for item in found if item.finding.span.path == "r/robots.py"
+    }
+    assert said == {6: Severity.WARNING, 8: cat}
 
 
 @pytest.mark.parametrize("named", ["r", "./r", "r/", "./r/../r", "."])
