@@ -131,12 +131,11 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
         if FileKind.SPEC in case.kinds_by_artifact[index]:
             continue
         words = distinctive(artifact)
-        named = [robot for robot in known_robots() if robot.words & words]
-        if len(named) != 1 or _is_derived(artifact, named[0]):
-            continue
-        rows = _rows(case, index, artifact, named[0])
-        if rows:
-            found.append(_like(index, named[0], rows))
+        named = [robot for robot in known_robots() if robot.words & words and not _is_derived(artifact, robot)]
+        # Of two that its name has the joints tell which it is, if they do.
+        met = [(robot, rows) for robot in named if (rows := _rows(case, index, artifact, robot))]
+        if len(met) == 1:
+            found.append(_like(index, *met[0]))
     return tuple(found)
 
 
