@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -19,6 +20,12 @@ CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 
 UNKNOWN = frozenset({"AUD015", "CFG001", "DEPLOY002"})
 """Codes of information about figures that no rule looks at, or that are not compared."""
+
+
+_ITS_OWN = re.compile(
+    r"unrecognized attribute|bad format in attribute|number is too large in attribute|must be a number"
+)
+"""Reasons of MuJoCo, and of actspec, to refuse a part of a model that nothing which includes it mends."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -150,7 +157,7 @@ def _from_text(file: FileReading) -> Iterator[Diagnostic]:
             message, severity = "no link has a mass, so what needs inertia is not judged", Severity.INFO
         else:
             message = f"read from its text alone, so what needs its inertia is not judged: {refusal}"
-            severity = Severity.INFO if part else Severity.WARNING
+            severity = Severity.INFO if part and not _ITS_OWN.search(refusal) else Severity.WARNING
         yield Diagnostic("AUD013", severity, message, "", place or Span(file.path))
 
 

@@ -106,7 +106,9 @@ class FindingGroup:
         Args:
             most: Files that are named.
         """
-        return f" ({self.how} in {listed([span.path for span in self.copies], most)})" if self.copies else ""
+        own = {span.path for span in self.spans}
+        paths = [path for path in dict.fromkeys(span.path for span in self.copies) if path not in own]
+        return f" ({self.how} in {listed(paths, most)})" if paths else ""
 
 
 def for_people(found: Iterable[Reported]) -> tuple[FindingGroup, ...]:

@@ -163,6 +163,10 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, cho
     if gone:
         notes.insert(0, f"{many(gone, 'name')} {'has' if gone == 1 else 'have'} nothing to audit")
     found = counted(groups) if groups or not report.findings else "no errors or warnings"
+    if not groups and (
+        told := sum(item.severity is Severity.WARNING for item in report.for_people(Severity.WARNING))
+    ):
+        found = many(told, "warning")
     yield f"{found} in {_files(report)}" + "".join(f"; {text}" for text in notes)
 
 

@@ -392,6 +392,10 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
 
 
 def _is_one_machine(case: Case, one: int, other: int) -> bool:
-    """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn."""
+    """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn.
+
+    `g1.urdf` and `g1.xml` of one folder are two descriptions of one, whatever they say of a link.
+    """
     here, there = case.artifacts[one].robot, case.artifacts[other].robot
-    return here is None or there is None or are_one_body(here, there)
+    names = {os.path.splitext(case.artifacts[index].path)[0] for index in (one, other)}
+    return here is None or there is None or len(names) == 1 or are_one_body(here, there)
