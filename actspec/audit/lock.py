@@ -28,7 +28,7 @@ from actspec.readings.versions import Versions
 
 FORMAT = "actspec-lock/1"
 
-SAME = 1e-8
+SAME = 6e-9
 """Largest relative difference from a figure that was rounded to nine digits, which is up to 5e-9 off."""
 
 MOST_BYTES = 64 << 20

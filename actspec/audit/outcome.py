@@ -13,7 +13,7 @@ from actspec.audit.finding import Confidence, Finding, Skipped
 from actspec.audit.rule import Rule
 from actspec.diagnostics import SEVERITIES, Diagnostic, Severity, Span, listed
 from actspec.readings.artifact import FileKind, FileReading
-from actspec.readings.pair import SHARE, joint_names
+from actspec.readings.pair import SHARE, fits, joint_names, says_something
 
 CONFIDENCES = (Confidence.LOW, Confidence.MEDIUM, Confidence.HIGH)
 """From the least to the surest."""
@@ -174,7 +174,12 @@ def _unpaired(case: Case) -> Iterator[Diagnostic]:
             continue
         for member in members:
             own = frozenset(joint_names(member) or ())
-            near = [path for path, joints in models.items() if own and len(own & joints) >= SHARE * len(own)]
+            near = [
+                path
+                for path, joints in models.items()
+                if (own and len(own & joints) >= SHARE * len(own))
+                or (not own and says_something(member.config) and fits(member.config, sorted(joints)))
+            ]
             if member.config is not None and near:
                 yield Diagnostic(
                     "AUD015",

@@ -133,18 +133,18 @@ def pair(artifacts: Sequence[Artifact], spec: str | None = None) -> tuple[Robot,
     for index in configs:
         joints_of = [[n for i in group for n in names[i] or ()] for group in named]
         only = len(_same_file(artifacts, configs, index)) == 1
-        if bound and only and _fits(artifacts[index].config, held or ()):
+        if bound and only and fits(artifacts[index].config, held or ()):
             next(group for group in groups if min(bound) in group).append(index)
             continue
-        fitting = [g for g, joints in enumerate(joints_of) if _fits(artifacts[index].config, joints)]
+        fitting = [g for g, joints in enumerate(joints_of) if fits(artifacts[index].config, joints)]
         alike = _that_is_named(artifacts, index, named) or [
             g
             for g, joints in enumerate(joints_of)
             if any(_shared(words[index], words[i]) for i in named[g])
-            and _fits(artifacts[index].config, joints, VARIANT)
+            and fits(artifacts[index].config, joints, VARIANT)
         ]
         silent = [g for g in fitting if any(agree(index, i) for i in named[g])]
-        sole = len(named) == 1 and only and _says_something(artifacts[index].config)
+        sole = len(named) == 1 and only and says_something(artifacts[index].config)
         alone = fitting if sole else []
         choice = next((found for found in (alike, silent, alone) if len(found) == 1), None)
         if choice is None or (not alike and len(fitting) > 1):
@@ -193,7 +193,7 @@ def _that_is_named(artifacts: Sequence[Artifact], index: int, groups: Sequence[S
         g
         for g, group in enumerate(groups)
         if any(found.get(i) == most for i in group)
-        and _fits(config, [n for i in group for n in joint_names(artifacts[i]) or ()], VARIANT)
+        and fits(config, [n for i in group for n in joint_names(artifacts[i]) or ()], VARIANT)
     ]
 
 
@@ -381,11 +381,16 @@ def are_alike(one: _Figures, other: _Figures, kinds: int) -> bool:
     return len(shares) < kinds or count < _FEW or sum(shares) >= LIKENESS * len(shares)
 
 
-def are_one_body(one: RobotView, other: RobotView) -> bool:
+def are_one_body(one: RobotView, other: RobotView, share: float = SHARE) -> bool:
     """Whether ranges and inertias of two models are those of one machine, or too few to tell.
 
     Versions of a machine have the same joints and other links; two files of one version have been seen to agree on
     every inertia, and on all but a few ranges.
+
+    Args:
+        one: The first.
+        other: The second.
+        share: Of the figures that must agree.
     """
     body = [
         {
@@ -396,7 +401,7 @@ def are_one_body(one: RobotView, other: RobotView) -> bool:
         for of in (figures_of(one), figures_of(other))
     ]
     shares, count = _shares(*body)
-    return count < _FEW or sum(shares) >= SHARE * len(shares)
+    return count < _FEW or sum(shares) >= share * len(shares)
 
 
 def _shares(one: _Figures, other: _Figures) -> tuple[list[float], int]:
@@ -452,7 +457,7 @@ def _overlap(one: frozenset[str], other: frozenset[str]) -> bool:
     return least > 0 and len(one & other) >= SHARE * least
 
 
-def _fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
+def fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0) -> bool:
     """Whether that share of a configuration's joint patterns, or more, match a joint; of a list without names, all."""
     if config is None or not config.groups:
         return False
@@ -464,7 +469,7 @@ def _fits(config: RobotConfig | None, joints: Sequence[str], share: float = 1.0)
     return bool(patterns) and met >= share * len(patterns)
 
 
-def _says_something(config: RobotConfig | None) -> bool:
+def says_something(config: RobotConfig | None) -> bool:
     """Whether a pattern has a word in it: `.*` fits every robot."""
     patterns = [pattern for group in config.groups for pattern in group.joints or ()] if config else []
     return any(re.search("[A-Za-z]{2}", pattern) for pattern in patterns)

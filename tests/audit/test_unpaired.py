@@ -42,3 +42,29 @@ def test_another_name(
         "no name shows that it is the same robot"
     )
     assert found == ([f"{name}: AUD015 [info]: {message}"] if reported else [])
+
+
+CFG = """from isaaclab.actuators import ImplicitActuatorCfg
+from isaaclab.assets import ArticulationCfg
+ROVER_CFG = ArticulationCfg(
+    actuators={{"legs": ImplicitActuatorCfg(joint_names_expr=[{}], stiffness=9.0, damping=1.0)}}
+)
+"""
+
+
+@pytest.mark.parametrize(
+    ("patterns", "reported"),
+    [('"hip", "kn.*"', True), ('".*"', False), ('"hip", "elbow"', False)],
+)
+def test_a_configuration_among_several_robots(
+    patterns: str, reported: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Alone with a model it is taken for its robot's; beside another robot it is said that it is not compared."""
+    monkeypatch.chdir(tmp_path)
+    Path("biped.xml").write_text(MODEL)
+    Path("crane.xml").write_text(
+        MODEL.replace("biped", "crane").replace("hip", "boom").replace("knee", "jib")
+    )
+    Path("train.py").write_text(CFG.format(patterns))
+    said = audit(["biped.xml", "crane.xml", "train.py"], Settings(select=("SRC103",))).for_people()
+    assert [item.code for item in said] == (["AUD015"] if reported else [])

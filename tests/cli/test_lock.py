@@ -102,6 +102,13 @@ def test_what_a_hash_is_of(old: str, new: str, same: bool) -> None:
     assert (lock()["files"]["leg.xml"]["robots"]["leg"]["hash"] == before) is same
 
 
+def test_a_figure_that_nine_digits_round() -> None:
+    """15.89524265 is written as 15.8952427, 3e-9 more; what was locked is what is there."""
+    Path("leg.xml").write_text(LEG.replace('kp="100"', 'kp="15.89524265"'))
+    main(["lock", "leg.xml"])
+    assert main(["lock", "--check"]) == 0
+
+
 def test_joints_and_robots_come_and_go(capsys: pytest.CaptureFixture[str]) -> None:
     """A joint that has another name, and a configuration that is gone, are changes."""
     head, _, body = CFG.partition("LEG_CFG")

@@ -16,7 +16,7 @@ from actspec.readings.artifact import FileKind, Robot
 from actspec.readings.compare import Figure, times
 from actspec.readings.dynamics import figure
 from actspec.readings.ledger import LedgerRow
-from actspec.readings.pair import agreement, are_one_body, joint_names, last_numbers, series
+from actspec.readings.pair import LIKENESS, SHARE, agreement, are_one_body, joint_names, last_numbers, series
 
 SAME = 0.01
 """Chosen: figures of two motors that agree so far are one, as `tolerance` of the rules."""
@@ -394,8 +394,9 @@ def _joint_sets(case: Case) -> list[frozenset[str] | None]:
 def _is_one_machine(case: Case, one: int, other: int) -> bool:
     """Whether nothing speaks against one machine: models tell by what their links weigh and how far joints turn.
 
-    `g1.urdf` and `g1.xml` of one folder are two descriptions of one, whatever they say of a link.
+    `g1.urdf` and `g1.xml` of one folder are two descriptions of one, where half of the figures agree.
     """
     here, there = case.artifacts[one].robot, case.artifacts[other].robot
     names = {os.path.splitext(case.artifacts[index].path)[0] for index in (one, other)}
-    return here is None or there is None or len(names) == 1 or are_one_body(here, there)
+    share = LIKENESS if len(names) == 1 else SHARE
+    return here is None or there is None or are_one_body(here, there, share)
