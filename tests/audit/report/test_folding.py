@@ -192,3 +192,21 @@ def test_two_files_that_disagree_are_one_thing() -> None:
     (group,) = _groups(*held)
     assert group.headline() == "b: has 5 N*m, 75 % less (similar: a)"
     assert len(_groups(held[0], replace(held[1], related=(third,)))) == 2
+
+
+def test_a_file_is_not_another_one() -> None:
+    """Two figures of one file, each held to a file of its own: the file is not named as another one."""
+    held = [
+        _one(
+            line,
+            f"57.3 times that in {to}",
+            "ankle",
+            path="a.xml",
+            value=50.0,
+            expected=35.0,
+            related=(Span(to, 3),),
+        )
+        for line, to in ((1, "a.urdf"), (2, "b.urdf"))
+    ]
+    (group,) = _groups(*held)
+    assert group.copies and group.headline() == "ankle: 57.3 times that in a.urdf"
