@@ -18,6 +18,7 @@ DIAGNOSTICS = {
     "CFG001": "unknown-without-running",
     "DEPLOY001": "list-length",
     "DEPLOY002": "list-without-names",
+    "DEPLOY003": "no-number",
 }
 """What is said of files beside findings: codes that can be ignored, with names. So can those of robot files."""
 

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 
 import yaml
 
-from actspec.diagnostics import Collector, Span, listed, one_line
+from actspec.diagnostics import Collector, Span, listed, one_line, shortened
 from actspec.files import place_of
 from actspec.readings.artifact import (
     ActuatorGroup,
@@ -393,6 +393,7 @@ class _Reader:
             self._step(item)
             values.append((_number(item), self._span(item)))
         if joints is not None and len(joints) == len(values):
+            self._no_numbers(key, node, joints, out)
             return {
                 joint: Setting(value, at)
                 for joint, (value, at) in zip(joints, values, strict=True)
@@ -415,6 +416,25 @@ class _Reader:
             help = f"add joint_names: [...] with {len(values)} names in the order of the lists"
             out.info("DEPLOY002", message, where=key, span=span, help=help)
         return {}
+
+    def _no_numbers(self, key: str, node: yaml.SequenceNode, joints: tuple[str, ...], out: Collector) -> None:
+        """Say which of a list of numbers are none: text, `.nan`, `.inf`; `null` is nobody's figure."""
+        odd = [
+            (joint, item)
+            for joint, item in zip(joints, node.value, strict=True)
+            if _number(item) is None and item.tag != "tag:yaml.org,2002:null" and item.value != "unknown"
+        ]
+        if len(odd) == len(node.value) and not any(item.tag == "tag:yaml.org,2002:float" for _, item in odd):
+            # A list of words is none of numbers.
+            return
+        for joint, item in odd:
+            what = shortened(str(item.value)) if isinstance(item, yaml.ScalarNode) else "a list"
+            # `1e5` without a dot is text to YAML 1.1.
+            why = (
+                "no finite number" if item.tag == "tag:yaml.org,2002:float" else "no number as YAML reads it"
+            )
+            message = f"{joint} has {what}, which is {why}: it is not judged"
+            out.warning("DEPLOY003", message, where=key, span=self._span(item))
 
     def _by_name(self, node: yaml.MappingNode, joints: tuple[str, ...] | None) -> dict[str, Setting]:
         found: dict[str, Setting] = {}

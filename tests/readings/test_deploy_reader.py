@@ -6,6 +6,8 @@ from pathlib import Path
 
 import pytest
 
+from actspec.audit.engine import audit
+from actspec.audit.settings import Settings
 from actspec.readings.artifact import FileKind, RobotConfig
 from actspec.readings.read import read_file
 
@@ -209,3 +211,24 @@ def test_the_sdks_order_of_our_own(tmp_path: Path, sdk: str, expected: tuple[str
     assert config.settings["sdk_order"].value == expected
     assert config.settings["joint_order"].value == ("hip", "knee")
     assert "sdk_order" not in _config(tmp_path, text.replace("actspec-deploy/1", "mine")).settings
+
+
+@pytest.mark.parametrize(
+    ("kp", "said"),
+    [
+        ("[.nan, 5]", ["leg.yaml:2:6: hip has .nan, which is no finite number: it is not judged"]),
+        ("[.inf, -.inf]", ["leg.yaml:2:6: hip has .inf", "leg.yaml:2:12: knee has -.inf"]),
+        ("[4, oops]", ["leg.yaml:2:9: knee has oops, which is no number as YAML reads it: it is not judged"]),
+        ("[4, null]", []),
+        ("[left, right]", []),
+    ],
+)
+def test_what_is_no_number(kp: str, said: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It is said of each, at its place; a list of words is none of numbers, and null is nobody's figure."""
+    monkeypatch.chdir(tmp_path)
+    Path("leg.yaml").write_text(f"joint_names: [hip, knee]\nkp: {kp}\nkd: [1, 1]\n")
+    report = audit(["leg.yaml"], Settings(select=("SRC103",)))
+    found = [f"{item.span}: {item.message}" for item in report.for_people() if item.code == "DEPLOY003"]
+    assert len(found) == len(said) and all(
+        text.startswith(start) for text, start in zip(found, said, strict=True)
+    )
