@@ -25,6 +25,12 @@ KNOWN_SHARE = 0.75
 OWN_SHARE = 0.6
 """Share of a file's joints that must be the known robot's. Chosen: a G1 with two hands of seven joints has 0.67."""
 
+PART = 10
+"""Joints from which a part of a known robot is told: its legs. Chosen: two legs of six, less one that another has."""
+
+PART_SHARE = 0.95
+"""Share of the joints of such a file that must be the known robot's. Chosen: an H1-2's legs have 0.67 of an H1's."""
+
 SAME = 0.02
 """Relative difference up to which a figure is a published one. Chosen: 23.5 and 23.7 N*m are one motor."""
 
@@ -173,7 +179,8 @@ def _rows(
         count = len({joint for _, joints in pairs for joint in joints})
         of_own = len(pairs) / max(len(names or by_joint), 1)
         counted = names is None or _counts_alike(known, names)
-        if counted and count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE:
+        whole = count >= KNOWN_SHARE * len(robot.joints) and of_own >= OWN_SHARE
+        if counted and (whole or (names is not None and count >= PART and of_own >= PART_SHARE)):
             best = max(best, pairs, key=len)
     return best
 
