@@ -22,7 +22,8 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
     order = options.of(DeployTarget).joint_order
     if not order:
         return
-    unnamed = [name for name in managed if name not in order]
+    guesses = {name: nearest(name, managed) for name in order if name is not None and name not in managed}
+    unnamed = [name for name in managed if name not in order and name not in guesses.values()]
     for index, name in enumerate(order):
         entry = f"joint_order[{index}]"
         place = options.at(entry, collector)
@@ -41,7 +42,7 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
                 else "name every joint that the spec manages once",
             )
         elif name not in managed:
-            guess = nearest(name, managed)
+            guess = guesses[name]
             help = f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}"
             meant |= {guess} if guess else set()
             words = name.split()
