@@ -597,6 +597,34 @@ def test_a_syntax_error_is_told_in_plain_words(text: str, line: int, message: st
             "write `c: 2` without `- `",
             id="hyphen before another",
         ),
+        pytest.param(
+            "a:\n  - b\n  - c\n  d: 1",
+            "4:3",
+            "a list item must begin with `- ` at the indentation of its list",
+            "quote text that begins with one of [ ] { } * & ! | > % @ `",
+            id="a list with a key below it",
+        ),
+        pytest.param(
+            "a:\n  b: some long\n    text\n    c: 1",
+            "4:6",
+            "a `: ` is not expected here",
+            "check the indentation, or quote the text",
+            id="a text that goes on",
+        ),
+        pytest.param(
+            "t: lo [ hi\nkp {v: 1, s: t}",
+            "2:1",
+            "`kp` has no `:`",
+            "write `kp: {v: 1, s: t}`",
+            id="below a bracket in a text",
+        ),
+        pytest.param(
+            "t: it's\nkp {v: 1, s: t}",
+            "2:1",
+            "`kp` has no `:`",
+            "write `kp: {v: 1, s: t}`",
+            id="below an apostrophe",
+        ),
     ],
 )
 def test_the_line_that_lacks_a_mark_is_blamed(text: str, place: str, message: str, help: str | None) -> None:

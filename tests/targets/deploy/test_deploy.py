@@ -348,6 +348,13 @@ def test_units_and_origins_are_said() -> None:
             ],
         ),
         (
+            ("l_hip", "l_hip", "r_hip", "r_kneee"),
+            [
+                "DEP002 targets.robot_side.joint_order[1]: 'l_hip' is named twice",
+                "DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is not a joint that the spec manages",
+            ],
+        ),
+        (
             ("l_hip", "l_knee r_knee", "r_hip"),
             [
                 "DEP001 targets.robot_side.joint_order[1]: 'l_knee r_knee' is not a joint that the spec manages"
@@ -372,6 +379,7 @@ def test_units_and_origins_are_said() -> None:
         "twice",
         "one in place of another",
         "one of two missing",
+        "one in place of another, and one misspelt",
         "no comma",
         "gaps",
         "missing",
