@@ -126,10 +126,10 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
     Returns: What could not be checked, for behind the summary, "" where the joints could be read; and warnings.
 
     Raises:
-        ResolveError: as for `compile`.
+        ResolveError: as for `compile`; the model's file is not there.
     """
     from actspec.resolution import resolve
-    from actspec.robot.load import find_model, joints_of_text, listed_robot
+    from actspec.robot.load import RobotNotInstalled, find_model, joints_of_text, listed_robot, placed
     from actspec.targets.check import check_options
     from actspec.targets.choose import choose_targets
 
@@ -137,12 +137,17 @@ def _resolved(spec: Spec) -> tuple[str, tuple[Diagnostic, ...]]:
     targets = choose_targets(spec, (), None, False, collector)
     model = spec.model.robot.model
     unread = ""
+    file = None
     try:
         if model == "none":
             robot = listed_robot(spec)
         else:
-            robot = joints_of_text(find_model(model, os.path.dirname(spec.document.path)))
+            file = find_model(model, os.path.dirname(spec.document.path))
+            robot = joints_of_text(file)
     except RobotError as err:
+        if file is None and not isinstance(err, RobotNotInstalled):
+            for item in placed(spec, err):
+                collector.add(item)
         unread = (
             f" (not checked against the joints of {one_line(model)}: {one_line(err.diagnostics[0].message)})"
         )

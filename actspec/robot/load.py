@@ -74,9 +74,13 @@ def robot_of(spec: Spec) -> RobotView:
     try:
         return replace(load_robot(find_model(model, folder)), packages=_packages(spec))
     except RobotError as err:
-        place = spec.span("robot", "model")
-        placed = [item if item.span is not None else replace(item, span=place) for item in err.diagnostics]
-        raise type(err)(placed) from err
+        raise type(err)(placed(spec, err)) from err
+
+
+def placed(spec: Spec, err: RobotError) -> tuple[Diagnostic, ...]:
+    """What is wrong with a spec's model; what has no place of its own is where the model is named."""
+    place = spec.span("robot", "model")
+    return tuple(item if item.span is not None else replace(item, span=place) for item in err.diagnostics)
 
 
 def check_packages(spec: Spec) -> None:

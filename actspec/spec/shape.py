@@ -30,6 +30,7 @@ _IN_A_VALUE = frozenset((*VALUE_KEYS, "derive", "nominal", "range", "sampling"))
 """Keys below a field that holds a number, derived gains and delays among them."""
 
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)", re.DOTALL)
+_NO_COLON = re.compile(r"([A-Za-z_][A-Za-z_0-9.-]*)\s+([\[{].*)", re.DOTALL)
 _DIGITS = re.compile(r"[0-9]+(?:\s*[A-Za-z%°µ].*)?", re.DOTALL)
 
 
@@ -58,7 +59,7 @@ def misplaced(data: Mapping[str, Any]) -> tuple[Misplaced, ...]:
     Args:
         data: The document.
     """
-    return (*_sections(data), *_dedented(data, ()), *_cut_apart(data, ()))
+    return (*_sections(data), *_at_the_edge(data), *_dedented(data, ()), *_cut_apart(data, ()))
 
 
 def misspelt(data: Mapping[str, Any], more: Iterable[str]) -> tuple[tuple[str, str], ...]:
@@ -92,6 +93,9 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
             yield _indented(lost, (section, lost))
         else:
             yield from _beside(held, section, own, word)
+    if isinstance(data.get("variant"), Mapping) and "variants" not in data:
+        message = "`variant` names the variant that the spec itself is, and this holds variants"
+        yield Misplaced(message, ("variant",), "write `variants:`")
     for section in ("robot", "timing", "accept"):
         held = data.get(section)
         if isinstance(held, Mapping):
@@ -99,6 +103,23 @@ def _sections(data: Mapping[str, Any]) -> Iterator[Misplaced]:
             for name in held:
                 if name in tops and name not in own:
                     yield _indented(name, (section, name))
+
+
+def _at_the_edge(data: Mapping[str, Any]) -> Iterator[Misplaced]:
+    """Groups, motors and so on that stand beside their section, which holds others."""
+    tops = fields_of(SpecModel)
+    for key, value in data.items():
+        if key in tops or not isinstance(value, Mapping) or not value:
+            continue
+        of = [name for name, (model, _) in _NAMED.items() if not value.keys() - fields_of(model)]
+        if len(of) == 1 and isinstance(data.get(of[0]), Mapping):
+            word = _NAMED[of[0]][1]
+            message = (
+                f"`{short(key)}` stands at the left edge, and by what it holds it is a {word} of `{of[0]}`"
+            )
+            yield Misplaced(
+                message, (key,), f"indent it, and what is below it, as the other {word}s of `{of[0]}`"
+            )
 
 
 def fields_of(model: type[BaseModel] | None) -> frozenset[str]:
@@ -234,8 +255,12 @@ def _cut_apart(node: Any, path: Path) -> Iterator[Misplaced]:
         last: tuple[str, Any] | None = None
         for key, value in node.items():
             space = _NO_SPACE.fullmatch(key) if value is None else None
+            bracket = _NO_COLON.fullmatch(key)
             if value is None and last is not None and _is_whole(last[1]) and _DIGITS.fullmatch(key):
                 yield _comma(f"{last[1]},{key}", f"{last[1]}.{key}", (*path, last[0]))
+            elif bracket is not None:
+                rest = f"{bracket[1]}: {bracket[2]}: {value}"
+                yield Misplaced(f"`{bracket[1]}` has no `:`", (*path, key), f"write `{short(rest)}`")
             elif space is not None:
                 message = f"`{short(key)}` has no space behind its colon, and is one word"
                 yield Misplaced(message, (*path, key), f"write `{space[1]}: {short(space[2])}`")

@@ -192,6 +192,10 @@ def _made_short(item: Any) -> bool:
     )
 
 
+_OTHER_WORDS = {"output": "joint", "gearbox": "joint", "load": "joint", "input": "motor"}
+"""Words for the sides of a gearbox, and the one of the language."""
+
+
 def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> None:
     """Add one pydantic error as a diagnostic in actspec's words."""
     kind = item["type"]
@@ -221,7 +225,7 @@ def report(breaches: Breaches, item: Any, path: Path, root: type[BaseModel]) -> 
             "SPEC105",
             f"must be {'one of ' * (len(options) > 1)}{', '.join(options)}, got {_got(given)}",
             path,
-            did_you_mean(str(given), options),
+            did_you_mean(_OTHER_WORDS.get(str(given), str(given)), options),
             key=on_key,
         )
     else:
@@ -240,7 +244,10 @@ def _in_yaml_words(
         dashed = _DASHED.match(str(given))
         if dashed is not None:
             return f"must be a list, and `-{short(dashed[1])}` lacks a space", f"write `- {short(dashed[1])}`"
-        items = ", ".join(f'"{item}"' for item in apart(str(given)))
+        text = str(given)
+        if text.count("]") > text.count("["):
+            text = text.removesuffix("]")
+        items = ", ".join(f'"{item}"' for item in apart(text))
         return f"must be a list{got}", f"write `[{items}]`"
     if kind in ("dict_type", "model_type", "model_attributes_type"):
         keys = sorted(fields_of(model))

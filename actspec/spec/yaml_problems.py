@@ -38,6 +38,13 @@ _PROBLEMS: tuple[tuple[str, str, str | None], ...] = (
 _NO_SPACE = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*):(\S.*)")
 _ITEM = re.compile(r"-([^\s-].*)")
 _EQUALS = re.compile(r"([A-Za-z_][A-Za-z_0-9-]*)\s*=\s*(\S.*)")
+_NAME = r"""[A-Za-z_][A-Za-z_0-9.-]*|"[^"]*"|'[^']*'"""
+_BEFORE_BRACKET = re.compile(rf"({_NAME})\s+([\[{{].*)")
+_BEHIND_QUOTE = re.compile(r"""("[^"]*"|'[^']*')\s+([^:\s].*)""")
+_ALONE = re.compile(rf"({_NAME})(?:\s+(.*))?")
+_COMMENT = re.compile(r"(?:^|\s+)#.*")
+_WORD = re.compile(r""""[^"]*"|'[^']*'|[^\s,:\[\]{}]+""")
+_OPENS, _CLOSES = {"[": "]", "{": "}"}, {"]": "list", "}": "mapping"}
 _KEY = re.compile(r"""(?:- +)?("[^"]*"|'[^']*'|[^\s#'"\[{][^#]*?):(?:\s|$)""")
 
 
@@ -90,8 +97,13 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         return Problem("`*` begins an alias here, and this is no alias", help, mark)
     if "anchor" in context:
         return Problem("`&` begins an anchor here, and this is no anchor", "quote the text", mark)
-    if "could not find expected ':'" in problem and start is not None:
-        found = _no_colon(lines[start.line].strip() if start.line < len(lines) else "", start)
+    if mark is not None and mark.line < len(lines) and "end of stream" not in problem:
+        found = _marks(lines, mark)
+        if found is not None:
+            return found
+    if "could not find expected ':'" in problem and start is not None and start.line < len(lines):
+        line = lines[start.line].strip()
+        found = _no_colon(line, start) or _lacks_colon(lines[start.line], start.line, _ALONE)
         if found is not None:
             return found
     if "mapping values are not allowed" in problem and mark is not None:
@@ -100,6 +112,9 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
             return found
     if "flow" in context and ("',' or ']'" in problem or "',' or '}'" in problem) and start is not None:
         kind, end = ("list", "]") if "]" in problem else ("mapping", "}")
+        found = None if mark is None else _no_comma(lines, mark, kind, end)
+        if found is not None:
+            return found
         ends = mark is None or not "".join(lines[mark.line :])[mark.column :].strip()
         until = "" if ends else f", and line {mark.line + 1} does not go on with it"
         return Problem(f"this {kind} lacks a `,` or its `{end}`{until}", f"close it with `{end}`", start)
@@ -111,8 +126,16 @@ def plain_problem(problem: str, context: str, text: str, mark: Any, start: Any) 
         if found is not None:
             return found
     if "block collection" in context:
+        if (
+            start is not None
+            and mark is not None
+            and _items(lines[start.line : mark.line], start.column) == 1
+        ):
+            return _item_among_keys(lines[start.line], start)
         return Problem("a list item must begin with `- ` at the indentation of its list", _QUOTE, mark)
     if "block mapping" in context:
+        if at == "-" and mark.column == _indent(lines[mark.line]):
+            return _item_among_keys(lines[mark.line], mark)
         found = None if mark is None else _below_a_value(lines, mark.line)
         if found is not None:
             return found
@@ -133,6 +156,114 @@ def _no_colon(line: str, start: Any) -> Problem | None:
     return None
 
 
+def _lacks_colon(line: str, number: int, form: re.Pattern[str]) -> Problem | None:
+    """A line `motor ak80`, `motors` or `kp {value: 20}`: a key without its colon."""
+    text = _COMMENT.sub("", line.strip())
+    match = form.fullmatch(text)
+    if match is None or (form is _ALONE and (": " in text or text.endswith(":"))):
+        return None
+    meant = f"{match[1]}: {match[2]}" if match[2] else f"{match[1]}:"
+    return Problem(f"`{cut(match[1])}` has no `:`", f"write `{cut(meant)}`", _Mark(number, _indent(line)))
+
+
+def _marks(lines: list[str], mark: Any) -> Problem | None:
+    """A quote that ends on another line, a key before a bracket, or a bracket that closes nothing, at a place.
+
+    Args:
+        lines: The file.
+        mark: Where the parser stopped.
+    """
+    opened: list[str] = []
+    closed = False
+    quote: tuple[str, int, int] | None = None
+    for number, line in enumerate(lines[: mark.line + 1]):
+        here = number == mark.line
+        if here and not opened and quote is None:
+            for form in (_BEFORE_BRACKET, _BEHIND_QUOTE):
+                found = _lacks_colon(line, number, form)
+                if found is not None:
+                    return found
+        before, closed = "", False
+        for column, char in enumerate(line):
+            if quote is not None:
+                if char == quote[0] and not (char == '"' and line[:column].endswith("\\")):
+                    if here and quote[1] < number and column <= mark.column:
+                        return _not_closed(lines, quote)
+                    quote, before = None, char
+                continue
+            if char == "#" and not line[:column].strip(" ") + line[column - 1 : column].strip(" "):
+                break
+            # In a text of a block these characters have no meaning.
+            begins = not before or before in "[{," or (before in ":-" and line[column - 1] == " ")
+            if char in "\"'" and begins:
+                quote = char, number, column
+            elif char in _OPENS and (begins or opened):
+                opened.append(char)
+            elif char in _CLOSES and opened:
+                opened.pop()
+                closed = True
+            elif char in _CLOSES and here:
+                return _closes_nothing(line, _Mark(number, column), closed)
+            elif char == "#" and line[column - 1] == " ":
+                break
+            if char != " ":
+                before = char
+    return None
+
+
+def _not_closed(lines: list[str], quote: tuple[str, int, int]) -> Problem:
+    char, number, column = quote
+    text = _COMMENT.sub("", lines[number][column + 1 :])
+    word = re.split(r"[\],}]|: ", text)[0]
+    return Problem(
+        "this quote is not closed on its line", f"write `{char}{cut(word)}{char}`", _Mark(number, column)
+    )
+
+
+def _closes_nothing(line: str, mark: _Mark, closed: bool) -> Problem:
+    """A `]` or `}` without the one that opens.
+
+    Args:
+        line: Where it stands.
+        mark: Its place.
+        closed: Whether another that was open is closed on this line.
+    """
+    end = line[mark.column]
+    key = _KEY.match(line.strip())
+    if closed or key is None:
+        return Problem(f"this `{end}` closes nothing", "remove it", mark)
+    begin = next(char for char, other in _OPENS.items() if other == end)
+    value = line[_indent(line) + key.end() : mark.column + 1].strip()
+    help = f"write `{cut(f'{key[1]}: {begin}{value}')}`"
+    return Problem(f"this {_CLOSES[end]} lacks its `{begin}`", help, _Mark(mark.line, line.index(value)))
+
+
+def _no_comma(lines: list[str], mark: Any, kind: str, end: str) -> Problem | None:
+    """An item of a list or mapping that stands behind another on its line without a comma."""
+    line = lines[mark.line] if mark.line < len(lines) else ""
+    at = line[mark.column : mark.column + 1]
+    if at in _CLOSES:
+        return Problem(f"this {kind} ends with `{at}`", f"close it with `{end}`", mark)
+    if at == ":":
+        word = next((m for m in _WORD.finditer(line) if m.end() == len(line[: mark.column].rstrip())), None)
+    else:
+        word = _WORD.match(line, mark.column)
+    if word is None or word.start() == _indent(line):
+        return None
+    return Problem(f"a `,` is missing before `{cut(word[0])}`", None, _Mark(mark.line, word.start()))
+
+
+def _items(lines: list[str], column: int) -> int:
+    return sum(_indent(line) == column and line.lstrip().startswith("- ") for line in lines)
+
+
+def _item_among_keys(line: str, mark: Any) -> Problem:
+    text = line.strip().removeprefix("-").strip()
+    return Problem(
+        "this `- ` begins a list, and keys stand beside it", f"write `{cut(text)}` without `- `", mark
+    )
+
+
 def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     """A `: ` where a value stands already: in a text, or on a line that is indented below a value."""
     line = lines[mark.line] if mark.line < len(lines) else ""
@@ -148,6 +279,15 @@ def _second_colon(lines: list[str], mark: Any) -> Problem | None:
     if _indent(lines[number]) == own:
         # `kd:0.5` is a text, which goes on here.
         found = _no_colon(lines[number].strip(), _Mark(number, own))
+        if found is not None:
+            return found
+    # So is `kd 0.5`, but not below a key that has a value already.
+    first: int | None = None
+    over: int | None = above
+    while over is not None and _indent(lines[over]) == own:
+        first, over = over, _above(lines, over)
+    if first is not None and (over is None or _COMMENT.sub("", lines[over]).rstrip().endswith(":")):
+        found = _lacks_colon(lines[first], first, _ALONE)
         if found is not None:
             return found
     return _below_a_value(lines, mark.line)

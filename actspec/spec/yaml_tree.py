@@ -305,7 +305,8 @@ class _Builder:
             return None
         if key in held:
             message = f"the key '{cut(key)}' is repeated, first at {held[key][0]}"
-            self.error("SPEC006", message, node.span, "keep one of the two")
+            more = "; what variants change stands under `variants`" if key == "variant" else ""
+            self.error("SPEC006", message, node.span, f"keep one of the two{more}")
             return None
         return key, node.span
 

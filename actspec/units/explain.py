@@ -27,6 +27,10 @@ _SPELLINGS = {
 }  # fmt: skip
 
 
+_TO = re.compile(r": *([1-9][0-9]{0,8}(?:\.[0-9]{1,9})?)")
+"""The second half of `9:1`."""
+
+
 def unreadable(bad: BadUnit, text: str, shown_unit: str, shown: str, kind: Kind) -> UnitError:
     """The error for a unit that is none.
 
@@ -37,6 +41,13 @@ def unreadable(bad: BadUnit, text: str, shown_unit: str, shown: str, kind: Kind)
         shown: The number as its author wrote it.
         kind: What was asked for.
     """
+    to = _TO.fullmatch(text) if kind is Kind.RATIO else None
+    if to is not None:
+        first, second = float(shown), float(to[1])
+        help = f"write `{format_number(first / second)}`"
+        if 0 < first < second:
+            help += f", or `{format_number(second / first)}` for a gearbox that reduces the speed so"
+        return UnitError(f"{shortened(shown)}{shortened(shown_unit)} is two numbers, not a ratio", help)
     return UnitError(
         f"{shortened(shown)} {shortened(shown_unit)} is not {an(kind.noun)}: {bad.reason}",
         _did_you_mean(text, bad.unknown, shown, kind) or in_units(kind),

@@ -32,14 +32,15 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_start(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Without arguments it writes actspec.yaml, which `validate` passes, and says what comes next."""
+    """Without arguments it writes actspec.yaml, in which only the robot's file is to be named, and says so."""
     assert main(["init"]) == 0
     out = capsys.readouterr().out
     assert out.startswith("wrote actspec.yaml: ")
     assert "  actspec validate actspec.yaml\n" in out
     assert os.listdir(folder) == ["actspec.yaml"]
-    assert main(["validate", "actspec.yaml"]) == 0
-    assert "valid: my_robot, 1 group" in capsys.readouterr().out
+    assert main(["validate", "actspec.yaml"]) == 2
+    (line,) = [line for line in capsys.readouterr().err.splitlines() if "help:" not in line]
+    assert line.endswith("ROBOT101 robot.model: there is no model 'my_robot.xml'")
 
 
 def test_start_compiles_once_the_model_is_named(folder: Path) -> None:

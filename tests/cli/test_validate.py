@@ -114,7 +114,6 @@ def test_listed_joints(folder: Path, capsys: pytest.CaptureFixture[str]) -> None
 @pytest.mark.parametrize(
     "model, why",
     [
-        ("missing.xml", "there is no model 'missing.xml'"),
         (
             "package://no-such-distribution/a.xml",
             "the model 'package://no-such-distribution/a.xml' is not installed",
@@ -132,6 +131,26 @@ def test_what_it_could_not_read(
     out, err = capsys.readouterr()
     start = f"leg.yaml: valid: leg, 1 group (not checked against the joints of {model}: "
     assert out.startswith(start) and why in out and err == ""
+
+
+@pytest.mark.parametrize(
+    ("model", "said"),
+    [
+        (
+            "legg.urdf",
+            "leg.yaml:2:27: ROBOT101 robot.model: there is no model 'legg.urdf'\n  help: did you mean 'leg.urdf'?\n",
+        ),
+        ("no/leg.urdf", "leg.yaml:2:27: ROBOT101 robot.model: there is no model 'no/leg.urdf': its folder"),
+    ],
+)
+def test_a_model_that_is_not_there(
+    folder: Path, model: str, said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """An error as for `compile`, and the only one: nothing is held to joints that nobody knows."""
+    (folder / "leg.yaml").write_text(spec(model, "no_such_joint"), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and err.startswith(said) and err.count("leg.yaml:") == 1
 
 
 def test_as_json(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -232,7 +251,7 @@ def test_options_of_targets(
 def test_a_version_is_told_where_the_model_cannot_be_read(
     folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = spec("missing.xml", "hip") + "targets: {mujoco: {version: '9.9'}, deploy: {joint_order: [no]}}\n"
+    text = spec("herd.xml", "hip") + "targets: {mujoco: {version: '9.9'}, deploy: {joint_order: [no]}}\n"
     Path("leg.yaml").write_text(text, encoding="utf-8")
     assert main(["validate", "leg.yaml"]) == 2
     assert capsys.readouterr().err.count("leg.yaml:") == 1

@@ -469,8 +469,8 @@ def test_what_is_refused_says_where(text: str | bytes, expected: str) -> None:
         pytest.param(
             "a: b\n- c",
             2,
-            "a key is expected here, at the indentation of its mapping",
-            "quote text that begins with one of [ ] { } * & ! | > % @ `",
+            "this `- ` begins a list, and keys stand beside it",
+            "write `c` without `- `",
             id="list at key level",
         ),
         pytest.param(
@@ -526,6 +526,129 @@ def test_a_syntax_error_is_told_in_plain_words(text: str, line: int, message: st
     (error,) = errors(text)
     assert error.span is not None
     assert (error.span.line, error.message, error.help) == (line, message, help)
+
+
+@pytest.mark.parametrize(
+    ("text", "place", "message", "help"),
+    [
+        pytest.param("a:\n  b c\n  d: 1", "2:3", "`b` has no `:`", "write `b: c`", id="first of a mapping"),
+        pytest.param("a:\n  x: 1\n  b c\n  d: 1", "3:3", "`b` has no `:`", "write `b: c`", id="inside"),
+        pytest.param("a:\n  x: 1\n  b c # d\nd: 1", "3:3", "`b` has no `:`", "write `b: c`", id="last"),
+        pytest.param("a: 1\n\nb\n  c:\n    d: 1", "3:1", "`b` has no `:`", "write `b:`", id="section"),
+        pytest.param(
+            "a:\n  b: 1\n  c\n    '.*': {d: 1}", "3:3", "`c` has no `:`", "write `c:`", id="above a quote"
+        ),
+        pytest.param("a 1\nb: 1", "1:1", "`a` has no `:`", "write `a: 1`", id="first of all"),
+        pytest.param(
+            "a:\n  b: 1\n  kp {value: 8, s: t}\n  c: 1",
+            "3:3",
+            "`kp` has no `:`",
+            "write `kp: {value: 8, s: t}`",
+            id="before a brace",
+        ),
+        pytest.param(
+            "a:\n  '.*x' 0.4 rad\n  b: 1", "2:3", "`'.*x'` has no `:`", "write `'.*x': 0.4 rad`", id="quoted"
+        ),
+        pytest.param(
+            "a:\n  b: v: 5 rpm, s: t}\n  c: 1",
+            "2:6",
+            "this mapping lacks its `{`",
+            "write `b: {v: 5 rpm, s: t}`",
+            id="no opening brace",
+        ),
+        pytest.param(
+            "a:\n  b: 'x', 'y']\n  c: 1",
+            "2:6",
+            "this list lacks its `[`",
+            "write `b: ['x', 'y']`",
+            id="no opening bracket",
+        ),
+        pytest.param("a: {b: 1}}\nc: 1", "1:10", "this `}` closes nothing", "remove it", id="extra brace"),
+        pytest.param("a: [b, c]]\nd: 1", "1:10", "this `]` closes nothing", "remove it", id="extra bracket"),
+        pytest.param("a: ['b' 'c']", "1:9", "a `,` is missing before `'c'`", None, id="no comma in a list"),
+        pytest.param("a: {b: 4 N*m s: t}", "1:14", "a `,` is missing before `s`", None, id="in a mapping"),
+        pytest.param("a: {b: [1, 2] s: t}", "1:15", "a `,` is missing before `s`", None, id="behind a list"),
+        pytest.param("a: [b, c}", "1:9", "this list ends with `}`", "close it with `]`", id="other bracket"),
+        pytest.param(
+            'a: 1\nb: [".*x]\nc: 1\nd: [".*y"]',
+            "2:5",
+            "this quote is not closed on its line",
+            'write `".*x"`',
+            id="quote in a list",
+        ),
+        pytest.param(
+            'a:\n  ".*x: 1\n  ".*y": 2',
+            "2:3",
+            "this quote is not closed on its line",
+            'write `".*x"`',
+            id="quote of a key",
+        ),
+        pytest.param(
+            "a:\n  - b: 1\n  c: 2",
+            "2:3",
+            "this `- ` begins a list, and keys stand beside it",
+            "write `b: 1` without `- `",
+            id="hyphen before the first key",
+        ),
+        pytest.param(
+            "a:\n  b: 1\n  - c: 2\n  d: 3",
+            "3:3",
+            "this `- ` begins a list, and keys stand beside it",
+            "write `c: 2` without `- `",
+            id="hyphen before another",
+        ),
+        pytest.param(
+            "a:\n  - b\n  - c\n  d: 1",
+            "4:3",
+            "a list item must begin with `- ` at the indentation of its list",
+            "quote text that begins with one of [ ] { } * & ! | > % @ `",
+            id="a list with a key below it",
+        ),
+        pytest.param(
+            "a:\n  b: some long\n    text\n    c: 1",
+            "4:6",
+            "a `: ` is not expected here",
+            "check the indentation, or quote the text",
+            id="a text that goes on",
+        ),
+        pytest.param(
+            "t: lo [ hi\nkp {v: 1, s: t}",
+            "2:1",
+            "`kp` has no `:`",
+            "write `kp: {v: 1, s: t}`",
+            id="below a bracket in a text",
+        ),
+        pytest.param(
+            "t: it's\nkp {v: 1, s: t}",
+            "2:1",
+            "`kp` has no `:`",
+            "write `kp: {v: 1, s: t}`",
+            id="below an apostrophe",
+        ),
+    ],
+)
+def test_the_line_that_lacks_a_mark_is_blamed(text: str, place: str, message: str, help: str | None) -> None:
+    """Not the line after it, on which the parser stops; the two parsers agree."""
+    (error,) = errors(text)
+    assert error.span is not None
+    assert (f"{error.span.line}:{error.span.column}", error.message, error.help) == (place, message, help)
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "a: 'one\n  two'\nb: [1\nc: 2",
+        "t: it's [5, 6[ wide\nb: [1\nc: 2",
+        "t: x # [ {\nb: [1\nc: 2",
+        "t: [1,\n  2]\nb: [1\nc: 2",
+    ],
+)
+def test_marks_that_mean_nothing_are_not_blamed(text: str) -> None:
+    """A quote over two lines, apostrophes and brackets in texts and comments: the list that is open is told."""
+    (error,) = errors(text)
+    assert error.span is not None
+    assert error.message.startswith("this list lacks a `,` or its `]`")
+    assert error.span.line == text.split("\n").index("b: [1") + 1
 
 
 @pytest.mark.parametrize(

@@ -50,7 +50,10 @@ def check_named(section: str, name: str, known: Mapping[str, object], path: Path
     """A motor or a source that is named at `path` is in its section."""
     if name not in known:
         code, noun = {"sources": ("SPEC123", "source"), "motors": ("SPEC141", "motor")}[section]
-        help = did_you_mean(name, sorted(known), f"add it to `{section}`")
+        # `ec45` is short for `ec45_csf17`, and to the letter not near it.
+        longer = [other for other in known if name in other]
+        meant = f"did you mean '{longer[0]}'?" if len(longer) == 1 and name else f"add it to `{section}`"
+        help = did_you_mean(name, sorted(known), meant)
         breaches.error(code, f"no {noun} is named '{name}'", path, help)
 
 

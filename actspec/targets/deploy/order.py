@@ -22,23 +22,34 @@ def check_sdk_order(options: TargetOptions, managed: Sequence[str], collector: C
     order = options.of(DeployTarget).joint_order
     if not order:
         return
+    guesses = {name: nearest(name, managed) for name in order if name is not None and name not in managed}
+    unnamed = [name for name in managed if name not in order and name not in guesses.values()]
     for index, name in enumerate(order):
         entry = f"joint_order[{index}]"
         place = options.at(entry, collector)
         if name is None:
             continue
         if name in seen:
-            place.error(
-                "DEP002", f"'{shortened(name)}' is named twice", "name every joint that the spec manages once"
-            )
-        elif name not in managed:
-            guess = nearest(name, managed)
+            # Where another is missing, this stands in its place: one mistake, told once.
+            left = [other for other in unnamed if other not in meant]
+            guess = nearest(name, left) or next(iter(left), None)
             meant |= {guess} if guess else set()
             place.error(
-                "DEP001",
-                f"'{shortened(name)}' is not a joint that the spec manages",
-                f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}",
+                "DEP002",
+                f"'{shortened(name)}' is named twice",
+                f"did you mean '{guess}', which is missing?"
+                if guess
+                else "name every joint that the spec manages once",
             )
+        elif name not in managed:
+            guess = guesses[name]
+            help = f"did you mean '{guess}'?" if guess else f"the joints are: {listed(managed)}"
+            meant |= {guess} if guess else set()
+            words = name.split()
+            if len(words) > 1 and not {*words} - {*managed}:
+                meant |= {*words}
+                help = f"separate them by a comma: {', '.join(words)}"
+            place.error("DEP001", f"'{shortened(name)}' is not a joint that the spec manages", help)
         seen.add(name)
     # A misspelt name is told as such, not as one that is missing too.
     missing = [name for name in managed if name not in seen | meant]

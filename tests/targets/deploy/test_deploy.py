@@ -337,6 +337,30 @@ def test_units_and_origins_are_said() -> None:
             ["DEP002 targets.robot_side.joint_order[4]: 'l_hip' is named twice"],
         ),
         (
+            ("l_hip", "l_knee", "r_hip", "l_knee"),
+            ["DEP002 targets.robot_side.joint_order[3]: 'l_knee' is named twice"],
+        ),
+        (
+            ("l_hip", "l_knee", "l_hip"),
+            [
+                "DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee",
+                "DEP002 targets.robot_side.joint_order[2]: 'l_hip' is named twice",
+            ],
+        ),
+        (
+            ("l_hip", "l_hip", "r_hip", "r_kneee"),
+            [
+                "DEP002 targets.robot_side.joint_order[1]: 'l_hip' is named twice",
+                "DEP001 targets.robot_side.joint_order[3]: 'r_kneee' is not a joint that the spec manages",
+            ],
+        ),
+        (
+            ("l_hip", "l_knee r_knee", "r_hip"),
+            [
+                "DEP001 targets.robot_side.joint_order[1]: 'l_knee r_knee' is not a joint that the spec manages"
+            ],
+        ),
+        (
             (None, "l_hip", "l_knee", None, "r_hip"),
             ["DEP003 targets.robot_side.joint_order: 1 of 4 managed joints missing: r_knee"],
         ),
@@ -349,7 +373,18 @@ def test_units_and_origins_are_said() -> None:
             ["DEP001 targets.robot_side.joint_order[4]: 'r_roll' is not a joint that the spec manages"],
         ),
     ],
-    ids=["misspelt", "misspelt and missing", "twice", "gaps", "missing", "unmanaged"],
+    ids=[
+        "misspelt",
+        "misspelt and missing",
+        "twice",
+        "one in place of another",
+        "one of two missing",
+        "one in place of another, and one misspelt",
+        "no comma",
+        "gaps",
+        "missing",
+        "unmanaged",
+    ],
 )
 def test_sdk_order_is_checked(order: tuple[str | None, ...], expected: list[str]) -> None:
     """An SDK order names every managed joint once and no other; the nearest name is offered."""
@@ -359,6 +394,10 @@ def test_sdk_order_is_checked(order: tuple[str | None, ...], expected: list[str]
     assert sorted(f"{d.code} {d.where}: {d.message}" for d in found) == sorted(expected)
     if "r_kneee" in order:
         assert "did you mean 'r_knee'?" in [d.help for d in found]
+    if order[1:] == ("l_knee", "r_hip", "l_knee"):
+        assert [d.help for d in found] == ["did you mean 'r_knee', which is missing?"]
+    if "l_knee r_knee" in order:
+        assert [d.help for d in found] == ["separate them by a comma: l_knee, r_knee"]
 
 
 @pytest.mark.parametrize(
