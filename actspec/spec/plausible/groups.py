@@ -109,13 +109,18 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 
 
 def drives_of(model: SpecModel) -> Iterator[Drive]:
-    """Every motor, with the limits of the joints that it drives; behind a transmission nothing is compared."""
+    """Every motor, with the limits of the joints that it drives.
+
+    Behind a transmission nothing is compared, nor by a reduction that is doubted itself.
+    """
     limits: dict[str, list[Limit]] = {}
     for path, fields, group in _layers(model):
         name = fields.motor or group.motor
         if name is None or (fields.transmission or group.transmission) is not None:
             continue
         reduction = fields.reduction or group.reduction
+        if reduction is not None and _is_geared_up(reduction):
+            continue
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
@@ -170,11 +175,16 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
                 places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)
                 yield at(spans, "SPEC192", message, places[0], help, places[1])
         reduction = fields.reduction
-        if reduction is not None and reduction.value and reduction.value < 1.0:
+        if reduction is not None and _is_geared_up(reduction):
             yield _geared_up(reduction, (*path, "reduction"), spans)
     for name, group in model.actuators.items():
         for field, entry in group.randomize.items():
             yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
+
+
+def _is_geared_up(reduction: SpecValue) -> bool:
+    """Whether the joint turns faster than the output of its motor."""
+    return bool(reduction.value) and (reduction.value or 0.0) < 1.0
 
 
 def _geared_up(reduction: SpecValue, path: Path, spans: SourceMap) -> Doubt:

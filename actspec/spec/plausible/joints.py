@@ -136,6 +136,7 @@ def _joint_doubts_of(
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
     gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
+    reduced = {".".join(item.where.split(".")[:2]) for item in told if item.where.endswith(".reduction")}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
@@ -146,7 +147,8 @@ def _joint_doubts_of(
             if lever and joint.effort_limit.span in doubt.judged:
                 # What is judged by a wrong limit says nothing.
                 continue
-            if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
+            doubtful = f"motors.{joint.motor}" in reported or f"actuators.{joint.group}" in reduced
+            if (found.derived and doubtful) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
                 continue
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
