@@ -14,6 +14,7 @@ from actspec.spec.plausible import check_numbers
 from actspec.spec.plausible.gains import DEGREE, Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
+from actspec.spec.plausible.witnesses import file_doubts
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
@@ -24,6 +25,8 @@ OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
 ARMATURE_RATE = (5.0, 3e5)
 """Effort limit over armature [rad/s^2 or m/s^2]."""
+SPIN_UP = 0.2
+"""What reaches the motor's speed in this time is not too heavy, however slow [s]. Chosen: a linear servo has 4 ms."""
 ROTOR_ALONE = 3e6
 """The same, of a joint with a motor whose links are not known."""
 HEAVY = 50.0
@@ -98,6 +101,8 @@ def check_joints(
         collector: Takes warnings, and errors where nothing could be right.
         mass: Of the robot [kg]; None: unknown.
     """
+    reported = {".".join(item.where.split(".")[:2]) for item in collector if item.code in BY_CODE}
+    tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
     tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
@@ -343,6 +348,10 @@ def _armature(joint: JointActuator) -> Iterator[_Found]:
     words = None
     large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
     unknown = links is None and joint.motor is not None
+    line = joint.motor_line
+    fast = None if line is None or line.no_load_speed is None else line.no_load_speed.value
+    if rate and fast and fast < SPIN_UP * rate < SPIN_UP * ARMATURE_RATE[0]:
+        return
     if rate is not None and (
         rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)
     ):

@@ -66,10 +66,20 @@ def codes(text: str, model: str | None = None) -> list[str]:
         # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
         ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
         ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),
-        # A rotor of 60 rad/s or more behind a gear of 3 or more; an output of up to 100 rad/s.
-        ("side: motor, gear_ratio: 3, no_load_speed: 59 rad/s", ["SPEC184"]),
-        ("side: motor, gear_ratio: 3, no_load_speed: 60 rad/s", []),
-        ("side: motor, gear_ratio: 2.9, no_load_speed: 59 rad/s", []),
+        # A rotor of 60 rad/s or 12 times the gear behind a gear of 3 or more; an output of up to 100 rad/s.
+        ("side: motor, gear_ratio: 5, no_load_speed: 59 rad/s", ["SPEC184"]),
+        ("side: motor, gear_ratio: 5, no_load_speed: 60 rad/s", []),
+        ("side: motor, gear_ratio: 3, no_load_speed: 35 rad/s", ["SPEC184"]),
+        ("side: motor, gear_ratio: 3, no_load_speed: 36 rad/s", []),
+        ("side: motor, gear_ratio: 2.9, no_load_speed: 35 rad/s", []),
+        # A fiftieth of the peak torque, 0.004 of the stall torque, a tenth of what goes in.
+        ("side: joint, peak_torque: 10, continuous_torque: 0.2", []),
+        ("side: joint, peak_torque: 10, continuous_torque: 0.19", ["SPEC135"]),
+        ("side: joint, stall_torque: 10, continuous_torque: 0.04", []),
+        ("side: joint, stall_torque: 10, continuous_torque: 0.039", ["SPEC180"]),
+        ("gear_ratio: 10, efficiency: 0.1", []),
+        ("gear_ratio: 10, efficiency: 0.09", ["SPEC189"]),
+        ("gearbox: [{ratio: 10, efficiency: 0.9}, {ratio: 2, efficiency: 0.09}]", ["SPEC189"]),
         ("side: joint, gear_ratio: 3, no_load_speed: 101 rad/s", ["SPEC184"]),
         ("side: joint, gear_ratio: 2.9, no_load_speed: 101 rad/s", []),
         ("side: joint, gear_ratio: 100, no_load_speed: 81 rad/s", ["SPEC184"]),
@@ -111,7 +121,8 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
-        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106", "SPEC182"]),
+        # 0.5 x 20 rad/s of 10 N*m, both by a reduction that is doubted itself.
+        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["SPEC182"]),
         # 20 N*m x 0.04 = 0.8 N*m.
         ("motor: m, reduction: 0.04", ["SPEC182!"]),
         ("motor: m, reduction: 1", []),
