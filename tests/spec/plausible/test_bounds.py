@@ -426,6 +426,17 @@ def test_strict_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert main(arguments) == 0
 
 
+@pytest.mark.parametrize(("speed", "expected"), [("0.29 rad/s", []), ("0.31 rad/s", ["SPEC191"])])
+def test_a_slow_drive_may_be_heavy(speed: str, expected: list[str]) -> None:
+    """45 N*m of 30 kg*m^2 are 1.5 rad/s^2, and 0.3 rad/s after 0.2 s."""
+    motor = f"side: joint, stall_torque: 45, no_load_speed: {speed}, reflected_inertia: 30"
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 30, kd: 3}}, {REST}",
+        motors=f"{{m: {{{motor}}}}}",
+    )
+    assert codes(text) == expected
+
+
 def test_the_page_lists_every_check() -> None:
     """docs/checks.md has a row a check, in the words of the table."""
     page = (ROBOTS.parent / "docs" / "checks.md").read_text(encoding="utf-8")
