@@ -131,7 +131,9 @@ def likenesses(case: Case) -> tuple[Likeness, ...]:
         if FileKind.SPEC in case.kinds_by_artifact[index]:
             continue
         words = distinctive(artifact)
-        named = [robot for robot in known_robots() if robot.words & words and not _is_derived(artifact, robot)]
+        named = [
+            robot for robot in known_robots() if robot.words & words and not _is_derived(artifact, robot)
+        ]
         # Of two that its name has the joints tell which it is, if they do.
         met = [(robot, rows) for robot in named if (rows := _rows(case, index, artifact, robot))]
         if len(met) == 1:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.diagnostics import Collector, Span, listed
+from actspec.diagnostics import Collector, Diagnostic, Span, listed
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
@@ -66,6 +66,8 @@ _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
+_TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
+"""Figures of a motor from which the inertia at its joint follows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +110,21 @@ def check_joints(
     # Another variant may need what this one does not.
     if kept and not model.variants:
         _check_kept(kept, joints, model, document, collector, mass)
+
+
+def doubted_drives(joints: Iterable[JointActuator], diagnostics: Iterable[Diagnostic]) -> frozenset[str]:
+    """Joints of which a gain, or what their inertia follows from, is reported: their stability says nothing."""
+    sections = {
+        ".".join(item.where.split(".")[:2])
+        for item in diagnostics
+        if item.code in ("SPEC191", "SPEC192")
+        or (item.code in BY_CODE and item.where.rpartition(".")[2] in _TO_INERTIA)
+    }
+    return frozenset(
+        joint.joint
+        for joint in joints
+        if not sections.isdisjoint((f"actuators.{joint.group}", f"motors.{joint.motor}"))
+    )
 
 
 def _check_kept(
