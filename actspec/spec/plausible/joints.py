@@ -522,6 +522,9 @@ def _scale(joint: JointActuator) -> Iterator[_Found]:
         size = reach / most.value / RATE_SCALE
         words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {_shown(most)}"
     help = f"did you mean {scale.value / 100:g}?" if size >= 5.0 else None
+    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
+        meant = format_quantity(scale.value * DEGREE, "", 4)
+        help = f"is it in degrees? Then write {meant}" + (f"; or {help}" if help is not None else "")
     yield _found(
         joint,
         "SPEC193",

@@ -113,8 +113,9 @@ CHECKS = (
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees.",
-        "A warning for a factor above 20 (published: 3, on kd) and an encoder that is off by more than 0.5 rad or "
+        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees; such an "
+        "error as the nominal one.",
+        "A warning for a factor above 10 (published: 3, on kd) and an encoder that is off by more than 0.25 rad or "
         "0.1 m (0.02 rad).",
     ),
     Check(

@@ -169,10 +169,13 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: 0 s", []),
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
-        ("randomize: {kd: {scale: [0.3, 20]}}", []),
+        ("randomize: {kd: {scale: [0.3, 10]}}", []),
+        ("randomize: {kd: {scale: [0.9, 11]}}", ["SPEC188"]),
         ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"]),
-        ("randomize: {encoder_bias: {add: [-0.5 rad, 0.5 rad]}}", []),
-        ("randomize: {encoder_bias: {abs: [-0.51 rad, 0 rad]}}", ["SPEC188"]),
+        ("randomize: {encoder_bias: {add: [-0.25 rad, 0.25 rad]}}", []),
+        ("randomize: {encoder_bias: {abs: [-0.26 rad, 0 rad]}}", ["SPEC188"]),
+        ("encoder_bias: -0.25 rad", []),
+        ("encoder_bias: -0.26 rad", ["SPEC188"]),
         ("randomize: {effort_limit: {add: [0, 100]}}", []),
         # Without a range the joint turns once: 4 pi = 12.57.
         ("action_scale: 12.5", []),
@@ -435,6 +438,24 @@ def test_a_slow_drive_may_be_heavy(speed: str, expected: list[str]) -> None:
         motors=f"{{m: {{{motor}}}}}",
     )
     assert codes(text) == expected
+
+
+@pytest.mark.parametrize(
+    ("fields", "help"),
+    [
+        ("randomize: {kd: {scale: [0.9, 11]}}", "did you mean 1.1?"),
+        ("randomize: {kd: {scale: [90, 110]}}", "is it in %? Then write 0.9 and 1.1"),
+        ("encoder_bias: 1 rad", "is it in degrees? Then write 1 deg"),
+        ("encoder_bias: 60 deg", None),
+        # 14.3 x 0.0174533 = 0.2496.
+        ("action_scale: 14.3", "is it in degrees? Then write 0.2496"),
+        # 70 of 4 pi: 5.6 times.
+        ("action_scale: 70", "is it in degrees? Then write 1.222; or did you mean 0.7?"),
+    ],
+)
+def test_what_was_meant(fields: str, help: str | None) -> None:
+    (found,) = said(spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1, {fields}}}, {REST}"))
+    assert found.help == help
 
 
 def test_the_page_lists_every_check() -> None:
