@@ -107,7 +107,7 @@ def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Rep
             found.append((sum(relation.excess for relation in repair.after) + repair.rare, repair))
     if not found:
         return []
-    seen = {relation.path for relation in before if relation.broken}
+    seen = {relation.path for relation in before if relation.broken and not relation.witnessed}
     # Of equally good ones the one at the figure that the relation is about.
     least, best = min(found, key=lambda item: (round(item[0], 6), seen.isdisjoint(item[1].paths)))
     alike = [

@@ -53,6 +53,16 @@ def said(
         # 120 rad/s and 0.6 N*m at the joint: ten times the speed and a tenth of the torque.
         (GEARED, 6, 12, {"gear_ratio": "1"}, "SPEC187", "gear_ratio", "did you mean 10?"),
         (GEARED, 6, 12, {"peak_torque": "6"}, "SPEC187", "peak_torque", "is it quoted at the gearbox output"),
+        # Of 6 N*m.
+        (
+            {"peak_torque": "0.6", "side": "motor", "gear_ratio": "10"},
+            6,
+            12,
+            {"side": "joint"},
+            "SPEC187",
+            "side",
+            "are the figures those of the rotor? Then write `side: motor`",
+        ),
         # 1146 rpm is 120 rad/s.
         (
             GEARED,
