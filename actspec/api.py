@@ -84,6 +84,7 @@ def compile(
     """
     from actspec.audit.rules import check_actuators
     from actspec.robot.load import check_packages
+    from actspec.spec.plausible.joints import doubted_drives
     from actspec.targets.choose import check_accepted, choose_targets, emitter
 
     loaded = load(spec) if isinstance(spec, (str, os.PathLike)) else spec
@@ -112,7 +113,9 @@ def compile(
         explicit[title] = explicit.get(title, frozenset()) | emission.explicit
         for item in emission.diagnostics:
             collector.add(_placed(item, loaded, options))
-    for item in check_actuators(actuators, explicit):
+    doubted = doubted_drives(actuators.joints, actuators.diagnostics)
+    judged = {title: joints - doubted for title, joints in explicit.items()}
+    for item in check_actuators(actuators, judged):
         collector.add(item)
     if any(actuator.network is not None for actuator in actuators.joints):
         from actspec.learn.notes import network_notes

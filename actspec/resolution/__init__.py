@@ -61,6 +61,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
             motors.get(item.binding.joint.name),
             breaches,
             reports,
+            robot.uncompiled,
         )
         for item in stated
     ]

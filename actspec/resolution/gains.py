@@ -27,6 +27,8 @@ def stiffness(
     gain = inputs.stated.get("kp")
     derived = None
     if isinstance(gain, DerivedGain):
+        if _waits(inputs, "kp"):
+            return unknown(inputs.unit(Kind.STIFFNESS))
         if gain.method == "torque_at_error":
             derived = _torque_at_error(inputs, gain, effort)
         else:
@@ -62,6 +64,8 @@ def velocity_gain(
     gain = inputs.stated.get("kd")
     derived = None
     if isinstance(gain, DerivedGain):
+        if _waits(inputs, "kd") or (kp is not None and _waits(inputs, "kp")):
+            return unknown(inputs.unit(Kind.VELOCITY_GAIN))
         derived = _damping_ratio(inputs, gain, kp, _inertia(inputs, gain, armature, held, "kd"))
         if derived is None:
             return unknown(inputs.unit(Kind.VELOCITY_GAIN))
@@ -148,6 +152,12 @@ def _given(gain: DerivedGain, key: str) -> float:
     value = gain.numbers[key].value
     assert value is not None
     return value
+
+
+def _waits(inputs: JointInputs, field: str) -> bool:
+    """Whether a gain is derived from an inertia that a compilation of the model will tell."""
+    gain = inputs.stated.get(field)
+    return inputs.uncompiled and isinstance(gain, DerivedGain) and gain.inertia == "joint"
 
 
 def _inertia(

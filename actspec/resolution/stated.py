@@ -375,6 +375,7 @@ class JointInputs:
         level: How much of the drive is modelled.
         breaches: Takes what concerns this joint alone.
         reports: Takes what may concern others in the same way.
+        uncompiled: Whether only a compilation of the model tells inertia.
     """
 
     stated: Stated
@@ -384,6 +385,7 @@ class JointInputs:
     level: Level
     breaches: Breaches
     reports: Reports
+    uncompiled: bool = False
 
     @property
     def joint(self) -> JointView:
@@ -492,11 +494,16 @@ class JointInputs:
 
 
 def joint_inputs(
-    stated: Stated, model: ModelValues, motor: JointMotor | None, breaches: Breaches, reports: Reports
+    stated: Stated,
+    model: ModelValues,
+    motor: JointMotor | None,
+    breaches: Breaches,
+    reports: Reports,
+    uncompiled: bool = False,
 ) -> JointInputs:
     """Gather what is said about a joint.
 
     Args: as the fields of `JointInputs`.
     """
     command, level = Command(stated.group.command), Level(stated.group.level)
-    return JointInputs(stated, model, motor, command, level, breaches, reports)
+    return JointInputs(stated, model, motor, command, level, breaches, reports, uncompiled)

@@ -147,7 +147,7 @@ def joints_of_text(path: str) -> RobotView:
     if tag == "robot":
         from actspec.robot.read_urdf import read_urdf
 
-        return read_urdf(document.files, document, refusal=reason)
+        return replace(read_urdf(document.files, document, refusal=reason), uncompiled=True)
     if tag != "mujoco":
         raise _no_robot(document)
     pending = [document.root]
@@ -157,7 +157,7 @@ def joints_of_text(path: str) -> RobotView:
         pending += element.children
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
-    return read_mjcf_text(document, reason)
+    return replace(read_mjcf_text(document, reason), uncompiled=True)
 
 
 def _no_robot(document: XmlDocument) -> RobotError:

@@ -257,6 +257,7 @@ class RobotView:
         refused_at: Where it met that; None: it does not say.
         packages: ROS package to its folder, as the spec has them.
         mass: Of all links together, as far as it is known [kg]; None: it is not.
+        uncompiled: Whether a compilation would tell more, of inertia above all.
         coupled: Joints that an equality or a closed loop couples with others, so that they do not move alone (MJCF).
     """
 
@@ -281,6 +282,7 @@ class RobotView:
     packages: Mapping[str, str] = field(default_factory=dict)
     coupled: frozenset[str] = frozenset()
     mass: float | None = None
+    uncompiled: bool = False
 
     def joint(self, name: str) -> JointView | None:
         """The joint of that name, or None."""

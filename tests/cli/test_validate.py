@@ -91,6 +91,26 @@ def test_a_spec_that_fits(folder: Path, model: str, capsys: pytest.CaptureFixtur
     assert capsys.readouterr() == ("leg.yaml: valid: leg, 2 groups\n", "")
 
 
+@pytest.mark.parametrize("inertia", ["joint", "reflected"])
+@pytest.mark.parametrize("model", ["leg.xml", "leg.urdf"])
+def test_a_gain_of_the_joints_inertia_waits_for_a_compilation(
+    folder: Path, model: str, inertia: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Nothing is said of it, nor of a kd that follows from it; where no model tells inertia it is refused."""
+    group = (
+        "joints: [hip, knee], level: ideal_pd, effort_limit: 1, armature: 0.01 kg*m^2,\n"
+        "  kp: {derive: natural_frequency, frequency: 6 Hz, inertia: joint},\n"
+        f"  kd: {{derive: damping_ratio, ratio: 1, inertia: {inertia}}}"
+    )
+    text = "actspec: 1\nrobot: {{name: leg, model: {}}}\nactuators: {{g: {{{}}}}}\n"
+    (folder / "leg.yaml").write_text(text.format(model, group), encoding="utf-8")
+    assert main(["validate", "leg.yaml", "--strict"]) == 0
+    assert capsys.readouterr() == ("leg.yaml: valid: leg, 1 group\n", "")
+    (folder / "leg.yaml").write_text(text.format("none, joints: [hip, knee]", group), encoding="utf-8")
+    assert main(["validate", "leg.yaml"]) == 2
+    assert "RES003 actuators.g.kp: " in capsys.readouterr().err
+
+
 def test_accept_of_a_check_that_finds_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """It is a warning, but of a check that needs the inertia, which the text of a model does not tell."""
     accept = "accept:\n  spec.SPEC183: why\n  spec.SPEC191: why\n"

@@ -194,6 +194,15 @@ def test_randomize(entry: str, expected: list[str]) -> None:
     assert sorted(said(extra=f", randomize: {{{entry}}}")) == expected
 
 
+def test_a_factor_around_0() -> None:
+    """0.1 around 0 is meant around 1."""
+    text = spec_of(LEGS % ("ideal_pd", ", randomize: {kp: {scale: [-0.1, 0.1]}}"))
+    with pytest.raises(SpecError) as caught:
+        model_of(text)
+    (found,) = caught.value.diagnostics
+    assert found.help == "a factor is one of the nominal value: did you mean [0.9, 1.1]?"
+
+
 def test_rules_are_checked_beside_faults_of_shape() -> None:
     """A misspelt key in one group hides no breach in another, nor does a wrong section."""
     text = spec_of(

@@ -67,6 +67,24 @@ def test_explicit_drives_of_what_is_compiled(
     assert concerned(compiled(tmp_path, spec, *targets, integrator=integrator)) == expected
 
 
+@pytest.mark.parametrize(
+    ("right", "wrong", "code"),
+    [
+        # kd/kp is 3.1 s.
+        ("kp: 40, kd: 13", "kp: 13, kd: 40", "SPEC192"),
+        # The armature is a tenth of the motor's inertia.
+        ("30 rad/s}", "30 rad/s, reflected_inertia: 0.1}", "SPEC191"),
+    ],
+)
+def test_no_stability_of_a_doubted_number(right: str, wrong: str, code: str, tmp_path: Path) -> None:
+    """One message a cause: the gain or the armature, not that the step is too long for it."""
+    spec = SPEC.replace("LEVEL", "dc_motor").replace("CLASS", "auto")
+    assert concerned(compiled(tmp_path, spec)) is not None
+    said = compiled(tmp_path, spec.replace(right, wrong))
+    assert code in [item.code for item in said]
+    assert concerned(said) is None
+
+
 LOSSY = (
     SPEC.replace("LEVEL", "ideal_pd")
     .replace("CLASS", "auto")

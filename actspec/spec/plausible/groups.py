@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from typing import Any
 
 from actspec.diagnostics import Path, dotted
@@ -33,10 +33,12 @@ FRICTION_SHARE = 0.5
 """Of the effort limit."""
 FRICTION_STOPS = 2.0
 """Times the effort limit: an error."""
-FACTOR = 20.0
-"""Largest factor of a range of randomisation."""
-OFF = {"rad": 0.5, "m": 0.1}
-"""Largest error of an encoder [rad or m]."""
+FACTOR = 10.0
+"""Largest factor of a range of randomisation. Published: 3, on kd."""
+DIGIT = 50.0
+"""Above it a factor is in per cent, below it one without its point."""
+OFF = {"rad": 0.25, "m": 0.1}
+"""Largest error of an encoder [rad or m]. Published: 0.02 rad."""
 
 
 def time_doubts(model: SpecModel, spans: SourceMap) -> Iterator[Doubt]:
@@ -109,13 +111,18 @@ def _layers(model: SpecModel) -> Iterator[tuple[Path, Tunable, Actuators]]:
 
 
 def drives_of(model: SpecModel) -> Iterator[Drive]:
-    """Every motor, with the limits of the joints that it drives; behind a transmission nothing is compared."""
+    """Every motor, with the limits of the joints that it drives.
+
+    Behind a transmission nothing is compared, nor by a reduction that is doubted itself.
+    """
     limits: dict[str, list[Limit]] = {}
     for path, fields, group in _layers(model):
         name = fields.motor or group.motor
         if name is None or (fields.transmission or group.transmission) is not None:
             continue
         reduction = fields.reduction or group.reduction
+        if reduction is not None and _is_geared_up(reduction):
+            continue
         for field in ("effort_limit", "velocity_limit"):
             value = getattr(fields, field)
             if isinstance(value, SpecValue):
@@ -169,12 +176,20 @@ def group_doubts(model: SpecModel, spans: SourceMap, doubted: Collection[str]) -
                 field, message, help = found
                 places = (kp_path, kd_path) if field == "kp" else (kd_path, kp_path)
                 yield at(spans, "SPEC192", message, places[0], help, places[1])
+        bias = fields.encoder_bias
+        if bias is not None and _is_off(bias):
+            yield _off([bias], (*path, "encoder_bias"), (), spans)
         reduction = fields.reduction
-        if reduction is not None and reduction.value and reduction.value < 1.0:
+        if reduction is not None and _is_geared_up(reduction):
             yield _geared_up(reduction, (*path, "reduction"), spans)
     for name, group in model.actuators.items():
         for field, entry in group.randomize.items():
             yield from _drawn(entry, field, ("actuators", name, "randomize", field), spans)
+
+
+def _is_geared_up(reduction: SpecValue) -> bool:
+    """Whether the joint turns faster than the output of its motor."""
+    return bool(reduction.value) and (reduction.value or 0.0) < 1.0
 
 
 def _geared_up(reduction: SpecValue, path: Path, spans: SourceMap) -> Doubt:
@@ -202,23 +217,39 @@ def _drawn(entry: Randomize, field: str, path: Path, spans: SourceMap) -> Iterat
     wrong = [
         (index, end)
         for index, end in enumerate(ends)
-        if ((end.value or 0.0) > FACTOR if factors else abs(end.value or 0.0) > OFF.get(end.unit, math.inf))
+        if ((end.value or 0.0) > FACTOR if factors else _is_off(end))
     ]
     if not wrong:
         return
-    written = " and ".join(end.written for _, end in wrong)
-    help: str | None
-    if factors:
-        message = f"factors of {written}" if len(wrong) > 1 else f"a factor of {written}"
-        message += " on the nominal value"
-        meant = " and ".join(f"{(end.value or 0.0) / 100.0:g}" for _, end in wrong)
-        help = f"is it in %? Then write {meant}"
-    else:
-        message = f"an encoder that is off by {written}"
-        degrees = " and ".join(f"{end.value:g} deg" for _, end in wrong)
-        help = f"is it in degrees? Then write {degrees}" if wrong[0][1].unit == "rad" else None
+    far = [end for _, end in wrong]
     first, second = (*path, operation, wrong[0][0]), (*path, operation, wrong[-1][0])
+    if not factors:
+        yield _off(far, first, (second,), spans)
+        return
+    what = "factors" if len(far) > 1 else "a factor"
+    message = f"{what} of {_all(end.written for end in far)} on the nominal value"
+    percent = any((end.value or 0.0) > DIGIT for end in far)
+    meant = _all(f"{(end.value or 0.0) / (100.0 if percent else 10.0):g}" for end in far)
+    help = f"is it in %? Then write {meant}" if percent else f"did you mean {meant}?"
     yield at(spans, "SPEC188", message, first, help, second)
+
+
+def _is_off(bias: SpecValue) -> bool:
+    """Whether no encoder is that wrong."""
+    return abs(bias.value or 0.0) > OFF.get(bias.unit, math.inf)
+
+
+def _off(ends: Sequence[SpecValue], path: Path, others: tuple[Path, ...], spans: SourceMap) -> Doubt:
+    """An encoder that is off by far."""
+    help = None
+    if ends[0].unit == "rad" and "deg" not in ends[0].written:
+        help = f"is it in degrees? Then write {_all(f'{end.value:g} deg' for end in ends)}"
+    message = f"an encoder that is off by {_all(end.written for end in ends)}"
+    return at(spans, "SPEC188", message, path, help, *others)
+
+
+def _all(texts: Iterable[str]) -> str:
+    return " and ".join(texts)
 
 
 def _friction(

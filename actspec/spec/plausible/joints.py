@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-from actspec.diagnostics import Collector, Span, listed
+from actspec.diagnostics import Collector, Diagnostic, Span, listed
 from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
@@ -14,6 +14,7 @@ from actspec.spec.plausible import check_numbers
 from actspec.spec.plausible.gains import DEGREE, Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
+from actspec.spec.plausible.witnesses import file_doubts
 from actspec.units import format_quantity
 
 VISCOUS_SHARE = 0.5
@@ -24,6 +25,8 @@ OF_MOTOR = (0.3, 3.0)
 """Armature over the inertia of the motor at the joint."""
 ARMATURE_RATE = (5.0, 3e5)
 """Effort limit over armature [rad/s^2 or m/s^2]."""
+SPIN_UP = 0.2
+"""What reaches the motor's speed in this time is not too heavy, however slow [s]. Chosen: a linear servo has 4 ms."""
 ROTOR_ALONE = 3e6
 """The same, of a joint with a motor whose links are not known."""
 HEAVY = 50.0
@@ -63,6 +66,8 @@ _OF_SPEC = (Origin.AUTHORED, Origin.IDENTIFIED, Origin.DERIVED)
 
 _OF_INERTIA = frozenset(("SPEC191", "SPEC192"))
 """Checks that need the inertia of a compiled model."""
+_TO_INERTIA = frozenset(("gear_ratio", "side", "rotor_inertia", "reflected_inertia", "reduction"))
+"""Figures of a motor from which the inertia at its joint follows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +103,28 @@ def check_joints(
         collector: Takes warnings, and errors where nothing could be right.
         mass: Of the robot [kg]; None: unknown.
     """
+    reported = {".".join(item.where.split(".")[:2]) for item in collector if item.code in BY_CODE}
+    tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
     tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
     # Another variant may need what this one does not.
     if kept and not model.variants:
         _check_kept(kept, joints, model, document, collector, mass)
+
+
+def doubted_drives(joints: Iterable[JointActuator], diagnostics: Iterable[Diagnostic]) -> frozenset[str]:
+    """Joints of which a gain, or what their inertia follows from, is reported: their stability says nothing."""
+    sections = {
+        ".".join(item.where.split(".")[:2])
+        for item in diagnostics
+        if item.code in ("SPEC191", "SPEC192")
+        or (item.code in BY_CODE and item.where.rpartition(".")[2] in _TO_INERTIA)
+    }
+    return frozenset(
+        joint.joint
+        for joint in joints
+        if not sections.isdisjoint((f"actuators.{joint.group}", f"motors.{joint.motor}"))
+    )
 
 
 def _check_kept(
@@ -136,6 +158,7 @@ def _joint_doubts_of(
     told = [item for item in collector if item.code in BY_CODE]
     reported = {".".join(item.where.split(".")[:2]) for item in told}
     gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
+    reduced = {".".join(item.where.split(".")[:2]) for item in told if item.where.endswith(".reduction")}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}
     whole = mass if sum(joint.kind is JointKind.HINGE for joint in joints) >= WHOLE_ROBOT else None
@@ -146,7 +169,8 @@ def _joint_doubts_of(
             if lever and joint.effort_limit.span in doubt.judged:
                 # What is judged by a wrong limit says nothing.
                 continue
-            if (found.derived and f"motors.{joint.motor}" in reported) or not places.isdisjoint(doubt.judged):
+            doubtful = f"motors.{joint.motor}" in reported or f"actuators.{joint.group}" in reduced
+            if (found.derived and doubtful) or not places.isdisjoint(doubt.judged):
                 # It follows from a number that is reported itself.
                 continue
             if doubt.code == "SPEC192" and f"actuators.{joint.group}" in gained:
@@ -341,6 +365,10 @@ def _armature(joint: JointActuator) -> Iterator[_Found]:
     words = None
     large = joint.kind is JointKind.HINGE and links is not None and links >= SMALL_LINK
     unknown = links is None and joint.motor is not None
+    line = joint.motor_line
+    fast = None if line is None or line.no_load_speed is None else line.no_load_speed.value
+    if rate and fast and fast < SPIN_UP * rate < SPIN_UP * ARMATURE_RATE[0]:
+        return
     if rate is not None and (
         rate < ARMATURE_RATE[0] or (rate > ARMATURE_RATE[1] and large) or (rate > ROTOR_ALONE and unknown)
     ):
@@ -494,6 +522,9 @@ def _scale(joint: JointActuator) -> Iterator[_Found]:
         size = reach / most.value / RATE_SCALE
         words = f"one unit of action is {format_quantity(reach, most.unit, 4)} of command, the joint has {_shown(most)}"
     help = f"did you mean {scale.value / 100:g}?" if size >= 5.0 else None
+    if joint.command is Command.POSITION and joint.kind is JointKind.HINGE:
+        meant = format_quantity(scale.value * DEGREE, "", 4)
+        help = f"is it in degrees? Then write {meant}" + (f"; or {help}" if help is not None else "")
     yield _found(
         joint,
         "SPEC193",

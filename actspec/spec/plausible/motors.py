@@ -31,6 +31,8 @@ GEARED = 3.0
 """A gear ratio from which on rotor and output cannot be taken for each other."""
 SLOWEST_ROTOR = 60.0
 """[rad/s], behind a gear."""
+SLOWEST_GEARED = 12.0
+"""[rad/s] at the output, from which on a rotor may be slower. Chosen: a gimbal's motor behind a belt of 3 has 15.9."""
 FASTEST_ROTOR = 8000.0
 """[rad/s]."""
 FASTEST_OUTPUT = 100.0
@@ -50,6 +52,16 @@ LIMIT_BELOW = 0.125
 """Effort limit over the least of peak and continuous torque. Chosen: published are 0.59 and more, a slip of ten 0.1."""
 LIMIT_BELOW_STALL = 0.02
 """Effort limit over a stall torque that stands alone: of a winding it is many times what the drive gives."""
+LEAST_CONTINUOUS = 0.02
+"""Continuous over peak torque. Published: 0.1 to 1; of mN*m read as N*m it is a thousandth."""
+LEAST_OF_STALL = 0.004
+"""Peak or continuous over stall torque. Windings have 0.02 (EC-i) and more; of mN*m read as N*m it is a thousandth."""
+LEAST_EFFICIENCY = 0.1
+"""Of a gearbox. Chosen: lead screws and worm gears have 0.2 to 0.4."""
+WITNESS = 5.0
+"""A figure over what the robot's file says of it. Chosen: limits of files are up to 3 times other than the motor's."""
+AGREES = 1.25
+"""The same of a corrected figure."""
 SPEED_LIMIT = 3.0
 """Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
 RPM = math.pi / 30.0
@@ -84,12 +96,39 @@ class Limit:
 
 
 @dataclass(frozen=True, slots=True)
+class Witness:
+    """A limit that the robot's file states of a joint that a motor drives.
+
+    Attributes:
+        joint: Name of the joint.
+        value: The limit [N*m or rad/s].
+        speed: It is one of speed.
+        factor: What a figure at the motor's output is times at the joint; None: unknown.
+        limit: Where the spec states the same limit; None: it does not.
+    """
+
+    joint: str
+    value: float
+    speed: bool
+    factor: float | None
+    limit: Path | None
+
+
+@dataclass(frozen=True, slots=True)
 class Drive:
-    """A motor, by its name in `motors`, and the limits that the spec states of its joints."""
+    """A motor, by its name in `motors`, and what is said of its joints.
+
+    Attributes:
+        name: Its name.
+        motor: The motor.
+        limits: Limits that the spec states.
+        witnesses: Limits that the robot's file states.
+    """
 
     name: str
     motor: Motor
     limits: tuple[Limit, ...] = ()
+    witnesses: tuple[Witness, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -161,10 +200,12 @@ def relations(drive: Drive) -> Iterator[Relation]:
     yield from _torques(drive.name, motor)
     yield from _constant(drive.name, motor)
     yield from _gear(drive.name, motor)
+    yield from _efficient(drive.name, motor)
     yield from _beyond(drive.name, output)
     yield from _speed(drive.name, motor, output)
     yield from _rotor(drive.name, motor, output)
     yield from _limits(drive, output)
+    yield from _witnessed(drive, output)
 
 
 def _torques(name: str, motor: Motor) -> Iterator[Relation]:
@@ -178,11 +219,13 @@ def _torques(name: str, motor: Motor) -> Iterator[Relation]:
         yield Relation(
             "SPEC135",
             continuous.value / peak.value,
-            (0.0, 1.0),
-            (0.03, 1.0),
-            f"continuous_torque {continuous.written} is above peak_torque {peak.written}",
+            (LEAST_CONTINUOUS, 1.0),
+            (0.05, 1.0),
+            _far("continuous_torque", continuous, "peak_torque", peak),
             (*path, "continuous_torque"),
-            "the thermal limit is the lower one; are the two swapped?",
+            "the thermal limit is the lower one; are the two swapped?"
+            if continuous.value > peak.value
+            else "look for a wrong unit: mN*m",
             ((*path, "peak_torque"),),
             beyond=(0.0, 1.0),
         )
@@ -193,16 +236,27 @@ def _torques(name: str, motor: Motor) -> Iterator[Relation]:
         yield Relation(
             "SPEC180",
             value.value / end.value,
-            (0.0, ROUNDING),
-            (0.01, ROUNDING),
-            f"{field} {value.written} is above {at_end[-1]} {end.written}: the torque-speed line has no more at rest, "
-            "and less at any speed",
+            (LEAST_OF_STALL, ROUNDING),
+            (0.5 if motor.side == "joint" and field == "peak_torque" else 0.01, ROUNDING),
+            f"{_far(field, value, str(at_end[-1]), end)}: the torque-speed line has no more at rest, and less at any "
+            "speed"
+            if value.value > end.value
+            else _far(field, value, str(at_end[-1]), end),
             (*path, field),
             f"are the two swapped? {at_end[-1]} is the end of the line, {field} the "
-            f"{'drive' if field == 'peak_torque' else 'thermal'} limit below it",
+            f"{'drive' if field == 'peak_torque' else 'thermal'} limit below it"
+            if value.value > end.value
+            else "look for a wrong unit: mN*m",
             (at_end,),
             beyond=(0.0, beyond),
         )
+
+
+def _far(field: str, value: SpecValue, other: str, most: SpecValue) -> str:
+    """A torque above another, or far below it."""
+    ratio = (most.value or 0.0) / (value.value or 1.0)
+    how = "above" if ratio < 1.0 else f"{format_quantity(ratio, '', 3)} times below"
+    return f"{field} {value.written} is {how} {other} {most.written}"
 
 
 def _constant(name: str, motor: Motor) -> Iterator[Relation]:
@@ -264,6 +318,29 @@ def _gear(name: str, motor: Motor) -> Iterator[Relation]:
     )
 
 
+def _efficient(name: str, motor: Motor) -> Iterator[Relation]:
+    """What a gearbox passes on."""
+    path: Path = ("motors", name)
+    written = [(motor.efficiency, (*path, "efficiency"))]
+    written += [
+        (stage.efficiency, (*path, "gearbox", index, "efficiency"))
+        for index, stage in enumerate(motor.gearbox or ())
+    ]
+    for value, place in written:
+        share = number(value)
+        if share and value is not None:
+            yield Relation(
+                "SPEC189",
+                share,
+                (LEAST_EFFICIENCY, 1.0),
+                (0.4, 1.0),
+                f"an efficiency of {value.written}: the gearbox would lose {100 * (1 - share):.3g} % of the torque",
+                place,
+                f"did you mean {10 * share:g}?",
+                about=f"{place}",
+            )
+
+
 def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     value = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
     fast = number(value)
@@ -275,14 +352,15 @@ def _speed(name: str, motor: Motor, output: Output) -> Iterator[Relation]:
     others = (("motors", name, "gear_ratio"), ("motors", name, "side"), output.torque_path)
     help = "look for a wrong unit, gear_ratio or side"
     if rotor:
-        slow = at_rotor and behind and rotor < SLOWEST_ROTOR
+        slowest = min(SLOWEST_ROTOR, SLOWEST_GEARED * (gear or 1.0))
+        slow = at_rotor and behind and rotor < slowest
         yield Relation(
             "SPEC184",
             rotor,
-            (SLOWEST_ROTOR if at_rotor and behind else 0.0, FASTEST_ROTOR),
+            (slowest if at_rotor and behind else 0.0, FASTEST_ROTOR),
             (150.0 if behind else 5.0, 2500.0),
             f"{value.written} at the rotor is {format_quantity(output.speed, 'rad/s', 3)} behind a gear of "
-            f"{format_quantity(gear, '', 4)}: a rotor turns with {SLOWEST_ROTOR:g} rad/s or more"
+            f"{format_quantity(gear, '', 4)}: a rotor turns with {slowest:g} rad/s or more"
             if slow
             else f"the rotor would turn with {format_quantity(rotor, 'rad/s', 4)} ({rotor / RPM:.0f} rpm)",
             output.speed_path,
@@ -437,4 +515,52 @@ def _limits(drive: Drive, output: Output) -> Iterator[Relation]:
                 others,
                 beyond=(0.0, beyond),
                 about=f"{about} {limit.path}",
+            )
+
+
+def _witnessed(drive: Drive, output: Output) -> Iterator[Relation]:
+    """Figures of a motor, and the limits that the spec states, against the limits of the robot's file."""
+    motor, root = drive.motor, ("motors", drive.name)
+    to_output = 1.0
+    if motor.side == "motor":
+        to_output = (output.gear or 0.0) * output.efficiency
+    # A winding's stall torque is many times what its drive gives.
+    fields = ("peak_torque", "stall_torque") if motor.side == "joint" else ("peak_torque",)
+    for witness in drive.witnesses:
+        stated = next((limit for limit in drive.limits if limit.path == witness.limit), None)
+        given: list[tuple[str, SpecValue, float, Path]] = []
+        if stated is not None and (size := number(stated.value)):
+            given.append((str(stated.path[-1]), stated.value, size, stated.path))
+        if witness.speed:
+            speed = motor.no_load_speed if motor.curve is None else motor.curve.no_load_speed
+            if speed is not None and output.speed and witness.factor:
+                place = output.speed_path
+                given.append((str(place[-1]), speed, output.speed * witness.factor, place))
+        elif witness.factor:
+            for field in fields:
+                torque: SpecValue | None = getattr(motor, field)
+                if torque is not None and (size := number(torque)):
+                    given.append((field, torque, size * to_output * witness.factor, (*root, field)))
+        unit, what = ("rad/s", "a velocity limit") if witness.speed else ("N*m", "an effort limit")
+        for field, value, size, place in given:
+            ratio = size / witness.value
+            if not 0.0 < ratio < math.inf:
+                continue
+            far = f"{format_quantity(max(ratio, 1 / ratio), '', 3)} times {'below' if ratio > 1 else 'above'}"
+            own = (stated is not None and place == stated.path) or (
+                motor.side == "joint" and witness.factor == 1.0
+            )
+            there = "" if own else f", {format_quantity(size, unit, 4)} there"
+            yield Relation(
+                "SPEC184" if witness.speed else "SPEC187",
+                ratio,
+                (1.0 / WITNESS, WITNESS),
+                (1.0 / AGREES, AGREES),
+                f"the robot's file gives the joint '{witness.joint}' {what} of "
+                f"{format_quantity(witness.value, unit, 4)}, {far} {field} {value.written}{there}",
+                place,
+                None,
+                ((*root, "gear_ratio"), (*root, "side")),
+                about=f"witness {witness.joint} {field}",
+                witnessed=True,
             )

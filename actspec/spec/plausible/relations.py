@@ -38,6 +38,7 @@ class Relation:
         others: Where the other figures are written.
         beyond: Outside of these bounds nothing could be right.
         about: Tells it from others of the same figures.
+        witnessed: It holds a figure against the robot's file, and is only told with a correction that agrees.
     """
 
     code: str
@@ -50,6 +51,7 @@ class Relation:
     others: tuple[Path, ...] = ()
     beyond: tuple[float, float] = (0.0, math.inf)
     about: str = ""
+    witnessed: bool = False
 
     @property
     def broken(self) -> bool:
@@ -89,19 +91,25 @@ class Repair:
     rare: float = 0.0
 
 
-def explained(before: Iterable[Relation], repairs: Iterable[Repair]) -> list[Repair]:
+def explained(before: Sequence[Relation], repairs: Iterable[Repair]) -> list[Repair]:
     """The best correction, with another of the same number that is as good; none where nothing explains all."""
+    refuted = {_about(relation) for relation in before if relation.witnessed and relation.broken}
     was = {_about(relation): 0.0 if relation.broken else relation.excess for relation in before}
     found: list[tuple[float, Repair]] = []
     for repair in repairs:
         if any(relation.broken for relation in repair.after):
+            continue
+        if refuted and all(relation.excess for relation in repair.after if _about(relation) in refuted):
+            # The robot's file does not say this, either.
             continue
         further = sum(max(0.0, relation.excess - was.get(_about(relation), 0.0)) for relation in repair.after)
         if further <= NEAR:
             found.append((sum(relation.excess for relation in repair.after) + repair.rare, repair))
     if not found:
         return []
-    least, best = min(found, key=lambda item: item[0])
+    seen = {relation.path for relation in before if relation.broken and not relation.witnessed}
+    # Of equally good ones the one at the figure that the relation is about.
+    least, best = min(found, key=lambda item: (round(item[0], 6), seen.isdisjoint(item[1].paths)))
     alike = [
         repair
         for cost, repair in found

@@ -26,6 +26,13 @@ from actspec.units import format_quantity
 
 DEGREE = math.pi / 180.0
 
+KGF_CM = 0.0980665
+"""[N*m]."""
+SERVO = 10.0
+"""Below it torques are quoted in kgf*cm [N*m]. Chosen: the largest of hobby servos have 8."""
+SWAPPED = 0.2
+"""What an exchange of two torques costs beside a wrong unit, as `RARE`."""
+
 TORQUES: tuple[Path, ...] = (
     ("stall_torque",),
     ("peak_torque",),
@@ -50,6 +57,22 @@ def motor_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
         return
     for relation in _first(broken):
         yield explanation([Repair((), (relation.path,), relation.help)], [relation], spans)
+
+
+def witness_doubts(drive: Drive, spans: SourceMap) -> Iterator[Doubt]:
+    """What the limits of the robot's file tell of a motor whose figures agree with each other.
+
+    A limit of a tenth may be meant; one in another unit is not.
+    """
+    before = list(relations(drive))
+    broken = [relation for relation in before if relation.broken]
+    if not broken or not all(relation.witnessed for relation in broken):
+        return
+    limits = {limit.path for limit in drive.limits}
+    repairs = (item for item in _repairs(drive) if not item.rare or limits.isdisjoint(item.paths))
+    best = explained(before, repairs)
+    if best:
+        yield explanation(best, broken, spans)
 
 
 def _first(broken: Iterable[Relation]) -> Iterator[Relation]:
@@ -104,6 +127,8 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             help = GEAR_INVERSE.format(format_quantity(1 / ratio, "", 3))
             yield moved([("gear_ratio",)], 1.0 / ratio / ratio, help)
         yield from (moved([("gear_ratio",)], *slip) for slip in _tens(motor.gear_ratio))
+    if number(motor.efficiency) and motor.efficiency is not None:
+        yield from (moved([("efficiency",)], *slip) for slip in _tens(motor.efficiency))
     for path in SPEEDS:
         speed = _at(motor, path)
         if speed is not None and number(speed):
@@ -119,7 +144,7 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
     plain = [path for path in torques if len(path) == 1]
     for one, two in itertools.combinations(plain, 2):
         result = _with(_with(motor, one, _at(motor, two)), two, _at(motor, one))
-        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?")
+        yield changed(result, [one, two], f"are {one[-1]} and {two[-1]} swapped?", SWAPPED)
     for path in torques:
         yield from (moved([path], *slip) for slip in _slips(_given(motor, path)))
     if torques:
@@ -130,6 +155,10 @@ def _repairs(drive: Drive) -> Iterator[Repair]:
             help = f"is it quoted at the {there} ({names})? At the {here} {_shown(first)} is {meant}"
             yield moved(torques, across, help)
         yield moved(torques, 1e-3, f"are {names} in mN*m? {_milli(first)}")
+        if len(torques) > 1 and all("kgf" not in _given(motor, path).written for path in torques):
+            # A torque constant is in N*m/A on every sheet.
+            rare = RARE if motor.torque_constant is None else RARE - 0.05
+            yield moved(torques, KGF_CM, _kgf_cm(first).replace("is it", f"are {names}"), rare)
     for field in ("rotor_inertia", "reflected_inertia"):
         inertia: SpecValue | None = getattr(motor, field)
         if inertia is None or not number(inertia):
@@ -170,7 +199,16 @@ def _slips(value: SpecValue, speed: bool = False) -> Iterator[tuple[float, str, 
     else:
         yield 1e-3, f"is it in m{value.unit}? {_milli(value)}", 0.0
         yield 1e3, f"did you mean {_shown(_times(value, 1e3))}?", 0.0
+    servo = value.unit == "N*m" and "kgf" not in value.written and size * KGF_CM < SERVO
+    if servo:
+        yield KGF_CM, _kgf_cm(value), RARE
     yield from _tens(value)
+
+
+def _kgf_cm(value: SpecValue) -> str:
+    """A torque of a servo's sheet."""
+    size = value.value or 0.0
+    return f"is it in kgf*cm? {size:g} kgf*cm is {format_quantity(size * KGF_CM, value.unit, 4)}"
 
 
 def _tens(value: SpecValue) -> Iterator[tuple[float, str, float]]:

@@ -37,15 +37,17 @@ CHECKS = (
     Check(
         "SPEC135",
         "continuous-above-peak",
-        "Continuous torque above peak torque.",
-        "An error: the thermal limit is the lower of the two.",
+        "Continuous torque above peak torque, or a tiny part of it.",
+        "An error above it: the thermal limit is the lower of the two. A warning below a fiftieth of it: published "
+        "are 0.1 to 1, and mN*m as N*m are a thousandth.",
     ),
     Check(
         "SPEC180",
         "torque-above-stall",
-        "Peak or continuous torque above stall torque, the end of the torque-speed line.",
+        "Peak or continuous torque above stall torque, the end of the torque-speed line, or a tiny part of it.",
         "A peak above the line is a warning from 2 % on and an error from 3 times on; a continuous torque above it is "
-        "an error. The largest peak in robots/motors is 1 times the stall torque.",
+        "an error. The largest peak in robots/motors is 1 times the stall torque. A warning below 0.004: windings "
+        "have 0.02 and more, and mN*m as N*m are a thousandth.",
     ),
     Check(
         "SPEC181",
@@ -76,11 +78,13 @@ CHECKS = (
         "SPEC184",
         "speed-of-side",
         "A no-load speed of an unlikely size for the side that it is stated on, or rpm read as rad/s; a velocity "
-        "limit far above it.",
-        "Behind a gear of 3 or more a rotor below 60 rad/s, an output above 100 rad/s; a rotor above 8000 rad/s; an "
-        "output above 1000 rad/s divided by the root of its torque in N*m; a velocity limit above 3 times the motor's "
-        "speed at the joint. Published: rotors of 180 (Go2) to 2044 rad/s (STS3215), outputs to 40 rad/s, speed times "
-        "root of torque to 439 (ankle of the H2), velocity limits to 1 times the speed.",
+        "limit far above it; either of them far from the speed that the robot's file states.",
+        "Behind a gear of 3 or more a rotor below 60 rad/s (or 12 times the gear, if less), an output above 100 "
+        "rad/s; a rotor above 8000 rad/s; an output above 1000 rad/s divided by the root of its torque in N*m; a "
+        "velocity limit above 3 times the motor's speed at the joint. Published: rotors of 180 (Go2) to 2044 rad/s "
+        "(STS3215), outputs to 40 rad/s, speed times root of torque to 439 (ankle of the H2), velocity limits to 1 "
+        "times the speed. From 5 times above or below the file's limit on, where a slip in one figure makes them "
+        "agree to a quarter; 0 and powers of ten are placeholders.",
     ),
     Check(
         "SPEC185",
@@ -100,17 +104,25 @@ CHECKS = (
     Check(
         "SPEC187",
         "limit-of-motor",
-        "An effort limit far from what the motor gives at the joint.",
+        "An effort limit far from what the motor gives at the joint, or a torque far from the limit of the robot's "
+        "file.",
         "A warning above 3 times the largest of its torques, an error above 30 times; a warning below an eighth of the "
         "least of peak and continuous torque, or a fiftieth of a stall torque that stands alone. "
-        "Published: 0.59 (STS3215) to 1.003 (Spot's hips).",
+        "Published: 0.59 (STS3215) to 1.003 (Spot's hips). Against the robot's file as SPEC184.",
     ),
     Check(
         "SPEC188",
         "range",
-        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees.",
-        "A warning for a factor above 20 (published: 3, on kd) and an encoder that is off by more than 0.5 rad or "
+        "A range of randomisation that nobody draws from: a factor in per cent, an encoder's error in degrees; such an "
+        "error as the nominal one.",
+        "A warning for a factor above 10 (published: 3, on kd) and an encoder that is off by more than 0.25 rad or "
         "0.1 m (0.02 rad).",
+    ),
+    Check(
+        "SPEC189",
+        "efficiency",
+        "A gearbox that passes on less than a tenth of the torque.",
+        "A warning below 0.1: lead screws and worm gears have 0.2 to 0.4.",
     ),
     Check(
         "FRC101",
@@ -138,9 +150,10 @@ CHECKS = (
         "armature",
         "An armature that is not the motor's inertia at the joint, or far from the links and the torque.",
         "Outside of 0.3 to 3 times what rotor inertia and gears give. Without those: effort limit over armature below "
-        "5 or above 3e5 rad/s^2 (of a motor whose links are not known 3e6); from 50 times the links' inertia (2e-3 "
-        "kg*m^2 or more) on where it is below 30, too, from 300 times on in any case. Published: 10 (fingers of the "
-        "H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 (gymnasium's ant).",
+        "5 (unless the motor's speed is reached in 0.2 s) or above 3e5 rad/s^2 (of a motor whose links are not known "
+        "3e6); from 50 times the links' inertia (2e-3 kg*m^2 or more) on where it is below 30, too, from 300 times on "
+        "in any case. Published: 10 (fingers of the H1) to 30000 rad/s^2, and 124 times the links at 150 rad/s^2 "
+        "(gymnasium's ant).",
     ),
     Check(
         "SPEC192",

@@ -324,7 +324,13 @@ def _check_ends(
     mean_std = distribution == "gaussian"
     if positive and low < 0:
         what = "mean is" if mean_std else "range goes"
-        breaches.error("SPEC153", f"the {what} below 0: {pair[0].written}", (*path, 0))
+        around = path[-1] == "scale" and not mean_std and low == -high > -1
+        help = (
+            f"a factor is one of the nominal value: did you mean [{1 + low:g}, {1 + high:g}]?"
+            if around
+            else None
+        )
+        breaches.error("SPEC153", f"the {what} below 0: {pair[0].written}", (*path, 0), help)
     if distribution == "log_uniform" and low <= 0:
         breaches.error("SPEC153", f"log_uniform needs a range above 0, got {pair[0].written}", (*path, 0))
     if not mean_std and low > high:

@@ -66,10 +66,20 @@ def codes(text: str, model: str | None = None) -> list[str]:
         # 900 x 23 = 20.7 kW (and 23 x sqrt(900) = 690); 900 x 22 = 19.8 kW.
         ("side: joint, stall_torque: 900, no_load_speed: 23 rad/s", ["SPEC183"]),
         ("side: joint, stall_torque: 900, no_load_speed: 22 rad/s", []),
-        # A rotor of 60 rad/s or more behind a gear of 3 or more; an output of up to 100 rad/s.
-        ("side: motor, gear_ratio: 3, no_load_speed: 59 rad/s", ["SPEC184"]),
-        ("side: motor, gear_ratio: 3, no_load_speed: 60 rad/s", []),
-        ("side: motor, gear_ratio: 2.9, no_load_speed: 59 rad/s", []),
+        # A rotor of 60 rad/s or 12 times the gear behind a gear of 3 or more; an output of up to 100 rad/s.
+        ("side: motor, gear_ratio: 5, no_load_speed: 59 rad/s", ["SPEC184"]),
+        ("side: motor, gear_ratio: 5, no_load_speed: 60 rad/s", []),
+        ("side: motor, gear_ratio: 3, no_load_speed: 35 rad/s", ["SPEC184"]),
+        ("side: motor, gear_ratio: 3, no_load_speed: 36 rad/s", []),
+        ("side: motor, gear_ratio: 2.9, no_load_speed: 35 rad/s", []),
+        # A fiftieth of the peak torque, 0.004 of the stall torque, a tenth of what goes in.
+        ("side: joint, peak_torque: 10, continuous_torque: 0.2", []),
+        ("side: joint, peak_torque: 10, continuous_torque: 0.19", ["SPEC135"]),
+        ("side: joint, stall_torque: 10, continuous_torque: 0.04", []),
+        ("side: joint, stall_torque: 10, continuous_torque: 0.039", ["SPEC180"]),
+        ("gear_ratio: 10, efficiency: 0.1", []),
+        ("gear_ratio: 10, efficiency: 0.09", ["SPEC189"]),
+        ("gearbox: [{ratio: 10, efficiency: 0.9}, {ratio: 2, efficiency: 0.09}]", ["SPEC189"]),
         ("side: joint, gear_ratio: 3, no_load_speed: 101 rad/s", ["SPEC184"]),
         ("side: joint, gear_ratio: 2.9, no_load_speed: 101 rad/s", []),
         ("side: joint, gear_ratio: 100, no_load_speed: 81 rad/s", ["SPEC184"]),
@@ -111,7 +121,8 @@ def test_motors(motor: str, expected: list[str]) -> None:
         # 1 x 10 rad/s of 20 N*m.
         ("motor: m, level: dc_motor, friction: {viscous: 1}", ["FRC106"]),
         ("motor: m, level: dc_motor, friction: {viscous: 0.99}", []),
-        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["FRC106", "SPEC182"]),
+        # 0.5 x 20 rad/s of 10 N*m, both by a reduction that is doubted itself.
+        ("motor: m, level: dc_motor, friction: {viscous: 0.5}, reduction: 0.5", ["SPEC182"]),
         # 20 N*m x 0.04 = 0.8 N*m.
         ("motor: m, reduction: 0.04", ["SPEC182!"]),
         ("motor: m, reduction: 1", []),
@@ -158,10 +169,13 @@ def test_motors(motor: str, expected: list[str]) -> None:
         ("delay: 0 s", []),
         ("delay: {nominal: 5 ms, range: [0, 0.3 s]}", ["SPEC186"]),
         ("command_filter: {cutoff: 0.1 Hz}", ["SPEC186"]),
-        ("randomize: {kd: {scale: [0.3, 20]}}", []),
+        ("randomize: {kd: {scale: [0.3, 10]}}", []),
+        ("randomize: {kd: {scale: [0.9, 11]}}", ["SPEC188"]),
         ("randomize: {kd: {scale: [21, 22]}}", ["SPEC188"]),
-        ("randomize: {encoder_bias: {add: [-0.5 rad, 0.5 rad]}}", []),
-        ("randomize: {encoder_bias: {abs: [-0.51 rad, 0 rad]}}", ["SPEC188"]),
+        ("randomize: {encoder_bias: {add: [-0.25 rad, 0.25 rad]}}", []),
+        ("randomize: {encoder_bias: {abs: [-0.26 rad, 0 rad]}}", ["SPEC188"]),
+        ("encoder_bias: -0.25 rad", []),
+        ("encoder_bias: -0.26 rad", ["SPEC188"]),
         ("randomize: {effort_limit: {add: [0, 100]}}", []),
         # Without a range the joint turns once: 4 pi = 12.57.
         ("action_scale: 12.5", []),
@@ -413,6 +427,35 @@ def test_strict_refuses(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> N
     assert 'accept: {spec.SPEC182: "the reason"}' in capsys.readouterr().err
     assert not (tmp_path / "out").exists()
     assert main(arguments) == 0
+
+
+@pytest.mark.parametrize(("speed", "expected"), [("0.29 rad/s", []), ("0.31 rad/s", ["SPEC191"])])
+def test_a_slow_drive_may_be_heavy(speed: str, expected: list[str]) -> None:
+    """45 N*m of 30 kg*m^2 are 1.5 rad/s^2, and 0.3 rad/s after 0.2 s."""
+    motor = f"side: joint, stall_torque: 45, no_load_speed: {speed}, reflected_inertia: 30"
+    text = spec_of(
+        f"legs: {{joints: [hip], motor: m, level: ideal_pd, kp: 30, kd: 3}}, {REST}",
+        motors=f"{{m: {{{motor}}}}}",
+    )
+    assert codes(text) == expected
+
+
+@pytest.mark.parametrize(
+    ("fields", "help"),
+    [
+        ("randomize: {kd: {scale: [0.9, 11]}}", "did you mean 1.1?"),
+        ("randomize: {kd: {scale: [90, 110]}}", "is it in %? Then write 0.9 and 1.1"),
+        ("encoder_bias: 1 rad", "is it in degrees? Then write 1 deg"),
+        ("encoder_bias: 60 deg", None),
+        # 14.3 x 0.0174533 = 0.2496.
+        ("action_scale: 14.3", "is it in degrees? Then write 0.2496"),
+        # 70 of 4 pi: 5.6 times.
+        ("action_scale: 70", "is it in degrees? Then write 1.222; or did you mean 0.7?"),
+    ],
+)
+def test_what_was_meant(fields: str, help: str | None) -> None:
+    (found,) = said(spec_of(f"legs: {{joints: [hip], level: ideal_pd, kp: 9, kd: 1, {fields}}}, {REST}"))
+    assert found.help == help
 
 
 def test_the_page_lists_every_check() -> None:

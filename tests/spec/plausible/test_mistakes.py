@@ -208,6 +208,14 @@ MISTAKES = {
         "SPEC191",
     ),
     "reduction-inverse": ("go1", "go1", "reduction: {value: 1.5", "reduction: {value: 0.667", "SPEC182"),
+    # The effort limit of 45.43 N*m agrees with the right one.
+    "reduction-inverse-beside-a-limit": (
+        "go2",
+        "go2",
+        "reduction: {value: 1.9169",
+        "reduction: {value: 0.5217",
+        "SPEC182",
+    ),
     "velocity-limit-in-rpm": (
         "go1",
         "go1",

@@ -207,6 +207,69 @@ def test_limits_of_the_joint_are_evidence(limits: str, wrong: dict[str, str], pl
     assert [found.where for found in said(limits, **wrong)] == [place]
 
 
+@pytest.mark.parametrize(
+    ("sheet", "right", "wrong", "place", "help"),
+    [
+        # 41.8 x 0.0980665 = 4.099, and 1.78 x 2.3 = 4.09 N*m.
+        (
+            "stall_torque: 4.1, peak_torque: 4.1",
+            "4.1",
+            "41.8",
+            "stall_torque",
+            "are stall_torque, peak_torque in kgf*cm?",
+        ),
+        # 19.5 x 0.0980665 = 1.912 N*m.
+        (
+            "stall_torque: 3.25, peak_torque: 1.91",
+            "1.91",
+            "19.5",
+            "peak_torque",
+            "is it in kgf*cm? 19.5 kgf*cm is 1.912",
+        ),
+        (
+            "stall_torque: 4.1, peak_torque: 4.1",
+            "peak_torque: 4.1",
+            "peak_torque: 0.41",
+            "peak_torque",
+            "did you mean 4.1",
+        ),
+    ],
+)
+def test_torques_of_a_servo(sheet: str, right: str, wrong: str, place: str, help: str) -> None:
+    servo = (
+        "side: joint, no_load_speed: 46 rpm, gear_ratio: 353.5, torque_constant: 1.78, peak_current: 2.3 A"
+    )
+    if "3.25" in sheet:
+        servo = servo.replace("2.3 A", "1.4 A")
+    assert said(sheet=f"{servo}, {sheet}") == []
+    (found,) = said(sheet=f"{servo}, {sheet.replace(right, wrong)}")
+    assert found.where == f"motors.m.{place}"
+    assert (found.help or "").startswith(help)
+
+
+def test_one_digit_and_an_exchange() -> None:
+    """48 and 18 N*m of 55: a peak of 4.8 is told, and an exchange as such."""
+    sheet = "side: joint, stall_torque: 55, peak_torque: {}, continuous_torque: {}"
+    assert said(sheet=sheet.format(48, 18)) == []
+    (found,) = said(sheet=sheet.format(4.8, 18))
+    assert (found.where, found.help) == ("motors.m.peak_torque", "did you mean 48 N*m?")
+    (found,) = said(sheet=sheet.format(18, 48))
+    assert found.help == "are peak_torque and continuous_torque swapped?"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "help"),
+    [
+        # 0.2 mN*m of 0.6 N*m.
+        ({"continuous_torque": "0.2 mN*m"}, "did you mean 0.2 N*m?"),
+        ({"efficiency": "0.07"}, "did you mean 0.7?"),
+    ],
+)
+def test_a_figure_far_too_small(wrong: dict[str, str], help: str) -> None:
+    (found,) = said(**wrong)
+    assert (found.where, found.help) == (f"motors.m.{next(iter(wrong))}", help)
+
+
 def test_what_no_single_correction_explains_is_told_where_it_is_seen() -> None:
     """0.04 x 200 of 0.6 N*m is 13, and a gear of 0.02 is told beside it."""
     found = said(peak_current="200 A", gear_ratio="0.02", no_load_speed="unknown", rotor_inertia="unknown")

@@ -1,0 +1,135 @@
+"""Limits of the robot's file as witnesses of a motor's figures: the wrong figure is told, placeholders tell nothing."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from actspec.diagnostics import ActspecError, Diagnostic
+from actspec.resolution import resolve
+from actspec.robot.load import joints_of_text
+from actspec.spec.document import document_from_text
+from actspec.spec.plausible import BY_CODE
+from actspec.spec.validate import validate
+
+URDF = """<robot name="arm"><link name="a"/><link name="b"/>
+  <joint name="hip" type="revolute"><parent link="a"/><child link="b"/>
+    <limit lower="-1" upper="1" effort="{effort}" velocity="{speed}"/></joint>
+</robot>
+"""
+GEARED = {
+    # 120 rad/s and 0.6 N*m behind a gear of 10 are 12 rad/s and 6 N*m.
+    "side": "motor",
+    "peak_torque": "0.6",
+    "no_load_speed": "120 rad/s",
+    "gear_ratio": "10",
+}
+SERVO = {"side": "joint", "stall_torque": "1.4", "no_load_speed": "57 rpm", "gear_ratio": "258"}
+"""5.97 rad/s."""
+
+
+def said(
+    folder: Path, sheet: dict[str, str], *, effort: float, speed: float, limits: str = "", **wrong: str
+) -> list[Diagnostic]:
+    """What is said of a motor beside a file with these limits."""
+    path = folder / "arm.urdf"
+    path.write_text(URDF.format(effort=effort, speed=speed), encoding="utf-8")
+    motor = ", ".join(f"{key}: {value}" for key, value in {**sheet, **wrong}.items())
+    text = (
+        f"actspec: 1\nrobot: {{name: arm, model: {path.name}}}\nmotors: {{m: {{{motor}}}}}\n"
+        f"actuators: {{arm: {{joints: [hip], motor: m, level: ideal_pd, kp: 4, kd: 0.1{limits}}}}}\n"
+    )
+    spec = validate(document_from_text(text, str(folder / "s.yaml")))
+    try:
+        return [item for item in resolve(spec, joints_of_text(str(path))).diagnostics if item.code in BY_CODE]
+    except ActspecError as err:
+        return [*err.diagnostics]
+
+
+@pytest.mark.parametrize(
+    ("sheet", "effort", "speed", "wrong", "code", "place", "help"),
+    [
+        # 120 rad/s and 0.6 N*m at the joint: ten times the speed and a tenth of the torque.
+        (GEARED, 6, 12, {"gear_ratio": "1"}, "SPEC187", "gear_ratio", "did you mean 10?"),
+        (GEARED, 6, 12, {"peak_torque": "6"}, "SPEC187", "peak_torque", "is it quoted at the gearbox output"),
+        # Of 6 N*m.
+        (
+            {"peak_torque": "0.6", "side": "motor", "gear_ratio": "10"},
+            6,
+            12,
+            {"side": "joint"},
+            "SPEC187",
+            "side",
+            "are the figures those of the rotor? Then write `side: motor`",
+        ),
+        # 1146 rpm is 120 rad/s.
+        (
+            GEARED,
+            6,
+            12,
+            {"no_load_speed": "1146 rad/s"},
+            "SPEC184",
+            "no_load_speed",
+            "is it in rpm? 1146 rpm is 120",
+        ),
+        # 14.3 x 0.0980665 = 1.402 N*m.
+        (
+            SERVO,
+            1.4,
+            6,
+            {"stall_torque": "14.3"},
+            "SPEC187",
+            "stall_torque",
+            "is it in kgf*cm? 14.3 kgf*cm is 1.402 N*m",
+        ),
+        # 5.7 rpm is 0.597 rad/s.
+        (SERVO, 1.4, 6, {"no_load_speed": "5.7 rpm"}, "SPEC184", "no_load_speed", "did you mean 5.7 rad/s?"),
+    ],
+)
+def test_the_file_tells_a_wrong_figure(
+    tmp_path: Path,
+    sheet: dict[str, str],
+    effort: float,
+    speed: float,
+    wrong: dict[str, str],
+    code: str,
+    place: str,
+    help: str,
+) -> None:
+    assert said(tmp_path, sheet, effort=effort, speed=speed) == []
+    (found,) = said(tmp_path, sheet, effort=effort, speed=speed, **wrong)
+    assert (found.code, found.where) == (code, f"motors.m.{place}")
+    assert (found.help or "").startswith(help)
+    assert "the robot's file gives the joint 'hip' " in found.message
+
+
+@pytest.mark.parametrize(("limits", "told"), [("6 rpm", True), ("0.6 rad/s", False), ("6 rad/s", False)])
+def test_a_limit_in_another_unit(tmp_path: Path, limits: str, told: bool) -> None:
+    """6 rpm is 0.628 rad/s; a tenth of the file's limit may be meant."""
+    found = said(tmp_path, SERVO, effort=1.4, speed=6, limits=f", velocity_limit: {limits}")
+    assert [item.where for item in found] == ["actuators.arm.velocity_limit"] * told
+    assert [item.help for item in found] == ["did you mean 6 rad/s?"] * told
+
+
+@pytest.mark.parametrize(
+    ("effort", "speed"),
+    [
+        # Placeholders: powers of ten, none, and an exporter's two equal ones.
+        (100, 1000),
+        (1, 1),
+        (0, 0),
+        (1e9, 1e9),
+        (30, 30),
+        # 6 N*m and 12 rad/s of 29.9 and 59.9: below five times. Of 91.2: 7.6 times, which no slip explains.
+        (29.9, 59.9),
+        (100, 91.2),
+    ],
+)
+def test_no_witness(tmp_path: Path, effort: float, speed: float) -> None:
+    assert said(tmp_path, GEARED, effort=effort, speed=speed) == []
+
+
+def test_a_windings_stall_torque_is_no_limit(tmp_path: Path) -> None:
+    """6 N*m of the drive, 60 of the winding, at the joint."""
+    assert said(tmp_path, GEARED, effort=6, speed=12, stall_torque="6") == []
