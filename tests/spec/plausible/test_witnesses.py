@@ -133,3 +133,19 @@ def test_no_witness(tmp_path: Path, effort: float, speed: float) -> None:
 def test_a_windings_stall_torque_is_no_limit(tmp_path: Path) -> None:
     """6 N*m of the drive, 60 of the winding, at the joint."""
     assert said(tmp_path, GEARED, effort=6, speed=12, stall_torque="6") == []
+
+
+@pytest.mark.parametrize(
+    ("peak", "speed", "limits"),
+    [
+        # 10 N*m and 10 rad/s at the joint: a power of ten would explain 100 N*m, did it say anything.
+        ("1", "100 rad/s", (100, 11)),
+        # 3 N*m and 30 rad/s: likewise.
+        ("0.3", "300 rad/s", (30, 30)),
+    ],
+)
+def test_a_placeholder_is_no_witness(
+    tmp_path: Path, peak: str, speed: str, limits: tuple[float, float]
+) -> None:
+    said_of = said(tmp_path, GEARED, effort=limits[0], speed=limits[1], peak_torque=peak, no_load_speed=speed)
+    assert said_of == []
