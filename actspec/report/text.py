@@ -162,11 +162,11 @@ def summary(report: Report, style: Style, groups: Sequence[FindingGroup], *, cho
     gone = sum(file.names_nothing for file in report.case.files)
     if gone:
         notes.insert(0, f"{many(gone, 'name')} {'has' if gone == 1 else 'have'} nothing to audit")
-    found = counted(groups) if groups or not report.findings else "no errors or warnings"
-    if not groups and (
-        told := sum(item.severity is Severity.WARNING for item in report.for_people(Severity.WARNING))
-    ):
-        found = many(told, "warning")
+    found = counted(groups)
+    if report.findings and not groups:
+        # A warning about a file as a whole is none of a rule's.
+        told = sum(item.severity is Severity.WARNING for item in report.for_people(Severity.WARNING))
+        found = many(told, "warning") if told else "no errors or warnings"
     yield f"{found} in {_files(report)}" + "".join(f"; {text}" for text in notes)
 
 
