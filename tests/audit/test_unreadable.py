@@ -201,3 +201,15 @@ def test_a_model_in_another_coding(coding: str) -> None:
     Path("robots/arm.urdf").write_text('<robot name="arm"><link name="a"/></robot>', encoding=coding)
     Path("robots/page.xml").write_text("<html/>", encoding=coding)
     assert [item[1] for item in found(audit(["robots"], Settings()))] == ["robots/arm.urdf", "robots/leg.xml"]
+
+
+def test_a_warning_about_a_file_is_counted() -> None:
+    """MuJoCo refuses the class that is not there; the rules have notes alone."""
+    Path("robots/leg.xml").write_text(
+        '<mujoco model="leg"><compiler angle="radian"/><worldbody><body><joint name="knee" class="gone"/>'
+        '<geom size="0.1"/></body></worldbody><actuator><motor joint="knee"/></actuator></mujoco>'
+    )
+    report = audit(["robots"], Settings())
+    assert report.findings and {item.severity for item in report.findings} == {Severity.INFO}
+    text = render(report, "concise", ReportOptions(least=Severity.WARNING))
+    assert text.splitlines()[-1] == "1 warning in 2 files"
