@@ -120,7 +120,7 @@ class Case:
         return included and not found.states(b"angle=")
 
     def written(self, place: Span) -> frozenset[str]:
-        """What programs of its folder write over of the MJCF or configuration at a place."""
+        """What programs of its folder write over of the model or configuration at a place."""
         file = self._file(place.path)
         return frozenset() if file is None else file.written & _WRITTEN.get(file.kind, frozenset())
 

@@ -1,6 +1,6 @@
 """Impossible numbers: what a spec's figures imply, told at the number that cannot be right.
 
-`check_numbers` needs no robot and runs in `validate`; `joint_doubts` (module `joints`) judges what a spec gives at its
+`check_numbers` needs no robot and runs in `validate`; `check_joints` (module `joints`) judges what a spec gives at its
 robot's joints and runs in `resolve`, so that `show` and `compile` have both. The table of all checks is in `table`.
 """
 

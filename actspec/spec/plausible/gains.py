@@ -9,11 +9,10 @@ from dataclasses import dataclass, replace
 from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
 from actspec.spec.fields import DerivedGain
-from actspec.spec.plausible.relations import Relation, Repair, explained
+from actspec.spec.plausible.relations import DEGREE, Relation, Repair, explained
 from actspec.spec.plausible.table import Doubt, at
 from actspec.units import format_quantity
 
-DEGREE = math.pi / 180.0
 RETURN = (5e-4, 1.0)
 """kd over kp [s]: the time in which a joint without inertia returns."""
 USUAL_RETURN = (0.005, 0.25)

@@ -11,8 +11,9 @@ from actspec.ir import Command, JointActuator, JointKind, Origin, Quantity
 from actspec.spec.document import Document
 from actspec.spec.models import SpecModel
 from actspec.spec.plausible import check_numbers
-from actspec.spec.plausible.gains import DEGREE, Gains, gain_words
+from actspec.spec.plausible.gains import Gains, gain_words
 from actspec.spec.plausible.groups import friction_words
+from actspec.spec.plausible.relations import DEGREE
 from actspec.spec.plausible.table import BY_CODE, Doubt, tell
 from actspec.spec.plausible.witnesses import file_doubts
 from actspec.units import format_quantity
@@ -103,7 +104,7 @@ def check_joints(
         collector: Takes warnings, and errors where nothing could be right.
         mass: Of the robot [kg]; None: unknown.
     """
-    reported = {".".join(item.where.split(".")[:2]) for item in collector if item.code in BY_CODE}
+    reported = _sections(item for item in collector if item.code in BY_CODE)
     tell(file_doubts(joints, model, document.spans, reported), document, model.accept, collector)
     tell(_joint_doubts_of(joints, collector, mass), document, model.accept, collector)
     kept = {key: code for key in model.accept if (code := key.partition(".")[2]) in BY_CODE}
@@ -114,17 +115,21 @@ def check_joints(
 
 def doubted_drives(joints: Iterable[JointActuator], diagnostics: Iterable[Diagnostic]) -> frozenset[str]:
     """Joints of which a gain, or what their inertia follows from, is reported: their stability says nothing."""
-    sections = {
-        ".".join(item.where.split(".")[:2])
+    sections = _sections(
+        item
         for item in diagnostics
-        if item.code in ("SPEC191", "SPEC192")
-        or (item.code in BY_CODE and item.where.rpartition(".")[2] in _TO_INERTIA)
-    }
+        if item.code in _OF_INERTIA or (item.code in BY_CODE and item.where.rpartition(".")[2] in _TO_INERTIA)
+    )
     return frozenset(
         joint.joint
         for joint in joints
         if not sections.isdisjoint((f"actuators.{joint.group}", f"motors.{joint.motor}"))
     )
+
+
+def _sections(diagnostics: Iterable[Diagnostic]) -> set[str]:
+    """The motors and groups that they are about: `motors.hip`."""
+    return {".".join(item.where.split(".")[:2]) for item in diagnostics}
 
 
 def _check_kept(
@@ -156,8 +161,8 @@ def _joint_doubts_of(
 ) -> Iterator[Doubt]:
     """What is found at the joints, but for what follows from numbers that are reported already."""
     told = [item for item in collector if item.code in BY_CODE]
-    reported = {".".join(item.where.split(".")[:2]) for item in told}
-    gained = {".".join(item.where.split(".")[:2]) for item in told if item.code == "SPEC192"}
+    reported = _sections(told)
+    gained = _sections(item for item in told if item.code == "SPEC192")
     reduced = {".".join(item.where.split(".")[:2]) for item in told if item.where.endswith(".reduction")}
     places = {item.span for item in told}
     groups: dict[tuple[str, Span | None, str], list[_Found]] = {}

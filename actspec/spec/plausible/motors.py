@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from actspec.diagnostics import Path
 from actspec.spec.models import Motor
-from actspec.spec.plausible.relations import Relation
+from actspec.spec.plausible.relations import RPM, Relation
 from actspec.spec.rules.motors import stage_ratio
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
@@ -64,7 +64,6 @@ AGREES = 1.25
 """The same of a corrected figure."""
 SPEED_LIMIT = 3.0
 """Velocity limit over the motor's speed without load, at the joint. Published: to 1 (Go1, STS3215)."""
-RPM = math.pi / 30.0
 
 
 def number(value: SpecValue | None) -> float | None:

@@ -15,6 +15,10 @@ from actspec.diagnostics import Path
 from actspec.spec.document import SourceMap
 from actspec.spec.plausible.table import Doubt, at
 
+DEGREE = math.pi / 180.0
+"""[rad]"""
+RPM = math.pi / 30.0
+"""[rad/s]"""
 RARE = 0.3
 """What a power of ten costs beside a slip that has a reason, as a distance from usual figures in powers of ten."""
 NEAR = 0.8

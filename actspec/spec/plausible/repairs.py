@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import math
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 
@@ -13,18 +12,15 @@ from actspec.spec.models import Motor
 from actspec.spec.plausible.motors import (
     GEAR_INVERSE,
     GEARED,
-    RPM,
     Drive,
     gear_of,
     number,
     relations,
 )
-from actspec.spec.plausible.relations import RARE, Relation, Repair, explained, explanation
+from actspec.spec.plausible.relations import DEGREE, RARE, RPM, Relation, Repair, explained, explanation
 from actspec.spec.plausible.table import Doubt
 from actspec.spec.values import SpecValue
 from actspec.units import format_quantity
-
-DEGREE = math.pi / 180.0
 
 KGF_CM = 0.0980665
 """[N*m]."""
