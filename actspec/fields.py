@@ -157,6 +157,8 @@ _TABLE = (
     Field("delay_nominal", "delay", "", Role.COMMAND, Kind.TIME, "", "delay", "delay"),
     Field("delay_low", "least delay", "", Role.COMMAND, Kind.TIME, "", "", "delay.range"),
     Field("delay_high", "largest delay", "", Role.COMMAND, Kind.TIME, "", "", "delay.range"),
+    Field("delay_low_steps", "least delay", "", Role.COMMAND, None, "physics steps"),
+    Field("delay_high_steps", "largest delay", "", Role.COMMAND, None, "physics steps"),
     Field(
         "filter_cutoff", "cutoff of the command filter", "", Role.COMMAND, Kind.FREQUENCY, "",
         "filter_cutoff", "command_filter",

@@ -16,6 +16,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from actspec.diagnostics import Span
+from actspec.fields import FIELDS
 from actspec.joints import JointKind
 from actspec.readings.artifact import (
     PHYSX,
@@ -236,7 +237,8 @@ def figures_of(
 ) -> dict[str, Found]:
     """What the class of a group makes of its settings for one joint, by the names of `fields.FIELDS`.
 
-    Of a lag, which is a range of steps, there are `delay_low` and `delay_high`.
+    Of a lag, which is a range of steps, there are `delay_low` and `delay_high`, and their steps where it is not known
+    how long one is.
 
     Args:
         config: The configuration.
@@ -284,6 +286,8 @@ def figures_of(
             steps = lag.number
             seconds = None if steps is None or step is None else steps * step
             values[field] = Found(seconds, lag.span, why=lag.unknown)
+            if step is None and steps is not None:
+                values[f"{field}_steps"] = Found(steps, lag.span)
     return values
 
 
@@ -432,9 +436,9 @@ def _of_group(
     config = artifact.config
     assert config is not None
     control = control_of_group(config.framework, group)
-    figures = {**figures, **_delay(figures, config.physics_dt)}
-    figures = {name: found for name, found in figures.items() if name in LedgerRow.__dataclass_fields__}
-    numbers: dict[str, Any] = {field: found.value for field, found in figures.items()}
+    figures = _with_delay(figures, config.physics_dt)
+    columns = {name: found for name, found in figures.items() if name in LedgerRow.__dataclass_fields__}
+    numbers: dict[str, Any] = {field: found.value for field, found in columns.items()}
     if own is not None:
         # mjlab's actuators act on the XML's joints, whose passive part stays unless the cfg sets it.
         numbers = {"joint_damping": own.damping, "frictionloss": own.frictionloss, **numbers}
@@ -457,21 +461,30 @@ def _of_group(
         actuator_damping_clamped=False if own is not None else None,
         back_emf=0.0 if kd is not None else None,
         position_range=view.range if view is not None and view.kind is not JointKind.BALL else None,
+        more={
+            field: found.value
+            for field, found in figures.items()
+            if field not in columns and field in FIELDS and found.value is not None
+        },
         places={field: found.span for field, found in figures.items()},
-        stated=frozenset(field for field, found in figures.items() if found.stated),
+        stated=frozenset(field for field, found in columns.items() if found.stated),
         **dynamics_at(numbers.get("kp"), total, held, free, config.physics_dt, kd if explicit else None),
         **numbers,
     )
 
 
-def _delay(figures: Mapping[str, Found], step: float | None) -> dict[str, Found]:
-    """A fixed delay in seconds; a range has no single value, and steps without a step length have none."""
-    high = figures.get("delay_high")
+def _with_delay(figures: Mapping[str, Found], step: float | None) -> Mapping[str, Found]:
+    """The figures, with a fixed delay in seconds in place of its ends.
+
+    A range has no single value, and steps without a step length have none.
+    """
+    high, low = figures.get("delay_high"), figures.get("delay_low")
     if high is None or high.why is not None or (high.value is None and step is None):
-        return {}
-    low = figures.get("delay_low")
-    least = 0.0 if low is None else low.value
-    return {"delay": Found(high.value if least == high.value else None, high.span)}
+        return figures
+    if (0.0 if low is None else low.value) != high.value:
+        return {**figures, "delay": Found(None, high.span)}
+    others = {name: found for name, found in figures.items() if name not in ("delay_low", "delay_high")}
+    return {**others, "delay": Found(high.value, high.span)}
 
 
 def _inertia(robot: RobotView | None, armature: Mapping[str, Found | None]) -> dict[str, JointInertia]:

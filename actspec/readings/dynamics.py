@@ -210,10 +210,10 @@ def _joint(artifact: Artifact, rows: Sequence[LedgerRow]) -> JointDynamics:
             add(name, value)
     else:
         network = _network_name(artifact, first)
-        for name in ("friction", "dynamic_friction") if first.frictionloss is None else ():
-            written = friction_setting(artifact, first, name)
-            if written is not None:
-                add(f"{name}_setting", *written)
+        for name, value in first.more.items():
+            # Friction as it is written is of interest where it is no torque.
+            if name not in ("friction_setting", "dynamic_friction_setting") or first.frictionloss is None:
+                add(name, value, first.place(name))
     return JointDynamics(
         first.joint,
         "+".join(dict.fromkeys(row.control for row in rows)),

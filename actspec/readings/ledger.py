@@ -94,6 +94,7 @@ class LedgerRow:
         position_range: The joint's own range; None: unlimited or unknown.
         action_scale: Command unit per action unit.
         default_position: Default pose.
+        more: Other fields of `FIELDS` that a configuration has of the joint, as a range of its delay.
         places: Field to where it is written, for fields that have a place of their own.
         stated: Fields that the file states itself; the others are an engine's default or computed.
     """
@@ -136,6 +137,7 @@ class LedgerRow:
     position_range: tuple[float, float] | None = None
     action_scale: float | None = None
     default_position: float | None = None
+    more: Mapping[str, float] = field(default_factory=dict)
     places: Mapping[str, Span] = field(default_factory=dict)
     stated: frozenset[str] = frozenset()
 

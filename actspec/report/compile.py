@@ -8,12 +8,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from actspec.diagnostics import Severity, listed, one_line
 from actspec.fields import BY_IR
-from actspec.ir import ActuatorSet, JointActuator, JointKind
+from actspec.ir import ActuatorSet, Delay, JointActuator, JointKind
 from actspec.output import MANIFEST, Compilation, Output
 from actspec.report.show import number, title
 from actspec.report.tables import many, table
 from actspec.targets.base import Approximation, TargetOptions
-from actspec.units import format_quantity
+from actspec.units import format_number, format_quantity
 
 _FIGURES = (
     "kp",
@@ -99,7 +99,6 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
     yield ("", "", "", "", *units, "", "")
     merged: dict[tuple[str, ...], int] = {}
     for joint in joints:
-        delay = None if joint.delay is None else joint.delay.nominal.value
         # A curve has a speed of its own in place of the line's.
         values = {name: getattr(joint, name) for name in _FIGURES}
         if joint.curve is not None:
@@ -111,7 +110,7 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
             joint.command.value,
             *map(number, values.values()),
             "-" if cutoff is None else format_quantity(cutoff.value, "Hz"),
-            "-" if delay is None else format_quantity(delay * 1e3, "ms"),
+            "-" if joint.delay is None else _delay(joint.delay),
             joint.kind.value,
         )
         merged[row] = merged.get(row, 0) + 1
@@ -119,6 +118,15 @@ def _rows(joints: Sequence[JointActuator]) -> Iterator[tuple[str, ...]]:
     for row, count in merged.items():
         group = f"{row[0]} (slide, in N and m)" if slides and row[-1] == JointKind.SLIDE.value else row[0]
         yield (group, str(count), *row[1:-1])
+
+
+def _delay(delay: Delay) -> str:
+    """The nominal delay, or the range where that is all."""
+    if delay.nominal.value is not None:
+        return format_quantity(delay.nominal.value * 1e3, "ms")
+    if delay.low == delay.high:
+        return "unknown"
+    return f"{format_number(delay.low * 1e3)} to {format_quantity(delay.high * 1e3, 'ms')}"
 
 
 def _accepted(losses: Sequence[Approximation], accept: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 import os
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from actspec.diagnostics import Collector, ResolveError
+from actspec.diagnostics import Collector, ResolveError, listed
 from actspec.ir import ActuatorSet, DeltaAction, JointActuator, Origin, Quantity, Source
 from actspec.readings.joint import read_joints
 from actspec.resolution.identified import check_gains, drawn_apart, results_sources
@@ -92,6 +93,7 @@ def resolve(spec: Spec, robot: RobotView) -> ActuatorSet:
     reports.tell(collector)
     for actuator in joints:
         _check_finite(actuator, collector)
+    _check_delays(joints, collector)
     check_gains(zip(joints, stated, strict=True), collector)
     check_joints(joints, spec.model, spec.document, collector, robot.mass)
     collector.raise_if_failed(ResolveError)
@@ -132,6 +134,22 @@ def _check_finite(actuator: JointActuator, collector: Collector) -> None:
                 f"{actuator.joint}: {name} is out of the range of numbers: {quantity.formula}",
                 "look for a figure with a wrong exponent or unit",
             )
+
+
+def _check_delays(joints: Sequence[JointActuator], collector: Collector) -> None:
+    """Warn where nothing is known of a delay: what is written then has none."""
+    open_: dict[str, list[JointActuator]] = {}
+    for actuator in joints:
+        delay = actuator.delay
+        if delay is not None and delay.nominal.value is None and delay.low == delay.high:
+            open_.setdefault(actuator.group, []).append(actuator)
+    for group, members in open_.items():
+        assert members[0].delay is not None
+        collector.at(f"actuators.{group}.delay", members[0].delay.nominal.span or members[0].span).warning(
+            "RES017",
+            f"the delay of {listed([a.joint for a in members])} is unknown: every target is written without one",
+            "state it, or `delay: 0 ms` where there is none",
+        )
 
 
 def _physics_dt(spec: Spec, robot: RobotView) -> Quantity:

@@ -12,6 +12,8 @@ from actspec.readings.versions import Versions
 from actspec.report.difference import lines
 from tests.audit.robots import CFG, LEG, SPEC
 
+STEP = "# Written by actspec 0.1.0 for Isaac Lab 2.3 on Isaac Sim 5.1 (PhysX). \n# physics_dt 0.005 s\n"
+"""The step that a written configuration is made for."""
 EFFECTS = ("natural frequency", "damping ratio")
 
 
@@ -185,6 +187,31 @@ def test_friction_of_unknown_unit_is_seen(tmp_path: Path) -> None:
     text = CFG.replace("friction=0.2", "friction=0.3")
     (found,) = compare(tmp_path, ("leg_cfg.py", CFG), ("leg_cfg.py", text))
     assert told(found) == ["hip, knee:", "  friction as written 0.2 -> 0.3 (+50 %)"]
+
+
+@pytest.mark.parametrize(
+    "head, old, new, expected",
+    [
+        # Without a step nobody knows the seconds: the steps are compared.
+        ("", "max_delay=4", "max_delay=6", ["largest delay 4 -> 6 physics steps (+50 %)"]),
+        ("", "min_delay=1", "min_delay=2", ["least delay 1 -> 2 physics steps (+100 %)"]),
+        # 4 and 6 steps of 5 ms
+        (STEP, "max_delay=4", "max_delay=6", ["largest delay 0.02 -> 0.03 s (+50 %)"]),
+        # A fixed delay is one figure.
+        (STEP, "min_delay=1, max_delay=4", "min_delay=4, max_delay=4", [
+            "delay none -> 0.02 s", "least delay 0.005 -> none", "largest delay 0.02 -> none"
+        ]),
+    ],
+    ids=["largest", "least", "in seconds", "fixed"],
+)  # fmt: skip
+def test_delays_of_configurations(
+    head: str, old: str, new: str, expected: list[str], tmp_path: Path
+) -> None:
+    """A lag is compared in seconds, or in steps where nobody states their length."""
+    group = "min_delay=1, max_delay=4, stiffness"
+    text = head + CFG.replace("IdealPDActuatorCfg", "DelayedPDActuatorCfg").replace("stiffness", group)
+    (found,) = compare(tmp_path, ("leg_cfg.py", text), ("leg_cfg.py", text.replace(old, new)))
+    assert told(found) == ["hip, knee:", *(f"  {line}" for line in expected)]
 
 
 def test_robots_of_one_file_by_name(tmp_path: Path) -> None:

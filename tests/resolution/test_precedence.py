@@ -181,6 +181,19 @@ def test_identified_delay_filter_and_bias() -> None:
     assert (found.encoder_bias.value, found.encoder_bias.origin) == (0.02, Origin.IDENTIFIED)
 
 
+@pytest.mark.parametrize(
+    "delay, count",
+    [("unknown", 1), ("{nominal: unknown, range: [5 ms, 20 ms]}", 0), ("0 ms", 0), ("7 ms", 0)],
+)
+def test_an_unknown_delay_is_said(delay: str, count: int) -> None:
+    """Nothing is written for it, which is not what nobody knows; a range is written."""
+    found = fit(legs(f", delay: {delay}", identified=False), MODEL)
+    said = [item for item in found.diagnostics if item.code == "RES017"]
+    assert [item.message for item in said] == [
+        "the delay of hip is unknown: every target is written without one"
+    ] * count
+
+
 def test_a_filter_that_is_written_off_stays_off() -> None:
     """`command_filter: none` is authored, and stronger than the results."""
     assert (
