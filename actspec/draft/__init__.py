@@ -139,7 +139,8 @@ def _unknown(groups: Sequence[DraftGroup]) -> dict[str, tuple[str, ...]]:
     for group in groups:
         for cls in group.classes:
             for key, row in cls.rows.items():
-                if row.value == "unknown":
+                # A delay has a row where a file states one, and a note of its own where its steps have no length.
+                if row.value == "unknown" and key != "delay":
                     found.setdefault(key, {})[group.name] = None
     return {key: tuple(names) for key, names in found.items()}
 

@@ -237,7 +237,8 @@ class DraftTarget(NamedTuple):
     left_out: str = ""
 
 
-_NO_MODEL = "it is written into the robot's MJCF or URDF, and none is named"
+_NO_MODEL = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
+_NO_URDF = "it is written into the robot's URDF, and none is named"
 
 
 def targets_of(
@@ -269,7 +270,7 @@ def _targets(
     else:
         version = versions.mujoco or DEFAULT_VERSIONS["mujoco"]
         yield DraftTarget("mujoco", _mapping({"version": version}), left_out=_NO_MODEL)
-        yield DraftTarget("urdf", "{}", left_out=_NO_MODEL)
+        yield DraftTarget("urdf", "{}", left_out=_NO_URDF)
     if model is not None and model.kind is FileKind.URDF:
         yield DraftTarget("urdf", "{}")
     if "isaaclab" in stacks:

@@ -126,14 +126,19 @@ class Idle:
     configs: Mapping[str, frozenset[str]] = field(default_factory=dict)
 
 
-def files_in(folder: str, exclude: Callable[[str, bool], bool] | None) -> Iterator[str]:
+def files_in(
+    folder: str,
+    exclude: Callable[[str, bool], bool] | None,
+    refused: Callable[[str], None] = lambda path: None,
+) -> Iterator[str]:
     """Files of a folder and of those below it, by name; hidden ones are passed over, links to folders not followed.
 
     Args:
         folder: As the user named it.
         exclude: Whether to pass over a folder below it, by its path and whether it was named.
+        refused: Gets a folder that cannot be listed.
     """
-    for inside, folders, names in os.walk(folder):
+    for inside, folders, names in os.walk(folder, onerror=lambda err: refused(str(err.filename))):
         # `sim/a.xml` and not `./sim/a.xml`, as what it includes or imports is named.
         inside = os.path.normpath(inside) if os.path.normpath(folder) == os.curdir else inside
         folders[:] = sorted(

@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from actspec.diagnostics import Diagnostic, RobotError, Severity, Span
-from actspec.files import NotRegular, TooLarge, read_regular
+from actspec.files import NotRegular, TooLarge, read_regular, why
 from actspec.processes import FaultError, LostError, Pool
 from actspec.readings.artifact import Artifact, FileKind, FileReading, without_comments
 from actspec.readings.programs import ASIDE, Idle, files_in, idle, programs_in
@@ -294,7 +294,7 @@ def expand(
     """Put the files of a folder in its place: those with a known ending, by name, folders below it too.
 
     Hidden files and folders are passed over, links to folders are not followed, and a file that was
-    there before is not taken again.
+    there before is not taken again. A folder that cannot be listed stands for itself.
 
     Args:
         paths: Files and folders, as the user names them.
@@ -310,12 +310,14 @@ def expand(
                 # Whoever names a file and its folder asks for the file.
                 found[path] = NamedFile(path, found[path].folder if path in found else None, named=True)
             continue
-        for full in files_in(path, exclude):
+        shut: list[str] = []
+        for full in files_in(path, exclude, shut.append):
             if _has_known_ending(full) and not exclude(full, False):
                 before = found.get(full)
                 found[full] = (
                     NamedFile(full, path) if before is None else replace(before, folder=before.folder or path)
                 )
+        found.update((inside, NamedFile(inside, path)) for inside in shut)
     return tuple(found.values())
 
 
@@ -332,6 +334,16 @@ def _lost(path: str, reason: str) -> FileReading:
     """A file that would perhaps have been read, but for a fault; that is reported wherever the file was found."""
     fault = Diagnostic(FAULT, Severity.ERROR, f"the file cannot be read: {reason}", "", Span(path))
     return FileReading(path, None, reason, diagnostics=(fault,))
+
+
+def _shut(folder: str) -> FileReading:
+    """A folder that cannot be listed: nobody knows what it has."""
+    try:
+        os.listdir(folder)
+        reason = "it was not there for a moment"
+    except OSError as err:
+        reason = why(err)
+    return _lost(folder, f"it is a folder that cannot be listed ({reason})")
 
 
 def _idle(
@@ -362,10 +374,14 @@ def _chosen(
     """The readings without files that have nothing to do with actuators and that nobody named."""
     chosen = []
     concerned = {file.folder for index, file in enumerate(files) if file.folder and _concerns(found[index])}
-    empty = {path for path in paths if os.path.isdir(path)} - concerned
+    shut = {file.folder for file in files if file.folder and os.path.isdir(file.path)}
+    empty = {path for path in paths if os.path.isdir(path)} - concerned - shut
     seen = Counter(file.folder for file in files)
     idle_there = _idle(files, found, exclude)
     for index, file in enumerate(files):
+        if file.folder is not None and not found[index].readable and os.path.isdir(file.path):
+            chosen.append(_shut(file.path))
+            continue
         # A file that is not there was named by somebody.
         named = file.named and not (skip_other and os.path.exists(file.path))
         if named or _concerns(found[index]):

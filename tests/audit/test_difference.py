@@ -204,9 +204,7 @@ def test_friction_of_unknown_unit_is_seen(tmp_path: Path) -> None:
     ],
     ids=["largest", "least", "in seconds", "fixed"],
 )  # fmt: skip
-def test_delays_of_configurations(
-    head: str, old: str, new: str, expected: list[str], tmp_path: Path
-) -> None:
+def test_delays_of_configurations(head: str, old: str, new: str, expected: list[str], tmp_path: Path) -> None:
     """A lag is compared in seconds, or in steps where nobody states their length."""
     group = "min_delay=1, max_delay=4, stiffness"
     text = head + CFG.replace("IdealPDActuatorCfg", "DelayedPDActuatorCfg").replace("stiffness", group)

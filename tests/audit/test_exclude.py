@@ -100,7 +100,9 @@ def test_an_excluded_folder_is_not_looked_into(monkeypatch: pytest.MonkeyPatch) 
     """There may be a hundred thousand files in it."""
     looked: list[str] = []
     walk = os.walk
-    monkeypatch.setattr(os, "walk", lambda path: (looked.append(entry[0]) or entry for entry in walk(path)))
+    monkeypatch.setattr(
+        os, "walk", lambda path, **more: (looked.append(entry[0]) or entry for entry in walk(path, **more))
+    )
     left("third_party")
     assert looked == ["robots", "robots/own"]
 

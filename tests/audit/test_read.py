@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import faulthandler
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -192,6 +193,42 @@ def test_files_that_are_no_files() -> None:
     Path("locked.xml").chmod(0)
     if os.geteuid():
         assert reason_of("locked.xml") == "'locked.xml' cannot be read: Permission denied"
+
+
+@posix
+def test_a_folder_that_cannot_be_listed_is_an_error() -> None:
+    """Nobody knows what it has, wherever it lies; root lists it, but for one without that right."""
+    as_user = []
+    if os.geteuid() == 0:
+        rights = "-dac_override,-dac_read_search"
+        as_user = ["setpriv", "--bounding-set", rights, "--inh-caps", rights]
+        if shutil.which("setpriv") is None:
+            pytest.skip("root lists every folder")
+    Path("robots/shut").mkdir(parents=True)
+    Path("robots/leg.xml").write_text(GOOD)
+    Path("robots/shut").chmod(0)
+    try:
+        for folder, of in (("robots", "2 files, 1 of which"), ("robots/shut", "1 file, which")):
+            command = [
+                *as_user,
+                sys.executable,
+                "-m",
+                "actspec",
+                "audit",
+                folder,
+                "--output-format",
+                "concise",
+            ]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+            why = "the file cannot be read: it is a folder that cannot be listed (permission denied)"
+            said = done.stdout.splitlines()
+            assert (done.returncode, said[0], said[-1]) == (
+                1,
+                f"robots/shut: AUD008 [error] {why}",
+                f"1 error in {of} could not be read",
+            )
+    finally:
+        Path("robots/shut").chmod(0o700)
 
 
 def test_a_file_that_is_too_large_is_not_read() -> None:

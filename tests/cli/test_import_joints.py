@@ -63,13 +63,30 @@ def test_names_are_missing(folder: Path, capsys: pytest.CaptureFixture[str]) -> 
         "leg_cfg.py:5:1: DRF012 [warning]: `.*_knee` of LEG_CFG selects none of the 2 joints of --joints\n"
         in err
     )
-    why = "it is written into the robot's MJCF or URDF, and none is named"
-    assert f"  targets mujoco, urdf are left out: {why}\n" in out
+    why = "it is written into the robot's URDF, and none is named"
+    assert f"  target urdf is left out: {why}\n" in out
+    fragment = "no MJCF or URDF is named, and without one a compile writes a fragment to include in one"
+    assert f"  target mujoco is left out: {fragment}\n" in out
     text = (folder / "leg.yaml").read_text("utf-8")
     assert f"  # urdf: {{}}    # left out: {why}\n" in text
     assert list(load_spec("leg.yaml").model.targets) == ["isaaclab"]
     assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES)]) == 0
     assert "DRF012" not in capsys.readouterr().err
+
+
+def test_a_lag_without_a_step_is_said_once(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """It is stated, in steps: the spec has `unknown`, and nothing says that no file states it."""
+    text = CFG.replace("ImplicitActuatorCfg", "DelayedPDActuatorCfg").replace(
+        "damping=1.5", "damping=1.5, max_delay=4"
+    )
+    (folder / "leg_cfg.py").write_text(text, encoding="utf-8")
+    assert main(["import", "leg_cfg.py", "--joints", ",".join(NAMES), "-o", "leg.yaml"]) == 0
+    out = capsys.readouterr().out
+    assert (
+        "delay: 0 to 4 physics steps, whose length no file states" in out
+        and "no file states delay" not in out
+    )
+    assert "    delay: unknown    # 0 to 4 physics steps" in (folder / "leg.yaml").read_text("utf-8")
 
 
 def test_without_it_the_message_names_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
