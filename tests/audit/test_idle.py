@@ -519,6 +519,20 @@ def test_a_rule_that_speaks_in_notes_of_a_folder(files: list[str], severity: str
         }
 
 
+@pytest.mark.parametrize(
+    ("named", "damping", "severity"),
+    [("r/dog.xml", 2, "warning"), ("r", 2, "info"), ("r/dog.xml", 3, "info")],
+)
+def test_one_number_as_kv_and_as_damping(named: str, damping: float, severity: str) -> None:
+    """In one's own file it is worth a look; another number may be a measured friction."""
+    Path("r/dog.xml").write_text(
+        f'<mujoco model="dog"><worldbody><body><joint name="knee" damping="{damping}"/><geom size="0.1"/></body>'
+        '</worldbody><actuator><position joint="knee" kp="20" kv="2"/></actuator></mujoco>'
+    )
+    found = audit([named], Settings(select=("DMP101",))).findings
+    assert [item.severity.value for item in found] == [severity]
+
+
 @pytest.mark.parametrize("attribute", ["armature", "frictionloss", "damping"])
 def test_rotors_and_friction_by_side(attribute: str) -> None:
     """Few of a folder's are measured; whoever names the file wants to know. 0.2 is twice 0.1."""
