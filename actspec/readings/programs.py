@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 from actspec.files import NotRegular, TooLarge, in_common, read_regular
-from actspec.readings.artifact import FileKind, FileReading
+from actspec.readings.artifact import FileKind, FileReading, Framework
 
 _HASH = re.compile(rb"^[ \t]*#[^\n]*", re.MULTILINE)
 _SLASHES = re.compile(rb"/\*.*?\*/|(?<![:\w\"'])//[^\n]*", re.DOTALL)
@@ -39,22 +39,33 @@ _WRITES: dict[str, re.Pattern[bytes]] = {
         rb"(?:actuator_forcerange|jnt_actfrcrange)(?:\s*\[[^\]\n]*\])*\s*=(?!=)|set_dofs_force_range|\.forcerange\s*=(?!=)"
     ),
     "timestep": re.compile(rb"\bopt(?:ion)?\.timestep\s*=(?!=)"),
+    "urdf_effort": re.compile(rb"""\bcontrol(?:\.|["']\]\[["'])torque_limits\b"""),
     "drive": re.compile(rb"\.control_dofs_position\("),
 }
 """What a program writes over a model's figure when it has loaded it, by MuJoCo's and Genesis's names.
 
-And by what it hands a configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position
-implicitly (RigidOptions.integrator is approximate_implicitfast).
+Forks of legged_gym clip at limits of the configuration in place of the URDF's effort. And by what it hands a
+configuration's drive to the simulator: Genesis integrates the gains of control_dofs_position implicitly
+(RigidOptions.integrator is approximate_implicitfast).
 """
 
-_PYBULLET = re.compile(rb"\bsetJointMotorControl")
-_TAKES_EFFORT = re.compile(
-    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b"
+_ASKS_NO_EFFORT = re.compile(
+    rb"\b(?:setJointMotorControl\w*|pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|trimesh"
+    rb"|pytorch_kinematics|roboticstoolbox|mink|pink|placo)\b"
 )
-"""PyBullet drives a joint with the force of each command and asks no URDF for it; these simulators do.
+_TAKES_EFFORT = re.compile(
+    rb"\b(?:isaacgym|isaaclab|isaacsim|omni\.isaac|mujoco|gazebo|gz|ros2?_control|genesis|pydrake|raisim\w*|sapien|dartpy|webots)\b|effort"
+)
+"""Libraries that ask a URDF for no effort, and simulators and programs that do.
 
-Source: setJointMotorControl2 of PyBullet, `force` and `maxVelocity`.
+PyBullet drives a joint with the force of each command (setJointMotorControl2, `force`), and kinematics have none.
 """
+
+_REGISTERED = re.compile(rb"\.register\((?:[^()]|\([^()]*\))*\)")
+"""A task that legged_gym runs by its name. Source: legged_gym, task_registry.register(name, class, config, ...)."""
+
+_CLASS = re.compile(rb"^[ \t]*class[ \t]+(\w+)[ \t]*\(([^()]*)\)", re.MULTILINE)
+"""A class and its bases."""
 
 _MODEL_NAME = re.compile(rb"[\w.+-]+\.(?:urdf|xml|mjcf)")
 _REFERENCE = re.compile(rb"\.(urdf|xml|mjcf|usd[acz]?|xacro)\b")
@@ -97,12 +108,18 @@ _OF_ANY_ROBOT = frozenset(
 
 ASIDE = re.compile(
     r"(?<![a-z])(?:archived?|before|old|bak|backup|copy|deprecated|legacy|obsolete|retired|unused|debug|dump|error)(?![a-z])"
-    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|vendor|tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik)[/\\]"
+    r"|(?:^|[/\\])(?:third[_-]?party|3rd[_-]?party|externals?|vendor|tests?|test_?data|fixtures|attic|te?mp|(?:inverse_?)?kinematics|ik|\w*pinocchio)[/\\]"
     r"|_test\.(?:xml|urdf|mjcf)$",
     re.IGNORECASE,
 )
 """Words by which files and folders say that nobody runs them on a robot, or steps them at all."""
 
+
+_IMPORTED = re.compile(
+    rb"^([ \t]*from[ \t]+[.\w]+[ \t]+import)[ \t]+(?:\((?![^)]*\bas\b)[^)*]*\)|(?!.*\bas\b)[^*(\n]+)",
+    re.MULTILINE,
+)
+"""Names that a program imports, of which it need not use one; those that it calls by another name count as used."""
 
 _HANDED_ON = re.compile(
     rb"^[ \t]*from[ \t]+[.\w]+[ \t]+import[ \t]+(?:\([^)*]*\)|[^*(\n]+)|__all__\s*\+?=\s*[\[(][^\])]*[\])]",
@@ -192,6 +209,8 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
     texts = dict(_texts(path for path in programs if kinds.get(path) not in (FileKind.MJCF, FileKind.URDF)))
     others = any(True for path, text in texts.items() if path not in configs for _ in _names(text))
     alone = _idle_configs(configs, texts, others)
+    for path, unused in _unregistered(members, texts).items():
+        alone[path] = alone.get(path, frozenset()) | unused
     # A configuration that nobody runs runs no model.
     running = {
         path: text for path, text in texts.items() if alone.get(path) != configs.get(path, frozenset())
@@ -205,9 +224,9 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
 
 
 def _written(texts: Collection[bytes]) -> frozenset[str]:
-    """What programs write over, of `_WRITES`, and `urdf_effort` where PyBullet alone loads the folder's URDFs."""
+    """What programs write over, of `_WRITES`, and `urdf_effort` where nothing asks URDFs for one."""
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
-    if any(map(_PYBULLET.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
+    if any(map(_ASKS_NO_EFFORT.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
         found.add("urdf_effort")
     return frozenset(found)
 
@@ -400,7 +419,11 @@ def _idle_configs(
     pattern = re.compile(rb"(?<![\w])(?:" + b"|".join(map(re.escape, sorted(every))) + rb")(?![\w])")
     counts = {
         path: Counter(
-            pattern.findall(_HANDED_ON.sub(b"", text) if os.path.basename(path) == "__init__.py" else text)
+            pattern.findall(
+                _HANDED_ON.sub(b"", text)
+                if os.path.basename(path) == "__init__.py"
+                else _IMPORTED.sub(rb"\1", text)
+            )
         )
         for path, text in programs.items()
     }
@@ -426,6 +449,40 @@ def _idle_configs(
         if alone:
             result[path] = frozenset(alone)
     return result
+
+
+def _unregistered(
+    members: Mapping[str, FileReading], programs: Mapping[str, bytes]
+) -> dict[str, frozenset[bytes]]:
+    """Path to classes of legged_gym that are no task, nor the base of one, where programs register others."""
+    own = {
+        path: {
+            artifact.config.name.encode()
+            for artifact in reading.artifacts
+            if artifact.config is not None and artifact.config.framework is Framework.LEGGED_GYM
+        }
+        for path, reading in members.items()
+    }
+    named = {
+        word
+        for text in programs.values()
+        for call in _REGISTERED.finditer(text)
+        for word in re.findall(rb"\w+", call[0])
+    }
+    if named.isdisjoint(set().union(*own.values())):
+        return {}
+    bases: dict[bytes, set[bytes]] = {}
+    for text in programs.values():
+        for found in _CLASS.finditer(text):
+            bases.setdefault(found[1], set()).update(re.findall(rb"\w+", found[2]))
+    used: set[bytes] = set()
+    left = list(named)
+    while left:
+        name = left.pop()
+        if name not in used:
+            used.add(name)
+            left += bases.get(name, ())
+    return {path: frozenset(names - used) for path, names in own.items() if names - used}
 
 
 def _read(path: str) -> bytes:

@@ -199,11 +199,21 @@ from isaaclab.assets import ArticulationCfg
 @pytest.mark.parametrize(
     ("task", "more", "lines"),
     [
-        ("from robots import DOG_CFG\n", "", {6: Severity.WARNING, 8: Severity.INFO}),
+        ("from robots import DOG_CFG\nrun(DOG_CFG)\n", "", {6: Severity.WARNING, 8: Severity.INFO}),
+        ("from robots import DOG_CFG, CAT_CFG\nrun(CAT_CFG)\n", "", {6: Severity.INFO, 8: Severity.WARNING}),
+        (
+            "from robots import DOG_CFG as X, CAT_CFG\nrun(X)\n",
+            "",
+            {6: Severity.WARNING, 8: Severity.WARNING},
+        ),
         ("# from robots import DOG_CFG\n", "", {6: Severity.WARNING, 8: Severity.WARNING}),
         ("from robots import DOG_CFG as X, CAT_CFG\n", "", {6: Severity.WARNING, 8: Severity.WARNING}),
         ("from robots import DOG_CFG\n", "ANY = [CAT_CFG]\n", {6: Severity.WARNING, 8: Severity.WARNING}),
-        ("from robots import DOG_CFG, CAT_CFG_2\n", "", {6: Severity.WARNING, 8: Severity.INFO}),
+        (
+            "from robots import DOG_CFG, CAT_CFG_2\nrun(DOG_CFG)\n",
+            "",
+            {6: Severity.WARNING, 8: Severity.INFO},
+        ),
     ],
 )
 def test_a_configuration_that_nothing_imports(task: str, more: str, lines: dict[int, Severity]) -> None:
@@ -233,7 +243,7 @@ def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
     """An `__init__.py` that imports a name, for others, runs nothing; the task imports one of two."""
     Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
     Path("r/__init__.py").write_text(text)
-    Path("r/task.py").write_text("from . import DOG_CFG\n")
+    Path("r/task.py").write_text("from . import DOG_CFG\nrun(DOG_CFG)\n")
     found = audit(["r"], Settings(select=("SYM101",))).findings
     said = {
         item.finding.span.line: item.severity for item in found if item.finding.span.path == "r/robots.py"
@@ -245,7 +255,7 @@ def test_what_a_package_hands_on(text: str, cat: Severity) -> None:
 def test_however_the_folder_is_named(named: str) -> None:
     """What programs name and import is found in it."""
     Path("r/robots.py").write_text(CONFIGS.format(one="DOG_CFG", two="CAT_CFG"))
-    Path("r/task.py").write_text("from robots import DOG_CFG\nFILE = 'one.urdf'\n")
+    Path("r/task.py").write_text("from robots import DOG_CFG\nrun(DOG_CFG, 'one.urdf')\n")
     found = audit([named], Settings(select=("SYM101",))).findings
     assert sorted(
         (Path(item.finding.span.path).name, item.finding.span.line)
@@ -257,7 +267,7 @@ def test_however_the_folder_is_named(named: str) -> None:
 @pytest.mark.parametrize(
     ("task", "more", "severity"),
     [
-        ("from robots import DOG_CFG\n", "", Severity.INFO),
+        ("from robots import DOG_CFG\nrun(DOG_CFG)\n", "", Severity.INFO),
         ("from robots import DOG_CFG\nfrom strays import *\n", "", Severity.WARNING),
         ("from robots import DOG_CFG\n", "if __name__ == '__main__':\n    run()\n", Severity.WARNING),
         ("from robots import DOG_CFG\nMOUSE_CFG\n", "", Severity.WARNING),
@@ -601,10 +611,17 @@ def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
             "import isaacgym\np.loadURDF('dog.urdf')\np.setJointMotorControl2(dog, 0, p.TORQUE_CONTROL, force=9)\n",
             Severity.WARNING,
         ),
+        ("import pinocchio\npinocchio.buildModelFromUrdf('dog.urdf')\n", Severity.INFO),
+        (
+            "import pinocchio\nmodel = pinocchio.buildModelFromUrdf('dog.urdf')\nmost = model.effortLimit\n",
+            Severity.WARNING,
+        ),
+        ("asset('dog.urdf')\nself.torque_limits *= self.cfg.control.torque_limits\n", Severity.INFO),
+        ("asset('dog.urdf')\nself.torque_limits[i] = props['effort'][i]\n", Severity.WARNING),
     ],
 )
-def test_effort_of_a_urdf_that_pybullet_loads(program: str, severity: Severity) -> None:
-    """PyBullet takes the force from each command and none from the URDF."""
+def test_effort_of_a_urdf_that_nothing_asks_for(program: str, severity: Severity) -> None:
+    """PyBullet takes the force from each command, kinematics need none, and forks of legged_gym have their own."""
     for path in Path("r/models").iterdir():
         path.unlink()
     joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=40)
@@ -655,3 +672,97 @@ def test_gains_that_a_simulator_integrates(program: str, severity: Severity) -> 
     Path("r/env.py").write_text(program)
     found = audit(["r"], Settings(select=("STB102",))).findings
     assert [(item.finding.span.path, item.severity) for item in found] == [("r/leg_config.py", severity)]
+
+
+@pytest.mark.parametrize(
+    ("tasks", "severity"),
+    [
+        ("task_registry.register('leg', Robot, LegCfg(), LegCfgPPO())\n", Severity.WARNING),
+        ("task_registry.register('dog', Robot, DogCfg(), DogCfgPPO())\n", Severity.INFO),
+        ("# task_registry.register('leg', Robot, LegCfg())\nregister(DogCfg)\n", Severity.WARNING),
+        (
+            "class Rough(LegCfg):\n    pass\nclass Rougher(Rough):\n    pass\n"
+            "task_registry.register('dog', Robot, DogCfg())\ntask_registry.register('leg', Robot, Rougher())\n",
+            Severity.WARNING,
+        ),
+    ],
+    ids=["its own", "another's", "none", "as a base"],
+)
+def test_a_task_that_is_not_registered(tasks: str, severity: Severity) -> None:
+    """legged_gym runs what is registered; where nothing is, somebody else registers."""
+    Path("r/leg.xml").write_text(
+        '<mujoco model="leg"><worldbody><body><joint name="knee"/>'
+        '<inertial pos="0 0 0" mass="1" diaginertia="0.01 0.01 0.01"/></body></worldbody></mujoco>'
+    )
+    for name, gain in (("Leg", 5.5), ("Dog", 0.1)):
+        Path(f"r/{name.lower()}_config.py").write_text(
+            f"class {name}Cfg(LeggedRobotCfg):\n    class control(LeggedRobotCfg.control):\n"
+            f'        control_type = "P"\n        stiffness = {{"knee": 40.0}}\n        damping = {{"knee": {gain}}}\n'
+            "        decimation = 4\n    class sim:\n        dt = 0.005\n"
+        )
+    Path("r/envs.py").write_text(f"from leg_config import *\nfrom dog_config import *\n{tasks}")
+    found = audit(["r"], Settings(select=("STB102",))).findings
+    assert [(item.finding.span.path, item.severity) for item in found] == [("r/leg_config.py", severity)]
+
+
+@pytest.mark.parametrize("folder", ["externals", "third_party", "franka_pinocchio"])
+def test_folders_of_others(folder: str) -> None:
+    """What lies there is somebody else's, or for kinematics."""
+    Path(f"r/{folder}").mkdir()
+    Path("r/models/one.urdf").rename(f"r/{folder}/one.urdf")
+    assert severities("r") == {"one": Severity.INFO, "two": Severity.WARNING}
+
+
+def test_zero_on_both_sides_is_no_limit_on_one() -> None:
+    """Whoever left a limit at 0 on both sides looked up neither; where one side alone has 0, it has no torque."""
+    hip = JOINT.replace("_knee", "_hip").replace('child link="{side}"', 'child link="{side}_hip"')
+    for name, effort in (("one", 0), ("two", 7)):
+        joints = JOINT.format(side="left", effort=20) + JOINT.format(side="right", effort=0)
+        joints += hip.format(side="left", effort=effort) + hip.format(side="right", effort=effort)
+        links = "".join(
+            f'<link name="{link}"/>' for link in ("base", "left", "right", "left_hip", "right_hip")
+        )
+        Path(f"r/models/{name}.urdf").write_text(f'<robot name="{name}">{links}{joints}</robot>')
+    assert severities("r") == {"one": Severity.INFO, "two": Severity.ERROR}
+
+
+@pytest.mark.parametrize(
+    ("named", "names", "severity"),
+    [
+        (["r/leg.urdf", "r/leg_b.urdf"], ("leg", "leg"), Severity.ERROR),
+        (["r/leg.urdf", "r/leg_b.urdf"], ("leg", "leg_pro"), Severity.INFO),
+        (["r"], ("leg", "leg"), Severity.INFO),
+    ],
+    ids=["named", "called otherwise", "met"],
+)
+def test_most_joints_times_off(named: list[str], names: tuple[str, str], severity: Severity) -> None:
+    """Ten times the torque at every joint, of one robot by its own name: a slip, where somebody names both files."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    for file, name, effort in (("leg", names[0], 30), ("leg_b", names[1], 300)):
+        joints = JOINT.format(side="left", effort=effort) + JOINT.format(side="right", effort=effort)
+        Path(f"r/{file}.urdf").write_text(
+            f'<robot name="{name}"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+        )
+    found = audit(named, Settings(select=("SRC101",))).findings
+    assert {item.severity for item in found} == {severity}
+    assert {item.finding.joint for item in found} == {"left_knee", "right_knee"}
+
+
+def test_copies_of_a_file_that_departs() -> None:
+    """Each is named, so that mending one of them leaves no new finding; a note names the first."""
+    for path in Path("r/models").iterdir():
+        path.unlink()
+    for file, effort in (("leg", 30), ("leg_a", 5), ("leg_b", 5), ("leg_c", 5), ("leg_d", 20)):
+        joints = JOINT.format(side="left", effort=effort) + JOINT.format(side="right", effort=30)
+        Path(f"r/{file}.urdf").write_text(
+            f'<robot name="leg"><link name="base"/><link name="left"/><link name="right"/>{joints}</robot>'
+        )
+    files = [f"r/{name}.urdf" for name in ("leg", "leg_a", "leg_b", "leg_c", "leg_d")]
+    found = audit(files, Settings(select=("SRC101",))).findings
+    assert sorted((Path(item.finding.span.path).stem, item.severity.value) for item in found) == [
+        ("leg_a", "error"),
+        ("leg_b", "error"),
+        ("leg_c", "error"),
+        ("leg_d", "info"),
+    ]

@@ -22,6 +22,7 @@ _Subject = tuple[int, RobotConfig, RandomizedRange]
 class RangeExcludesNominal(RuleOver[_Subject]):
     code = "DRN101"
     name = "range-excludes-nominal"
+    noted_in_folders = True
     severity = Severity.WARNING
     confidence = Confidence.MEDIUM
     needs = "no configuration randomises actuators"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from os.path import basename
 from typing import ClassVar
@@ -8,6 +9,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, keeps_for_model, limiting_row, shown, unit
 from actspec.audit.rules.sym101 import doubted_limits
 from actspec.diagnostics import Span
+from actspec.readings.artifact import FileKind
 from actspec.readings.ledger import LedgerRow
 
 _Subject = tuple[LedgerRow, float, LedgerRow, float]
@@ -15,6 +17,9 @@ _Subject = tuple[LedgerRow, float, LedgerRow, float]
 _SURE = 2.0
 """Dry friction over the effort limit from which it is a warning. Chosen: MuJoCo's is soft, and a light gripper whose
 friction is its limit closes at four fifths of its speed."""
+
+_CREEPS = 0.01
+"""Speed from which a joint that the drive moves against MuJoCo's friction is said to creep [rad/s or m/s]. Chosen."""
 
 
 class FrictionNotBelowEffort(RuleOver[_Subject]):
@@ -47,11 +52,18 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
         row, friction, limiting, limit = subject
         if friction < limit:
             return
+        speed, held = self._creep(case, row, limit)
+        effect = "the drive cannot move the joint"
+        if speed >= _CREEPS:
+            effect = (
+                "a real drive cannot move the joint, and MuJoCo's, whose friction is soft, has it creep at "
+                f"{shown(row, 'velocity_limit', speed, 2)}"
+            )
         where = "" if limiting.file == row.file else f" in {basename(limiting.file)}"
         yield Finding(
             self.code,
             f"the dry friction of {shown(row, 'effort_limit', friction)} is not below the effort limit of "
-            f"{shown(row, 'effort_limit', limit)}{where}: the drive cannot move the joint",
+            f"{shown(row, 'effort_limit', limit)}{where}: {effect}",
             row.place("frictionloss"),
             row.joint,
             friction,
@@ -62,6 +74,23 @@ class FrictionNotBelowEffort(RuleOver[_Subject]):
             fields=("frictionloss",),
             # It is the limit that is wrong where SYM101 tells so; and a dry friction just as large leaves a motion.
             severity=Severity.INFO
-            if friction < _SURE * limit or (limiting.artifact, limiting.joint) in case.once(doubted_limits)
+            if friction < _SURE * limit
+            or not held
+            or (limiting.artifact, limiting.joint) in case.once(doubted_limits)
             else None,
         )
+
+    def _creep(self, case: Case, row: LedgerRow, limit: float) -> tuple[float, bool]:
+        """How fast the full limit moves the joint in MuJoCo [rad/s or m/s], and whether friction brakes it most.
+
+        Below its limit, friction is a constraint that brakes in proportion to speed and to the joint's inertia: a
+        light joint, or one with more damping than that, hardly feels it.
+        """
+        from actspec.simulate.reference import SOFT_RATE, SOFT_SHARE
+
+        inertia, damping = row.inertia_free_min, row.joint_damping or 0.0
+        if case.artifacts[row.artifact].kind is not FileKind.MJCF or inertia is None:
+            return 0.0, True
+        brakes = inertia * SOFT_RATE * SOFT_SHARE / (1.0 - SOFT_SHARE)
+        speed = limit / (brakes + damping) if brakes + damping > 0.0 else math.inf
+        return speed, brakes > damping

@@ -22,6 +22,10 @@ _PASSIVE = {
     "armature": "it takes inertia away from the links",
 }
 
+_FASTEST = 10.0
+"""Speed up to which dry friction outweighs a negative damping where no motion gains energy [rad/s or m/s]. Chosen: most
+joints are slower."""
+
 
 class NegativeFigure(RuleOver[_Subject]):
     code = "SGN101"
@@ -54,7 +58,20 @@ class NegativeFigure(RuleOver[_Subject]):
             noun = field.replace("_", " ")
             text = f"the {noun} of {shown(row, field, value)} is negative: {_PASSIVE[field]}"
             help = "write it without the minus, or leave it out"
-        yield Finding(self.code, text, row.place(field), row.joint, value, unit(row, field), -value, help)
+        # A least-squares fit of dry and viscous friction together gives such a damping.
+        outweighed = "damping" in field and (row.frictionloss or 0.0) >= -value * _FASTEST
+        severity = Severity.INFO if outweighed else None
+        yield Finding(
+            self.code,
+            text,
+            row.place(field),
+            row.joint,
+            value,
+            unit(row, field),
+            -value,
+            help,
+            severity=severity,
+        )
 
 
 def _springs(case: Case) -> set[Span]:

@@ -48,6 +48,7 @@ class Disagreement:
         published: The known robot whose figure the other file has; "" where no such robot tells who is right.
         backed: Whether files of more kinds that are run have the other figure than this one.
         both_published: Whether the robot's maker publishes both figures.
+        copy: Whether an earlier file departs in the same way.
     """
 
     rows: Sequence[LedgerRow]
@@ -60,6 +61,7 @@ class Disagreement:
     published: str = ""
     backed: bool = False
     both_published: bool = False
+    copy: bool = False
 
     @property
     def ratio(self) -> float | None:
@@ -109,6 +111,24 @@ def disagreements(
             if wrong is found or at not in blamed:
                 yield wrong
             blamed.add(at)
+            for copy in _copies(case, robot, wrong):
+                at = (copy.rows[0].artifact, copy.rows[0].joint)
+                if at not in blamed:
+                    yield copy
+                blamed.add(at)
+
+
+def _copies(case: Case, robot: Robot, wrong: Disagreement) -> Iterator[Disagreement]:
+    """The same of other files of the kind that have the figure of the one that departs."""
+    mine = wrong.rows[0]
+    for index in robot.artifacts:
+        artifact = case.artifacts[index]
+        if artifact.kind is not case.artifacts[mine.artifact].kind or artifact.path == mine.file:
+            continue
+        rows = case.joints_by_artifact.get(index, {}).get(mine.joint, ())
+        stated = _stated(rows, (wrong.field,)) if rows else None
+        if stated is not None and stated[1] == wrong.mine.value:
+            yield replace(wrong, rows=rows, mine=figure(rows, wrong.field), copy=True)
 
 
 def _by_what_is_published(case: Case, found: Disagreement) -> Disagreement:

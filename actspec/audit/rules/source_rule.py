@@ -105,6 +105,9 @@ def is_times_off(case: Case, found: Disagreement) -> bool:
         return False
     if not found.variant or distinctive(case.artifacts[one]) == distinctive(case.artifacts[other]):
         return True
+    if not case.is_met(one) and case.artifacts[one].name == case.artifacts[other].name:
+        # Whoever names both says that they are of one robot, and so do they.
+        return True
     differ = []
     theirs = case.joints_by_artifact.get(other, {})
     for joint, rows in case.joints_by_artifact.get(one, {}).items():
@@ -190,14 +193,16 @@ class SourceRule(RuleInParts):
     def subjects(self, case: Case) -> Iterator[Iterable[Finding]]:
         """Compare the files of each robot."""
         tolerance = self.option(case, "tolerance")
+        found = [
+            item
+            for fields in self.groups
+            for item in disagreements(case, fields, tolerance)
+            if not self.is_none(case, item, tolerance)
+        ]
+        # A note says once what holds of copies too; what is to be mended names each of them.
         findings = self.findings(
             case,
-            [
-                found
-                for fields in self.groups
-                for found in disagreements(case, fields, tolerance)
-                if not self.is_none(case, found, tolerance)
-            ],
+            [one for one in found if not one.copy or self.finding(case, one).severity is not Severity.INFO],
         )
         if findings or any(compared(case, fields) for fields in self.groups):
             yield findings

@@ -139,7 +139,9 @@ class LeftRightDiffer(RuleOver[tuple[Sequence[LedgerRow], Sequence[LedgerRow]]])
         )
         unfelt = not kinds and all(_is_unfelt(case, (left[0], right[0]), *one) for one in differing)
         names = {name for name, _, _ in differing}
-        quiet = identified or unfelt or (not kinds and _is_chosen(case, left[0], right[0], names))
+        # Where joints of both sides have 0 as well, it stands for a limit that nobody looked up.
+        empty = dead and left[0].artifact in case.once(_without_limits)
+        quiet = identified or unfelt or empty or (not kinds and _is_chosen(case, left[0], right[0], names))
         return Finding(
             self.code,
             f"left and right differ: {', '.join(texts)}",
@@ -332,6 +334,15 @@ def _mirrors(name: str) -> tuple[str, ...]:
         "".join(_RIGHT[word] if index in chosen else word for index, word in enumerate(words))
         for chosen in (*([index] for index in at), at)
         if chosen
+    )
+
+
+def _without_limits(case: Case) -> frozenset[int]:
+    """Artifacts with a pair of joints of which neither has a limit but 0."""
+    return frozenset(
+        left[0].artifact
+        for left, right in _pairs(case)
+        if left[0].artifact == right[0].artifact and left[0].effort_limit == 0.0 == right[0].effort_limit
     )
 
 

@@ -130,11 +130,12 @@ def test_a_file_that_agrees_with_one_of_many_is_right() -> None:
     """1 departs from 0, 2 is as 1, 3 as 0 but for rounding, 4 as none: the first file is named."""
     case = _case([{"hip": armature} for armature in (0.01, 0.03, 0.03, 0.010001, 0.05)], (0, 1, 2, 3, 4))
     found = [
-        (one.mine.value, one.theirs.value, one.variant) for one in disagreements(case, ["armature"], 0.01)
+        (one.mine.value, one.theirs.value, one.variant, one.rows[0].artifact, one.copy)
+        for one in disagreements(case, ["armature"], 0.01)
     ]
-    assert found == [(0.03, 0.01, True), (0.05, 0.01, True)]
+    assert found == [(0.03, 0.01, True, 1, False), (0.03, 0.01, True, 2, True), (0.05, 0.01, True, 4, False)]
     # 3 alone would be told if it had to be equal: 0.010001 / 0.01 - 1 is 1e-4.
-    assert len(list(disagreements(case, ["armature"], 1e-5))) == 3
+    assert len([one for one in disagreements(case, ["armature"], 1e-5) if not one.copy]) == 3
 
 
 def test_two_artifacts_of_one_file_are_not_compared() -> None:
