@@ -49,6 +49,13 @@ configuration's drive to the simulator: Genesis integrates the gains of control_
 (RigidOptions.integrator is approximate_implicitfast).
 """
 
+_CLIPS = re.compile(
+    rb"(?:ctrl|tau|torques?|effort)\w*(?:\[[^\]\n]*\])?\s*=\s*\w+\.(?:clip|clamp)\([^\n]*,\s*-\s*\d"
+    rb"|\bclip_torques\s*=\s*\d"
+    rb"|-\s*(?:1(?:\.0?)?\s*\*\s*)?(?:self\.)?_?(?:MAX_TORQUE|max_torque|max_tau|TORQUE_LIMIT|motor_torque_limit)S?s?\b"
+)
+"""A torque that a program clips at a number of its own before the model's limit can matter."""
+
 _ASKS_NO_EFFORT = re.compile(
     rb"\b(?:setJointMotorControl\w*|pinocchio|PyKDL|kdl\w*|urdf_parser_py|urdfpy|yourdfpy|ikpy|trimesh"
     rb"|pytorch_kinematics|roboticstoolbox|mink|pink|placo)\b"
@@ -226,6 +233,8 @@ def idle(members: Mapping[str, FileReading], programs: Sequence[str]) -> Idle:
 def _written(texts: Collection[bytes]) -> frozenset[str]:
     """What programs write over, of `_WRITES`, and `urdf_effort` where nothing asks URDFs for one."""
     found = {name for name, form in _WRITES.items() if any(map(form.search, texts))}
+    if any(map(_CLIPS.search, texts)):
+        found |= {"effort_limit", "urdf_effort"}
     if any(map(_ASKS_NO_EFFORT.search, texts)) and not any(map(_TAKES_EFFORT.search, texts)):
         found.add("urdf_effort")
     return frozenset(found)

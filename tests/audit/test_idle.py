@@ -618,6 +618,14 @@ def test_what_a_program_writes_over(program: str, codes: set[str]) -> None:
         ),
         ("asset('dog.urdf')\nself.torque_limits *= self.cfg.control.torque_limits\n", Severity.INFO),
         ("asset('dog.urdf')\nself.torque_limits[i] = props['effort'][i]\n", Severity.WARNING),
+        ("asset('dog.urdf')\ndata.ctrl[:] = np.clip(kp * (q - p), -23.7, 23.7)\n", Severity.INFO),
+        ("asset('dog.urdf')\ntau = np.clip(tau, -1.0 * self._max_torque, self._max_torque)\n", Severity.INFO),
+        ("asset('dog.urdf')\nclip_torques = 6.0\n", Severity.INFO),
+        ("asset('dog.urdf')\ntau = self.clip_torques(tau)\n", Severity.WARNING),
+        (
+            "asset('dog.urdf')\ntau = torch.clip(tau, -self.torque_limits, self.torque_limits)\n",
+            Severity.WARNING,
+        ),
     ],
 )
 def test_effort_of_a_urdf_that_nothing_asks_for(program: str, severity: Severity) -> None:

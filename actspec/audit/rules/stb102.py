@@ -8,7 +8,7 @@ from actspec.audit.rule import Case, Confidence, Finding, RuleOver, Severity
 from actspec.audit.rules.joints import by_joint, partner_rows, shown
 from actspec.diagnostics import Span
 from actspec.laws.stability import LIMIT, RINGING, StepDrive
-from actspec.readings.artifact import FileKind
+from actspec.readings.artifact import FileKind, Framework
 from actspec.readings.ledger import LedgerRow
 
 _EXPLICIT_CLASSES = ("ideal_pd", "dc_motor", "network")
@@ -82,9 +82,20 @@ class ExplicitDrive(RuleOver[_Subject]):
             if concerned
             else f"state the true armature, shorten the step, lower {gain}, or use an implicit class",
             # Which poses a file that is run already takes, nobody knows.
-            severity=self.severity if (figure >= RINGING if concerned else least >= LIMIT) else Severity.INFO,
+            severity=self.severity
+            if (figure >= RINGING if concerned else least >= LIMIT and not _is_wheel(case, row))
+            else Severity.INFO,
             confidence=Confidence.HIGH if beyond else self.confidence,
         )
+
+
+def _is_wheel(case: Case, row: LedgerRow) -> bool:
+    """Whether a joint of a legged_gym configuration turns without end: forks give it a law of its own, in code."""
+    config = case.artifacts[row.artifact].config
+    if config is None or config.framework is not Framework.LEGGED_GYM:
+        return False
+    models = list(partner_rows(case, row, FileKind.URDF))
+    return bool(models) and all(model.position_range is None for model in models)
 
 
 def _drawn(case: Case) -> frozenset[Span]:
