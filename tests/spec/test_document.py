@@ -308,7 +308,10 @@ def test_a_repeated_key_is_refused_in_full() -> None:
 
 def test_a_header_too_far_in_is_told_once_at_its_own_line() -> None:
     """Its keys are repeated in the mapping above: four of them, one twice; that of another mapping stays as it is."""
-    text = "m:\n  legs:\n    a: 1\n    b: 1\n    c: {d}\n    arms:\n    a: 2\n    x: 2\n    b: 2\n    b: 3\nn: {y: 1, y: 2}\n"
+    text = (
+        "m:\n  legs:\n    a: 1\n    b: 1\n    c: {d}\n    arms:\n    a: 2\n    x: 2\n    b: 2\n    b: 3\n"
+        "n: {y: 1, y: 2}\n"
+    )
     assert [str(d) for d in errors(text)] == [
         "s.yaml:6:5: SPEC006 m.legs: `arms` is empty in `legs`, and what follows is repeated there: `a`, `b`"
         "\n  help: indent `arms:` by 2 spaces as `legs:`, if that is its own",
