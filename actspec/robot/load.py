@@ -29,6 +29,10 @@ class RobotNotInstalled(RobotError):
     """The model is in a distribution that is not installed here; `validate` may skip it."""
 
 
+class JointsNotNamed(RobotError):
+    """Only a compilation tells the joints of the model; `validate` skips it."""
+
+
 def find_model(reference: str, base: str) -> str:
     """Turn a spec's `robot.model` into a path.
 
@@ -138,7 +142,9 @@ def joints_of_text(path: str) -> RobotView:
     Args:
         path: File on disk.
 
-    Raises: RobotError: the file cannot be read, or only a compilation tells its joints.
+    Raises:
+        JointsNotNamed: only a compilation tells its joints.
+        RobotError: the file cannot be read, as for `load_robot`.
     """
     from actspec.robot.xml import open_document
 
@@ -153,7 +159,9 @@ def joints_of_text(path: str) -> RobotView:
     pending = [document.root]
     for element in pending:
         if element.tag in _OPAQUE:
-            raise RobotError.of("ROBOT104", f"its <{element.tag}> makes joints that its text does not name")
+            raise JointsNotNamed.of(
+                "ROBOT104", f"its <{element.tag}> makes joints that its text does not name"
+            )
         pending += element.children
     from actspec.robot.read_mjcf_text import read_mjcf_text
 
